@@ -232,18 +232,18 @@ class JointLimit(Part):
     def _complete(self) -> "JointLimit":
         turning = ("position_deg", "velocity_deg_s", "acceleration_rad_s2", "jerk_rad_s3")
         sliding = ("position_mm", "velocity_mm_s", "acceleration_m_s2", "jerk_m_s3")
-        given = {key for key in (*turning, *sliding) if getattr(self, key) is not None}
-        if given & set(turning) and given & set(sliding):
-            one, other = next(k for k in turning if k in given), next(k for k in sliding if k in given)
+        keys = {key for key in (*turning, *sliding) if getattr(self, key) is not None}
+        if keys & set(turning) and keys & set(sliding):
+            one, other = next(k for k in turning if k in keys), next(k for k in sliding if k in keys)
             raise ValueError(f"{self.name} has {one} and {other}; a joint either turns or slides, remove one of them")
-        wanted = sliding if given & set(sliding) else turning
-        missing = [key for key in wanted if key not in given]
+        pair = sliding if keys & set(sliding) else turning
+        missing = [key for key in pair if key not in keys]
         if missing:
             raise ValueError(f"{self.name}: {', '.join(missing)} missing; add what an excitation may use of it")
         low, high = self.position_deg or self.position_mm or (0.0, 0.0)
         if not low < 0.0 < high:
             raise ValueError(
-                f"{self.name}: {wanted[0]} = {_range((low, high))} does not contain 0; positions are relative to home, "
+                f"{self.name}: {pair[0]} = {_range((low, high))} does not contain 0; positions are relative to home, "
                 "widen it"
             )
         return self
@@ -356,8 +356,8 @@ def _range(ends: Sequence[float]) -> str:
 
 
 def _require_distinct(names: Iterable[str]) -> None:
-    seen: set[str] = set()
+    previous: set[str] = set()
     for name in names:
-        if name in seen:
+        if name in previous:
             raise ValueError(f"has two joints {name}; each joint has a name of its own")
-        seen.add(name)
+        previous.add(name)

@@ -26,8 +26,8 @@ class HexciteError(Exception):
     def __init__(self, place: object, problem: str = "", remedy: str = "") -> None:
         self.place, self.problem = (str(place), problem) if problem else ("", str(place))
         self.remedy = remedy or self.problem.rpartition("; ")[2] * ("; " in self.problem)
-        told = f"{self.problem}; {remedy}" if remedy else self.problem
-        super().__init__(f"{self.place}: {told}" if self.place else told)
+        message = f"{self.problem}; {remedy}" if remedy else self.problem
+        super().__init__(f"{self.place}: {message}" if self.place else message)
         self.place, self.problem, self.remedy = map(_of_arguments, (self.place, self.problem, self.remedy))
 
     def at(self, source: str) -> Self:
@@ -60,8 +60,8 @@ def _of_arguments(text: str) -> str:
     return _OPTION.sub(_of_argument, text)
 
 
-def _of_argument(found: re.Match[str]) -> str:
-    return found[0] if found[0].startswith("hexcite") else (found["name"] or "").replace("-", "_")
+def _of_argument(match: re.Match[str]) -> str:
+    return match[0] if match[0].startswith("hexcite") else (match["name"] or "").replace("-", "_")
 
 
 def _rebuilt(kind: type[Kind], args: tuple[Any, ...], parts: dict[str, Any]) -> Kind:

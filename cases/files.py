@@ -126,8 +126,8 @@ def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
     return usual if overwrite else free_name(usual)
 
 
-def _refuse_to_replace(path: Path, what: str) -> NoReturn:
-    raise FileProblem(path, f"{what} stands there", "choose another place with -o, or replace it with --overwrite")
+def _refuse_to_replace(path: Path, content: str) -> NoReturn:
+    raise FileProblem(path, f"{content} stands there", "choose another place with -o, or replace it with --overwrite")
 
 
 def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
@@ -176,9 +176,9 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
         if path.resolve() in (source.resolve(), *source.resolve().parents):
             raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
     no_folder = FileProblem(path, "exists and is not a folder", "choose another place with -o")
-    held = set[str]()
+    entries = set[str]()
     try:  # one look: another command may be writing here
-        held = {entry.name for entry in path.iterdir()}
+        entries = {entry.name for entry in path.iterdir()}
     except NotADirectoryError as error:
         if os.path.lexists(path):  # not where a file stands above it, which is told below
             raise no_folder from error
@@ -187,10 +187,10 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
             raise no_folder from error
     except OSError as error:
         raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
-    if held and not held <= kind.contents:
-        other = sorted(held - kind.contents)[0]
+    if entries and not entries <= kind.contents:
+        other = sorted(entries - kind.contents)[0]
         raise FileProblem(path, f"is not {kind.name} of hexcite's (it holds {other})", "choose another place with -o")
-    if held and not overwrite:
+    if entries and not overwrite:
         _refuse_to_replace(path, kind.name)
     _require_place(path)
 
@@ -327,10 +327,10 @@ def _sha256(file: Path) -> str:
 
 
 def _versions() -> dict[str, str]:
-    found = {}
+    versions = {}
     for name in _TOOLS:
         try:
-            found[name] = version(name)
+            versions[name] = version(name)
         except PackageNotFoundError:  # run from a folder that was never installed
-            found[name] = "unknown"
-    return found
+            versions[name] = "unknown"
+    return versions

@@ -52,12 +52,12 @@ def _of_other_machines(case: Case) -> Iterator[str]:
         for other in built_in_cases()
         if other != case.name
     }
-    named: set[str] = set()
+    previous: set[str] = set()
     for name, tables in sorted(same.items(), key=lambda item: -len(item[1])):
-        if told := [table for table in tables if table not in named]:
-            named |= set(told)
+        if names := [table for table in tables if table not in previous]:
+            previous |= set(names)
             yield (
-                f"{', '.join(told)}: still the values of the built-in case {name}; replace them by your machine's, or "
+                f"{', '.join(names)}: still the values of the built-in case {name}; replace them by your machine's, or "
                 "delete tables that it does not need"
             )
 
@@ -112,8 +112,8 @@ def _of_units(case: Case) -> Iterator[str]:
         lengths["machine.home.z_mm"] = abs(case.hexapod.home.z_mm) or np.inf
         for name in ("base", "platform"):
             joints = getattr(case.hexapod, name)
-            shown = "ring.radius_mm" if joints.ring is not None else "points_mm"
-            lengths[f"machine.{name}.{shown}"] = float(np.abs(joints.points).max()) * 1e3
+            field = "ring.radius_mm" if joints.ring is not None else "points_mm"
+            lengths[f"machine.{name}.{field}"] = float(np.abs(joints.points).max()) * 1e3
     for key, (value, most) in angles.items():
         if value <= most:
             yield f"{key}: {value:g} degrees at most; these look like radians, give degrees"

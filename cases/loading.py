@@ -52,16 +52,16 @@ def find_case(name: str) -> Path:
     Raises:
         CaseError: there is none; the message lists the built-in names.
     """
-    known = built_in_cases()
-    if name in known:
-        return known[name]
+    cases = built_in_cases()
+    if name in cases:
+        return cases[name]
     file = os.path.join(name, CASE_FILE) if os.path.isdir(name) else name
     if os.path.isfile(file):  # of os.path, which answers "no" to names that no file system takes
         return Path(file)
-    close = difflib.get_close_matches(name, known, n=1)
+    close = difflib.get_close_matches(name, cases, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     raise CaseError(
-        name or "''", "", f"no such case; {hint}built-in cases are {', '.join(known)}, else name a folder or file"
+        name or "''", "", f"no such case; {hint}built-in cases are {', '.join(cases)}, else name a folder or file"
     )
 
 
@@ -99,8 +99,8 @@ def load_case(name: str) -> Case:
 
 def _explained(path: Path, error: ValidationError) -> CaseError:
     """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
-    found = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-    problems = [(_key(problem), words) for problem in found for words in _words(problem).split(ALSO)]
+    errors = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+    problems = [(_key(problem), words) for problem in errors for words in _words(problem).split(ALSO)]
     key, words = problems[0]
     if others := len(problems) - 1:
         words += f" ({others} more problem{'s' if others > 1 else ''}; hexcite case check lists all)"
@@ -146,16 +146,16 @@ def _whole_numbers(value: object) -> bool:
     return isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
 
 
-def _unknown_key(key: str, known: list[str]) -> str:
+def _unknown_key(key: str, keys: list[str]) -> str:
     stem = _without_unit(key)
-    meant = [name for name in known if _without_unit(name) == stem]
-    if meant and stem == key:
-        return f"has no unit; keys carry their unit, write {' or '.join(meant)}"
-    if meant:
-        return f"is not in the unit expected here; write {' or '.join(meant)}"
-    close = difflib.get_close_matches(key, known, n=1)
+    matches = [name for name in keys if _without_unit(name) == stem]
+    if matches and stem == key:
+        return f"has no unit; keys carry their unit, write {' or '.join(matches)}"
+    if matches:
+        return f"is not in the unit expected here; write {' or '.join(matches)}"
+    close = difflib.get_close_matches(key, keys, n=1)
     hint = f"did you mean {close[0]}? " if close else ""
-    return f"is an unknown key; {hint}known keys here are {', '.join(sorted(known))}"
+    return f"is an unknown key; {hint}known keys here are {', '.join(sorted(keys))}"
 
 
 def _without_unit(key: str) -> str:
@@ -177,8 +177,8 @@ def _siblings(location: tuple[int | str, ...]) -> Iterable[str]:
 
 def _model_of(annotation: Any, tags: set[str]) -> type[BaseModel] | None:
     """The class of a table; of several the one that a tag names."""
-    found = [c for c in _within(annotation) if isinstance(c, type) and issubclass(c, BaseModel)]
-    return next((c for c in found if c.__name__ in tags), found[0] if found else None)
+    models = [c for c in _within(annotation) if isinstance(c, type) and issubclass(c, BaseModel)]
+    return next((c for c in models if c.__name__ in tags), models[0] if models else None)
 
 
 def _within(annotation: Any) -> Iterator[Any]:

@@ -35,8 +35,8 @@ class ManualStep(Part):
 
     @model_validator(mode="after")
     def _one_kind(self) -> "ManualStep":
-        named = self.model_fields_set
-        pose = named & set(POSE)
+        fields = self.model_fields_set
+        pose = fields & set(POSE)
         if (self.circle is None) != (self.radius_mm is None):
             raise ValueError("a circle needs circle and radius_mm, a move neither")
         if sum((bool(pose), self.circle is not None, self.pause_s is not None)) > 1:

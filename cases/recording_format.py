@@ -76,8 +76,8 @@ def si_factor(column: str, units: Mapping[str, str]) -> float:
     group = _GROUP_OF.get(column)
     if group is None:
         return 1.0
-    known = GROUP_UNITS[group]
-    return known[units.get(column, units.get(group, next(iter(known))))]
+    factors = GROUP_UNITS[group]
+    return factors[units.get(column, units.get(group, next(iter(factors))))]
 
 
 # A mounting matrix is typed by hand with a few digits; beyond this it is not a rotation.
@@ -239,7 +239,7 @@ class RecordingFormat(Part):
                 raise ValueError("column_names is missing; halsampler writes none, list them in the order of its pins")
             if self.clock.period_ms is None and self.file_name("t_s") not in self.column_names:
                 raise ValueError("clock.period_ms is missing; halsampler writes no time, give the period of its thread")
-        needed: dict[str, dict[str, object]] = {
+        requirements: dict[str, dict[str, object]] = {
             "twincat-scope": {"decimal": self.decimal},
             "sinumerik-trace": {
                 "delimiter": self.delimiter,
@@ -248,7 +248,7 @@ class RecordingFormat(Part):
                 "clock.unit": self.clock.unit,
             },
         }
-        for key, value in needed.get(self.format, {}).items():
+        for key, value in requirements.get(self.format, {}).items():
             if value is None:
                 raise ValueError(f"{key} is missing; exports of {self.format} differ in it, look into one and state it")
         return self

@@ -132,7 +132,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         "# {B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be.",
         "",
     ]
-    told: Mapping[str, str] = {}
+    comments: Mapping[str, str] = {}
     for line in find_case(like).read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):
             continue  # the built-in case's own words on its sources
@@ -141,9 +141,9 @@ def new_case(name: str, like: str, folder: Path) -> Path:
             if table[1] in _ADVICE:
                 lines.append(f"# {_ADVICE[table[1]]}")
             line = table[0]  # what follows it is about the built-in case's source
-            told = explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
+            comments = explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
         elif key := re.match(r"(\w+) = ", line):
-            lines += textwrap.wrap(told.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
+            lines += textwrap.wrap(comments.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
             line = re.sub(r"\] # .*", "]", line)
         line = re.sub(r'^name = ".*"', f'name = "{name}"', line)
         line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
@@ -152,7 +152,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
         lines.append(line)
         if line == "[controller]":
-            lines += textwrap.wrap(told["plan_for"], _WIDTH, initial_indent="# ", subsequent_indent="# ")
+            lines += textwrap.wrap(comments["plan_for"], _WIDTH, initial_indent="# ", subsequent_indent="# ")
             lines.append('# plan_for = "linuxcnc"')
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file

@@ -118,9 +118,9 @@ class Case(Part):
     def __repr__(self) -> str:
         """Two lines: what it is, and which parts it has."""
         optional = ("machine", "workspace", "limits", "poses", "controller", "nominal", "simulation", "payloads")
-        there = [part for part in optional if getattr(self, part) is not None]
-        what = f"Case {self.name}: {self.title} (setup {self.setup}, hash {self.hash})"
-        return f"{what}\nhas {', '.join(there) or 'sensors only'}"
+        parts = [part for part in optional if getattr(self, part) is not None]
+        headline = f"Case {self.name}: {self.title} (setup {self.setup}, hash {self.hash})"
+        return f"{headline}\nhas {', '.join(parts) or 'sensors only'}"
 
     __str__ = __repr__
 
@@ -203,8 +203,8 @@ class Case(Part):
             missing = "force_noise_N" if force is None else "moment_noise_Nm"
             yield (f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both")
         if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):
-            what = 'weights = "stated"' if self.sensors.weights == "stated" else "noise of accelerations"
-            yield (f"sensors.force_noise_N is missing; {what} goes with it, from the sensors' data sheet")
+            entry = 'weights = "stated"' if self.sensors.weights == "stated" else "noise of accelerations"
+            yield (f"sensors.force_noise_N is missing; {entry} goes with it, from the sensors' data sheet")
 
     def _pose_error(self) -> Iterator[str]:
         size, length = self.sensors.pose_error_N, self.sensors.pose_error_length_mm
@@ -325,8 +325,8 @@ class Case(Part):
     def without_jerk(self) -> "Case":
         """The same where jerks are not limited, as for a controller whose accelerations step."""
         assert self.limits is not None  # asked of cases that plan
-        freed = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
-        return self.model_copy(update={"limits": freed})
+        limits = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
+        return self.model_copy(update={"limits": limits})
 
     def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, Limits]:
         """Hexapod, workspace and limits.

@@ -177,17 +177,17 @@ class _Tree:
         return UrdfChain(self.robot, link, flange, tuple(joints), place)
 
     def _named(self, root: _Element, tag: str) -> dict[str, _Element]:
-        found: dict[str, _Element] = {}
+        elements: dict[str, _Element] = {}
         for element in root.all(tag):
             name = element.attributes.get("name", "").strip()
             if not name:
                 self._refuse(element, f"a {tag} has no name; give it one")
-            if name in found:
-                self._refuse(element, f"{tag} {name} is there twice, first in line {found[name].line}; rename one")
-            found[name] = element
-        if not found:
+            if name in elements:
+                self._refuse(element, f"{tag} {name} is there twice, first in line {elements[name].line}; rename one")
+            elements[name] = element
+        if not elements:
             self._refuse(root, f"the robot has no {tag}; name the complete URDF file")
-        return found
+        return elements
 
     def _link_of(self, name: str, joint: _Element, side: str) -> str:
         ends = joint.all(side)
@@ -203,15 +203,15 @@ class _Tree:
         if len(roots) > 1:
             second = self.links[roots[1]]
             self._refuse(second, f"links {', '.join(roots)} have no parent, only the root may; join them to it")
-        reached, waiting = set(roots), list(roots)
+        reachable, waiting = set(roots), list(roots)
         while waiting:
             link = waiting.pop()
             children = [child for child, joint in self.parent_joint.items() if self.parent_of[joint] == link]
-            reached.update(children)
+            reachable.update(children)
             waiting.extend(children)
-        lost = [link for link in self.links if link not in reached]
-        if lost:
-            self._refuse(self.links[lost[0]], f"links {', '.join(lost)} form a loop; a URDF is a tree, open the loop")
+        loop = [link for link in self.links if link not in reachable]
+        if loop:
+            self._refuse(self.links[loop[0]], f"links {', '.join(loop)} form a loop; a URDF is a tree, open the loop")
 
     def _moves(self, name: str) -> bool:
         joint = self.joints[name]
@@ -242,12 +242,12 @@ class _Tree:
         self, name: str, joint: _Element, kind: str
     ) -> tuple[tuple[float, float] | None, float | None, float | None]:
         """Ends, speed and effort."""
-        stated = joint.all("limit")
-        if not stated:
+        elements = joint.all("limit")
+        if not elements:
             if kind == "continuous":
                 return None, None, None
             self._refuse(joint, f"joint {name} has no limit; add <limit lower=.. upper=.. velocity=.. effort=.. />")
-        limit = stated[0]
+        limit = elements[0]
         velocity, effort = (self._number(limit, key, f"limit of joint {name}") for key in ("velocity", "effort"))
         if velocity <= 0.0:
             self._refuse(limit, f"joint {name} has the velocity {velocity:g}; give its largest speed, more than 0")
@@ -330,11 +330,11 @@ class _Tree:
             self._refuse(element, f"the {of} has no {key}; add it")
         return self._checked(element, text.strip(), f"{key} of the {of}")
 
-    def _checked(self, element: _Element, word: str, what: str) -> float:
+    def _checked(self, element: _Element, word: str, name: str) -> float:
         if not _NUMBER.fullmatch(word):
-            self._refuse(element, f"{what} is {word!r}, not a number; correct it")
+            self._refuse(element, f"{name} is {word!r}, not a number; correct it")
         if abs(float(word)) > _MOST:
-            self._refuse(element, f"{what} is {word}, beyond any machine ({_MOST:g}); correct it")
+            self._refuse(element, f"{name} is {word}, beyond any machine ({_MOST:g}); correct it")
         return float(word)
 
     def _refuse(self, element: _Element, problem: str) -> NoReturn:

@@ -50,19 +50,21 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Pla
     still = Placed(0, ca.SX(3, 1), ca.SX.eye(3))
     places = [(still, chain.base), *((f, j.bodies) for f, j in zip(frames, chain.joints, strict=True))]
     bodies = [_balls(place, body) for place, own in (*places, (sensor, chain.tool)) for body in own]
-    found = []
+    distances = []
     for k, one in enumerate(bodies):
         if one.link:
-            found += [_least([_box(c, box.corners) for c in one.centres], one.radius) for box in chain.keep_out]
+            distances += [_least([_box(c, box.corners) for c in one.centres], one.radius) for box in chain.keep_out]
         for other in bodies[k + 1 :]:
             if abs(other.link - one.link) > 1:
-                apart = [ca.norm_2(a - b) for a in one.centres for b in other.centres]
-                found.append(_least(apart, one.radius + other.radius))
-    if not found:
+                gaps = [ca.norm_2(a - b) for a in one.centres for b in other.centres]
+                distances.append(_least(gaps, one.radius + other.radius))
+    if not distances:
         return []
-    there = ca.Function("distances", [q], [ca.vertcat(*found)])(middle).full()[:, 0]
-    kept = np.clip(there / 2, 0.0, CLEARANCE)
-    return [Share("distance", 0, ca.exp((k - distance) / VICINITY)) for k, distance in zip(kept, found, strict=True)]
+    clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
+    margins = np.clip(clearances / 2, 0.0, CLEARANCE)
+    return [
+        Share("distance", 0, ca.exp((k - distance) / VICINITY)) for k, distance in zip(margins, distances, strict=True)
+    ]
 
 
 def _balls(place: Placed, body: Tool) -> _Balls:
@@ -76,9 +78,9 @@ def _balls(place: Placed, body: Tool) -> _Balls:
 
 def _box(point: ca.SX, corners: Array) -> ca.SX:
     """Distance along the axis that separates point and box most, at edges a little less, so that it is smooth [m]."""
-    apart = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
-    most = ca.mmax(apart)
-    return most + ROUNDING * ca.log(ca.sum1(ca.exp((apart - most) / ROUNDING)) / 3)
+    gaps = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
+    most = ca.mmax(gaps)
+    return most + ROUNDING * ca.log(ca.sum1(ca.exp((gaps - most) / ROUNDING)) / 3)
 
 
 def _least(distances: list[ca.SX], radius: float) -> ca.SX:

@@ -215,16 +215,16 @@ def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
     depend on the basis the decomposition chose for it, and its blocks are the groups.
     """
     projector = hidden.T @ hidden
-    left = [k for k in range(len(names)) if projector[k, k] > INVOLVED**2]
+    rest = [k for k in range(len(names)) if projector[k, k] > INVOLVED**2]
     groups = []
-    while left:
-        members, frontier = {left[0]}, [left[0]]
+    while rest:
+        members, frontier = {rest[0]}, [rest[0]]
         while frontier:
             near = {int(k) for k in np.flatnonzero(np.abs(projector[frontier.pop()]) > INVOLVED**2)} - members
             members |= near
             frontier += near
         index = sorted(members)
-        left = [k for k in left if k not in members]
+        rest = [k for k in rest if k not in members]
         groups.append(_group(hidden[:, index], factors[index], [names[k] for k in index]))
     return groups
 
@@ -237,13 +237,13 @@ def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
     """
     _, size, basis = np.linalg.svd(hidden)
     count = int(np.sum(size > INVOLVED))
-    seen = basis[count:] * factors  # from scaled back to the parameters' own units
+    directions = basis[count:] * factors  # from scaled back to the parameters' own units
     from scipy.linalg import qr  # only where parameters hide behind each other: SciPy takes long to load
 
-    pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(seen)]
+    pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(directions)]
     combinations = []
     for pivot, row in sorted(
-        zip(pivots, np.linalg.solve(seen[:, pivots], seen), strict=True), key=lambda pair: pair[0]
+        zip(pivots, np.linalg.solve(directions[:, pivots], directions), strict=True), key=lambda pair: pair[0]
     ):
         negligible = np.abs(row) * factors[pivot] <= INVOLVED * factors
         others = {names[k]: float(row[k]) for k in np.flatnonzero(~negligible) if k not in pivots}

@@ -83,33 +83,35 @@ def _program(function: ca.Function) -> _Program | None:
     if not _KNOWN.issuperset(operations):
         return None
     constants = [function.instruction_constant(k) if operations[k] == ca.OP_CONST else 0.0 for k in count]
-    used, made = ([list(of(k)) for k in count] for of in (function.instruction_input, function.instruction_output))
-    return tuple(zip(operations, used, made, constants, strict=True)), function.sz_w()
+    operands, targets = (
+        [list(of(k)) for k in count] for of in (function.instruction_input, function.instruction_output)
+    )
+    return tuple(zip(operations, operands, targets, constants, strict=True)), function.sz_w()
 
 
 def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> None:
     """Runs a program for some samples: inputs of shape (n, length), outputs of shape (n, columns, rows)."""
     (instructions, size), count = program, len(inputs[0])
-    given = [np.ascontiguousarray(v.T) for v in inputs]
+    arguments = [np.ascontiguousarray(v.T) for v in inputs]
     results = [np.zeros((r.shape[1] * r.shape[2], count)) for r in outputs]
     memory = list(np.empty((size, count)))
     places = memory.copy()
-    for operation, used, made, constant in instructions:
+    for operation, operands, targets, constant in instructions:
         if operation == ca.OP_OUTPUT:
-            results[made[0]][made[1]] = places[used[0]]
+            results[targets[0]][targets[1]] = places[operands[0]]
             continue
-        to = made[0]
+        to = targets[0]
         if operation == ca.OP_INPUT:
-            places[to] = given[used[0]][used[1]]
+            places[to] = arguments[operands[0]][operands[1]]
             continue
         if operation == ca.OP_CONST:
             memory[to].fill(constant)
         elif operation == ca.OP_TWICE:
-            np.add(places[used[0]], places[used[0]], out=memory[to])
-        elif len(used) == 1:
-            _OPERATIONS[operation](places[used[0]], out=memory[to])
+            np.add(places[operands[0]], places[operands[0]], out=memory[to])
+        elif len(operands) == 1:
+            _OPERATIONS[operation](places[operands[0]], out=memory[to])
         else:
-            _OPERATIONS[operation](places[used[0]], places[used[1]], out=memory[to])
+            _OPERATIONS[operation](places[operands[0]], places[operands[1]], out=memory[to])
         places[to] = memory[to]  # not before: an operand may have stood there
     for result, output in zip(results, outputs, strict=True):
         output.reshape(count, -1)[:] = result.T

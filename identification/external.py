@@ -53,13 +53,13 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
     model = result.model_of(case)
-    found = unmeasured(recording)
-    warnings = found.warnings
+    checks = unmeasured(recording)
+    warnings = checks.warnings
     if recording.t is None or case.setup == "1a":
-        still = standstills(recording, case, model, found)
-        t, forces, matrices, poses = still.t, still.recorded, still.matrices, _poses(model, recording, found)
+        still = standstills(recording, case, model, checks)
+        t, forces, matrices, poses = still.t, still.recorded, still.matrices, _poses(model, recording, checks)
     else:
-        run = moving_run(recording, case, model, whole, found)
+        run = moving_run(recording, case, model, whole, checks)
         warnings += sentences(run.window, Severity.WARNING)
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
         poses = None if model.struts is None else run.kinematics(result.delay).pose
@@ -69,13 +69,13 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
     return ExternalForce(t, -model.wrenches(residuals, poses), residuals, warnings)
 
 
-def _poses(model: Model, recording: Recording, found: Scan) -> Array | None:
+def _poses(model: Model, recording: Recording, checks: Scan) -> Array | None:
     """Poses of the standstills that are used, where forces in struts are to become one on the platform."""
     if model.struts is None:
         return None
     if recording.struts is None:
-        return None if recording.poses is None else recording.poses[~found.bad]
-    return model.struts.hexapod.coordinates(recording.struts[~found.bad])
+        return None if recording.poses is None else recording.poses[~checks.bad]
+    return model.struts.hexapod.coordinates(recording.struts[~checks.bad])
 
 
 class Tare(NamedTuple):
@@ -104,18 +104,18 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
         FileProblem: parameters of another case.
     """
     model = result.model_of(case)
-    found = unmeasured(recording)
-    count = int(np.sum(~found.bad))
+    checks = unmeasured(recording)
+    count = int(np.sum(~checks.bad))
     if count < 2:
         raise IdentificationError(f"{recording.source}: {count} sample; a tare needs a standstill of two or more")
-    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~found.bad], axis=0).max())
+    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~checks.bad], axis=0).max())
     if travel > STILL:
-        what, unit = case.drive_words
+        drives, unit = case.drive_words
         raise IdentificationError(
-            f"{recording.source}: {what} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
+            f"{recording.source}: {drives} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
             "standstill; cut the motion off"
         )
-    still = standstills(recording, case, model, found)
+    still = standstills(recording, case, model, checks)
     residuals = still.recorded - still.matrices @ result.values
     change = residuals.mean(axis=0)
     variance = residuals.var(axis=0, ddof=1) / count

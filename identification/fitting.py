@@ -93,15 +93,15 @@ def fit_samples(
             fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
     fit = of_forces(whitening, fit, columns, forces)
     require_sense(model, fit)
-    late = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
-    residuals = samples.left(columns[:, :, : len(names) - late], fit.values[: len(names) - late])
+    has_delay = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
+    residuals = samples.left(columns[:, :, : len(names) - has_delay], fit.values[: len(names) - has_delay])
     if how.biases is not None:
         fit = with_uncertain_offsets(fit, model, basis, columns, w_of(whitening, fit), how.biases)
     if isinstance(samples, WristRun):
-        known = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
-        uncertain = gain(columns @ basis, w_of(whitening, fit), known)
+        effects = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
+        uncertain = gain(columns @ basis, w_of(whitening, fit), effects)
         fit = widened(fit, basis @ uncertain, _of_known_motion(how.biases, held))
-    if late:
+    if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
     return Fitted(samples, fit, held, residuals, whitening, columns)
@@ -110,10 +110,10 @@ def fit_samples(
 def _converged(
     run: Samples,
     forces: Array,
-    how: Method,
+    method: Method,
     problem: FitProblem,
     delay: float,
-    held: Delay | None,
+    fixed_delay: Delay | None,
     near: Array | None = None,
 ) -> tuple[float, Array, Array, Array | None]:
     """Gauss-Newton over the delay.
@@ -122,7 +122,7 @@ def _converged(
         forces: forces of that, shape (n, 6).
         problem: problem with the nuisances and the filter of the run.
         delay: delay to start from [s].
-        held: a delay that is not estimated.
+        fixed_delay: a delay that is not estimated.
         near: u that a part of the run told, shape (u,), with its delay: one step is then enough.
 
     Raises:
@@ -131,7 +131,7 @@ def _converged(
     search, beside = gauss_markov_of(problem), problem.nuisance
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
-    selection, whitening, values = how.selection(run.model), None, near
+    selection, whitening, values = method.selection(run.model), None, near
     if not run.nuisances:
         still = run.regressors(delay)
         if problem.noise is not None:
@@ -160,7 +160,7 @@ def _converged(
         free = columns if whole else np.dstack([matrices @ selection.basis, nuisances[:, :, :beside]])
         fit = search(*whitened(whitening, free, rest), names)
         values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
-        if held is not None:
+        if fixed_delay is not None:
             break
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
         if abs(step) < (DELAY_TOLERANCE if near is None else CLOSE):
@@ -176,10 +176,10 @@ def _converged(
     return delay, columns, values, whitening
 
 
-def _of_known_motion(biases: Biases | None, held: Delay | None) -> Array:
+def _of_known_motion(biases: Biases | None, fixed_delay: Delay | None) -> Array:
     """Covariance of what is not estimated: a delay, and biases that were taken from the accelerometer, shape (4, 4)."""
     covariance = np.zeros((4, 4))
-    covariance[0, 0] = 0.0 if held is None else held.std**2
+    covariance[0, 0] = 0.0 if fixed_delay is None else fixed_delay.std**2
     if biases is not None:
         covariance[1:, 1:] = biases.require_accelerometer().covariance
     return covariance

@@ -249,13 +249,13 @@ class Hexapod:
         jacobians = np.empty((len(start), 6, 6))
         active = np.arange(len(pose))
         for _ in range(MOST_STEPS):
-            reached, jacobian = over_samples(self.inverse_jacobian, pose[active])
-            error = lengths[active] - reached
-            done = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
-            closed[active[done]] = True
-            jacobians[active[done]] = jacobian[done]
+            estimate, jacobian = over_samples(self.inverse_jacobian, pose[active])
+            error = lengths[active] - estimate
+            converged = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
+            closed[active[converged]] = True
+            jacobians[active[converged]] = jacobian[converged]
             # A sample that has run off into a singularity or to infinity is given up, not the others with it.
-            alive = ~done & np.isfinite(error).all(axis=1)
+            alive = ~converged & np.isfinite(error).all(axis=1)
             active, error, jacobian = active[alive], error[alive], jacobian[alive]
             if not len(active):
                 break
@@ -303,19 +303,19 @@ def _of_joints(joints: bytes, home: bytes) -> Hexapod:
     return Hexapod(base, platform, np.frombuffer(home))
 
 
-def _between(index: NDArray[np.int_], known: NDArray[np.int_], poses: Array) -> Array:
+def _between(index: NDArray[np.int_], knots: NDArray[np.int_], poses: Array) -> Array:
     """Poses between those at some samples, shape (n, 6): cubic in a motion, linear across jumps.
 
     Args:
         index: samples, shape (n,).
-        known: samples whose poses are known, ascending, shape (k,).
+        knots: samples whose poses are known, ascending, shape (k,).
         poses: poses of these, shape (k, 6).
     """
-    linear = np.column_stack([np.interp(index, known, poses[:, k]) for k in range(6)])
-    if len(known) < 4:
+    linear = np.column_stack([np.interp(index, knots, poses[:, k]) for k in range(6)])
+    if len(knots) < 4:
         return linear
     from scipy.interpolate import CubicSpline
 
-    cubic = np.asarray(CubicSpline(known, poses)(np.clip(index, known[0], known[-1])))
+    cubic = np.asarray(CubicSpline(knots, poses)(np.clip(index, knots[0], knots[-1])))
     trusted = np.abs(cubic - linear).max(axis=1) < CLOSE
     return np.where(trusted[:, None], cubic, linear)

@@ -83,6 +83,6 @@ def _keep_out(case: Case, hexapod: "Hexapod", pose: ca.SX) -> list[ca.SX]:
 
 def _distance(point: ca.SX, corners: Array) -> ca.SX:
     """Distance along the axis that separates point and box most, at edges a little less, so that it is smooth [m]."""
-    apart = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
-    most = ca.mmax(apart)
-    return most + ROUNDING * ca.log(ca.sum1(ca.exp((apart - most) / ROUNDING)) / 3)
+    gaps = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
+    most = ca.mmax(gaps)
+    return most + ROUNDING * ca.log(ca.sum1(ca.exp((gaps - most) / ROUNDING)) / 3)

@@ -76,34 +76,34 @@ def identify(
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:
-                found = _estimated(recording, case, model, how, conditioning)
+                estimate = _estimated(recording, case, model, how, conditioning)
             except (IdentificationError, RecordingError) as error:
                 require_wiring(recording, case, model, negative=isinstance(error, NegativeMass))
                 raise
-            if found.warnings:
+            if estimate.warnings:
                 require_wiring(recording, case, model)
-        return found
+        return estimate
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source) from error
 
 
-def _estimated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
+def _estimated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
     if len(recording.forces) > 1:
         require_alive(recording.forces)
     moves = recording.t is not None and case.setup != "1a"
     if not moves and conditioning != USUAL:
         raise RecordingError("is not a moving run; --period and --flexible are for moving runs")
-    if not moves and model.needs_motion and not set(how.known) >= _inertia(model) | set(how.dropped):
+    if not moves and model.needs_motion and not set(method.known) >= _inertia(model) | set(method.dropped):
         raise IdentificationError(
             f"{recording.source}: model {model.number} contains inertia, which standstills cannot excite; choose a "
             "model from 0 to 5, or record a motion"
         )
-    found = _evaluated(recording, case, model, how, conditioning)
-    softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
+    estimate = _evaluated(recording, case, model, method, conditioning)
+    softer = below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
     if softer is not None:
-        found = replace(_evaluated(recording, softer, model, how, conditioning), case_hash=case.hash)
-    require_scale(model, found.values, case)
-    return replace(found, findings=(*found.findings, *other_mass(model, found.values, case)))
+        estimate = replace(_evaluated(recording, softer, model, method, conditioning), case_hash=case.hash)
+    require_scale(model, estimate.values, case)
+    return replace(estimate, findings=(*estimate.findings, *other_mass(model, estimate.values, case)))
 
 
 def samples_of(
@@ -134,51 +134,53 @@ def samples_of(
     return replace(run, smoothing=conditioning.flexible)
 
 
-def _evaluated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
+def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
     scanned = scan(recording, case)
-    problem = FitProblem.of(model, case, how)
-    samples = samples_of(recording, case, model, conditioning, scanned, how.biases)
-    if conditioning.flexible and (how.priors or not isinstance(samples, Run)):
+    problem = FitProblem.of(model, case, method)
+    samples = samples_of(recording, case, model, conditioning, scanned, method.biases)
+    if conditioning.flexible and (method.priors or not isinstance(samples, Run)):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     findings = [*scanned.findings]
-    held, wide = None, None
+    delay, wide = None, None
     if isinstance(samples, WristRun):
         band = delay_band(recording)
         wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band, bad=scanned.bad)
-        held = fit_samples(wide, GAUSS_MARKOV, problem).delay
-        told = f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
-        told += f"{samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
-        findings.append(note(Kind.CLOCK, told))
-    fitted = fit_samples(samples, how, problem, held=held)
-    fitted, contacts = free_of_contact(recording, fitted, how, problem, held)
+        delay = fit_samples(wide, GAUSS_MARKOV, problem).delay
+        sentence = (
+            f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
+        )
+        sentence += f"{samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
+        findings.append(note(Kind.CLOCK, sentence))
+    fitted = fit_samples(samples, method, problem, held=delay)
+    fitted, contacts = free_of_contact(recording, fitted, method, problem, delay)
     if contacts and wide is not None:
-        held = fit_samples(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
-        fitted = fit_samples(fitted.samples, how, problem, held=held)
-    if isinstance(fitted.samples, Run) and not how.priors and not conditioning.flexible:
-        rich = smoothed(fitted.samples, fitted.fit, how.selection(model).basis, fitted.w, fitted.at)
+        delay = fit_samples(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
+        fitted = fit_samples(fitted.samples, method, problem, held=delay)
+    if isinstance(fitted.samples, Run) and not method.priors and not conditioning.flexible:
+        rich = smoothed(fitted.samples, fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich.smoothing:
-            fitted = fit_samples(rich, how, problem, fitted.at)
+            fitted = fit_samples(rich, method, problem, fitted.at)
     if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
         smoothing = smoothing_of(fitted.samples, fitted.fit)
         findings += mode_found(smoothing, case) if conditioning.flexible else [smoothing.finding]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
-    noise = stated_noise(case, fitted, how)
+    noise = stated_noise(case, fitted, method)
     findings += [] if noise is None else noise.findings
-    if how.biases is not None:
-        free = fit_samples(fitted.samples, how.without_biases, problem, fitted.at, held)
-        findings += drift_told(how.biases, model, free.fit)
+    if method.biases is not None:
+        free = fit_samples(fitted.samples, method.without_biases, problem, fitted.at, delay)
+        findings += drift_told(method.biases, model, free.fit)
         if fitted.samples.nuisances and MASS in model.blocks:
-            exactly = replace(how, biases=how.biases.exact)
+            exactly = replace(method, biases=method.biases.exact)
             findings.append(
-                mass_told(model, fitted.fit, fit_samples(fitted.samples, exactly, problem, fitted.at, held).fit)
+                mass_told(model, fitted.fit, fit_samples(fitted.samples, exactly, problem, fitted.at, delay).fit)
             )
-    findings += [finding for check in CHECKS for finding in check(recording, case, how, fitted)]
-    felt = None
+    findings += [finding for check in CHECKS for finding in check(recording, case, method, fitted)]
+    bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
         good = ~scanned.bad
-        felt = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
-    about = Evaluation(fitted.samples, fitted.residuals, fitted.delay, noise, felt, conditioning, tuple(findings))
-    return estimate_of(model, fitted.fit, recording.source, case, about, how)
+        bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
+    about = Evaluation(fitted.samples, fitted.residuals, fitted.delay, noise, bias, conditioning, tuple(findings))
+    return estimate_of(model, fitted.fit, recording.source, case, about, method)
 
 
 def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None:

@@ -53,7 +53,7 @@ def distance_of_segments(start: Array, way: Array, corners: Array) -> Array:
 
 def guarded(workspace: Workspace) -> tuple[str, ...]:
     """Names of what must stay out of a box: the columns of `distances`."""
-    numbered = (f"{what} {k}" for what in ("joint", "strut") for k in range(1, 7))
+    numbered = (f"{kind} {k}" for kind in ("joint", "strut") for k in range(1, 7))
     return ("origin", *numbered, *(tool.name for tool in workspace.tool))
 
 

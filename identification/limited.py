@@ -294,6 +294,6 @@ def _at_home(of: _Of) -> float:
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
     """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
     arms = strut + machine.base.points - motion.pose[:, None, :3]
-    left = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
-    ratio = np.nan_to_num(1.0 - left, nan=np.inf)
-    return Quantity("singularity", "% of det J^-1 at home", ("",), left, np.zeros((2, 1)), ratio, 100.0)
+    determinant = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
+    ratio = np.nan_to_num(1.0 - determinant, nan=np.inf)
+    return Quantity("singularity", "% of det J^-1 at home", ("",), determinant, np.zeros((2, 1)), ratio, 100.0)

@@ -78,8 +78,8 @@ def _placed(link: int, frames: tuple[Array, Array, Array], body: Tool, half: flo
 
 
 def _from_box(body: _Body, corners: Array) -> Array:
-    apart = distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], corners)
-    return np.asarray(apart[:, 0] - body.radius - body.way)
+    distances = distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], corners)
+    return np.asarray(distances[:, 0] - body.radius - body.way)
 
 
 def _between(one: _Body, other: _Body) -> Array:

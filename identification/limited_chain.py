@@ -76,11 +76,11 @@ def joint_efforts(
     for name, unit, own in (("joint force", "N", limited & ~turns), ("joint torque", "N m", limited & turns)):
         columns, labels, most = [], [], []
         for words, load in loads or [("no load", np.zeros_like(links[0]))]:
-            behind = load
+            inertia = load
             for k in range(len(chain.joints) - 1, -1, -1):
-                behind = behind + links[k]
+                inertia = inertia + links[k]
                 if own[k]:
-                    columns.append(_generalised(frames[k][0], chain.joints[k], behind))
+                    columns.append(_generalised(frames[k][0], chain.joints[k], inertia))
                     labels.append(f"{chain.joints[k].name}, {words}")
                     most.append(SHARE * chain.joints[k].effort)
         if columns:
@@ -114,13 +114,13 @@ def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:
     )
 
 
-def _generalised(frame: Array, joint: Joint, behind: Array) -> Array:
-    """tr(D `behind`), D = (dT/dq) T^-1 the joint's screw in {B}, shape (n,)."""
+def _generalised(frame: Array, joint: Joint, inertia: Array) -> Array:
+    """tr(D `inertia`), D = (dT/dq) T^-1 the joint's screw in {B}, shape (n,)."""
     axis = frame[:, :3, :3] @ (np.array(joint.axis) / np.linalg.norm(joint.axis))
     if not joint.turns:
-        return np.asarray(np.einsum("ni,ni->n", axis, behind[:, 3, :3]))
-    moment = np.stack([behind[:, j, i] - behind[:, i, j] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)
-    return np.asarray(np.einsum("ni,ni->n", axis, moment - np.cross(frame[:, :3, 3], behind[:, 3, :3])))
+        return np.asarray(np.einsum("ni,ni->n", axis, inertia[:, 3, :3]))
+    moment = np.stack([inertia[:, j, i] - inertia[:, i, j] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)
+    return np.asarray(np.einsum("ni,ni->n", axis, moment - np.cross(frame[:, :3, 3], inertia[:, 3, :3])))
 
 
 def chain_frames(motion: Motion, chain: Chain) -> Frames:

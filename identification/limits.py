@@ -68,8 +68,8 @@ class LimitCheck:
     def sentence(self, timed: bool = True) -> str:
         """One phrase with value and limit, and when, unless that tells nothing."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
-        when = f" at {self.time:.3f} s" if timed else ""
-        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{when}, limit {self.limit:.4g}"
+        time_text = f" at {self.time:.3f} s" if timed else ""
+        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,7 +268,7 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
         ]
         for quantities, _ in _evaluated(trajectory, case, instants, True, everything)
     ]
-    velocity, acceleration, jerk = (np.concatenate(found) for found in zip(*parts, strict=True))
+    velocity, acceleration, jerk = (np.concatenate(shares) for shares in zip(*parts, strict=True))
     return velocity, acceleration, jerk
 
 
@@ -303,11 +303,11 @@ def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
     for report in reports:
         for check in report.checks:
             key = check.name.split(" (")[0]
-            known = worst.setdefault(key, check)
-            if check.ratio > known.ratio:
-                known, check = check, known
-            weaker = max(known.status, check.status, key=list(Status).index)
-            worst[key] = known if weaker is known.status else replace(known, status=weaker)
+            previous = worst.setdefault(key, check)
+            if check.ratio > previous.ratio:
+                previous, check = check, previous
+            weaker = max(previous.status, check.status, key=list(Status).index)
+            worst[key] = previous if weaker is previous.status else replace(previous, status=weaker)
     return LimitReport(tuple(worst.values()))
 
 

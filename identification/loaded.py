@@ -39,13 +39,13 @@ def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
     Raises:
         CaseError: the case has fewer weights, or no disturbances.
     """
-    held = () if case.payloads is None else case.payloads.weights
-    if not 0 <= weights <= len(held):
-        raise CaseError(f"case {case.name}", "payloads.weights", f"are {len(held)}; {weights} cannot be mounted")
-    found = case.need_simulation("a run").disturbances
-    if disturbed and found is None:
+    payloads = () if case.payloads is None else case.payloads.weights
+    if not 0 <= weights <= len(payloads):
+        raise CaseError(f"case {case.name}", "payloads.weights", f"are {len(payloads)}; {weights} cannot be mounted")
+    disturbances = case.need_simulation("a run").disturbances
+    if disturbed and disturbances is None:
         case.missing("simulation.disturbances", "a run with disturbances")
-    return Circumstances(held[:weights], found if disturbed else None)
+    return Circumstances(payloads[:weights], disturbances if disturbed else None)
 
 
 def joined_body(bodies: Sequence[RigidBody]) -> RigidBody:
@@ -124,14 +124,14 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
         poses: shape (n, 6) [m, rad].
     """
     reduced = (poses - home) / _lengths(disturbances)
-    found = []
+    fields = []
     for k, size in enumerate((disturbances.pose_error_N, disturbances.pose_error_of_load)):
         draw = np.random.default_rng([disturbances.pose_error_seed, k])
         waves, phases = draw.normal(size=(6, WAVES)), draw.uniform(0.0, 2 * np.pi, (6, WAVES))
         angle = reduced @ waves  # cos(angle + phase) of six phases, by the sum formula: a third of the cosines
         field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
-        found.append(size * np.sqrt(2.0 / WAVES) * field)
-    return PoseFields(*found)
+        fields.append(size * np.sqrt(2.0 / WAVES) * field)
+    return PoseFields(*fields)
 
 
 def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
@@ -144,9 +144,9 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
     """
     reduced = (poses - home) / _lengths(disturbances)
     size = np.sum(reduced**2, axis=1)
-    apart = np.maximum(size[:, None] + size - 2.0 * reduced @ reduced.T, 0.0)
+    squares = np.maximum(size[:, None] + size - 2.0 * reduced @ reduced.T, 0.0)
     variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
-    return np.asarray(variance * np.exp(-apart / 2.0))
+    return np.asarray(variance * np.exp(-squares / 2.0))
 
 
 def _lengths(disturbances: Disturbances) -> Array:

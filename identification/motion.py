@@ -195,12 +195,12 @@ class Joined:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
         starts = self.starts
-        which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.parts) - 1)
+        indices = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.parts) - 1)
         values = np.zeros((4, len(time), self.parts[0].at(np.zeros(1)).pose.shape[1]))
-        for k in np.unique(which):
-            part, rows = self.parts[k], which == k
-            here = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))
-            values[:, rows] = here.pose, here.rates, here.accelerations, here.jerks
+        for k in np.unique(indices):
+            part, rows = self.parts[k], indices == k
+            state = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))
+            values[:, rows] = state.pose, state.rates, state.accelerations, state.jerks
         return Motion(time, *values)
 
 

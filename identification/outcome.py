@@ -106,18 +106,19 @@ class Result:
         if case is None:
             saved.remarks(own, stale)
         file = place / "identifiability.json"
-        known = Identifiability.of_json(read_json(file, "hexcite identify")) if file.is_file() else None
-        return cls(own, saved.about, known)
+        identifiability = Identifiability.of_json(read_json(file, "hexcite identify")) if file.is_file() else None
+        return cls(own, saved.about, identifiability)
 
     def __repr__(self) -> str:
         """A few lines: model, the body, s0, and warnings."""
-        record, known = self.record, self.parameters
+        record, parameters = self.record, self.parameters
         lines = [f"Result for {self.case.name}: model {record['model']}, {record['samples']} samples"]
-        names = [name for name in PROMINENT if name in known] or list(known)[:4]
+        names = [name for name in PROMINENT if name in parameters] or list(parameters)[:4]
         lines += [
-            f"{name} = {known[name].value:.6g} +- {known[name].reported:.2g} {known[name].unit}" for name in names
+            f"{name} = {parameters[name].value:.6g} +- {parameters[name].reported:.2g} {parameters[name].unit}"
+            for name in names
         ]
-        lines.append(f"{len(known)} parameters, s0 {record['s0']:.3g}, condition {record['condition']:.3g}")
+        lines.append(f"{len(parameters)} parameters, s0 {record['s0']:.3g}, condition {record['condition']:.3g}")
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 
     def _repr_html_(self) -> str:
@@ -154,10 +155,11 @@ def tare(recording: Recording, result: Result) -> Result:
     from identification.external import tare as new_offsets
     from identification.runs.rates import on_one_clock
 
-    known = result.solution
-    found = new_offsets(on_one_clock(recording, result.case), result.case, known)
+    solution = result.solution
+    offsets = new_offsets(on_one_clock(recording, result.case), result.case, solution)
     return Result(
-        result.case, with_tare(known, result.case, found.values, found.covariance, recording.source, found.notes)
+        result.case,
+        with_tare(solution, result.case, offsets.values, offsets.covariance, recording.source, offsets.notes),
     )
 
 

@@ -87,8 +87,8 @@ class Loads:
         """The constants of a case; None where it names no range or no nominal body."""
         if (most := case.sensors.range) is None or case.nominal is None:
             return None
-        asked = _Asked(case.sensor_frame, case.nominal, case.payloads, tuple(case.gravity), tuple(most), case)
-        return _loads(asked)
+        request = _Asked(case.sensor_frame, case.nominal, case.payloads, tuple(case.gravity), tuple(most), case)
+        return _loads(request)
 
     def forces(self, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
         """Forces, shape (n, channels) [N].
@@ -123,8 +123,8 @@ class _Asked:
 
 
 @lru_cache(maxsize=8)
-def _loads(asked: _Asked) -> Loads:
-    case = asked.case
+def _loads(request: _Asked) -> Loads:
+    case = request.case
     axes, none = np.eye(3), np.zeros((6, 3))
     pairs = np.array([axes[i] if i == j else axes[i] + axes[j] for i, j in PAIRS])
     push, turn, spin = (
@@ -135,17 +135,17 @@ def _loads(asked: _Asked) -> Loads:
     first = _cross_matrices(spin)
     second = _cross_matrices(turn) + first @ first
     unturned = np.tile(axes, (len(push), 1, 1))
-    found = np.vstack(
+    coefficients = np.vstack(
         [sensor_forces(unturned, first, second, push + case.gravity, body, case).T for body in case.bodies]
     )
-    quadratic = found[:, 6:].copy()
+    quadratic = coefficients[:, 6:].copy()
     for column, (i, j) in enumerate(PAIRS):
         if i != j:
-            quadratic[:, column] -= found[:, 6 + i] + found[:, 6 + j]
+            quadratic[:, column] -= coefficients[:, 6 + i] + coefficients[:, 6 + j]
     labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
-    limit = SHARE * np.tile(asked.range, len(case.bodies))
+    limit = SHARE * np.tile(request.range, len(case.bodies))
     moments = np.tile(np.arange(6) >= (3 if case.sensors.range_Nm is not None else 6), len(case.bodies))
-    return Loads(found[:, :3], found[:, 3:6], quadratic, np.asarray(case.gravity), limit, moments, labels)
+    return Loads(coefficients[:, :3], coefficients[:, 3:6], quadratic, np.asarray(case.gravity), limit, moments, labels)
 
 
 def _cross_matrices(vectors: Array) -> Array:

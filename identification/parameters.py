@@ -191,15 +191,15 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
     centre = body.centre_of_gravity
     cross = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
     inertia = body.inertia + body.mass_kg * cross.T @ cross
-    known = {"m": body.mass_kg}
-    known |= {f"m{c}C": float(body.mass_kg * v) for c, v in zip("xyz", centre, strict=True)}
-    return known | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
+    values = {"m": body.mass_kg}
+    values |= {f"m{c}C": float(body.mass_kg * v) for c, v in zip("xyz", centre, strict=True)}
+    return values | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
 
 
 def nominal_parameters(model: "Model", body: RigidBody) -> Array:
     """U of (17) with what is known before a run, shape (u,): the body and the struts; offsets and error terms are 0."""
-    known = with_struts(model, body_parameters(body))
-    return np.array([known.get(name, 0.0) for name in model.names])
+    values = with_struts(model, body_parameters(body))
+    return np.array([values.get(name, 0.0) for name in model.names])
 
 
 def with_struts(model: "Model", body: dict[str, float]) -> dict[str, float]:
@@ -214,8 +214,8 @@ def linear_parameters(model: "Model", truth: Truth) -> Array:
         KeyError: the model has parameters (K1, K3, K4) that the simulated machine has no values for.
     """
     factors = truth.compensation
-    known = with_struts(model, body_parameters(truth.body)) | {
+    values = with_struts(model, body_parameters(truth.body)) | {
         f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)
     }
-    known |= {"k0": factors.k0_N_m, "k1": factors.k1_Nm_m, "k2": factors.k2_N, "k3": factors.k3_Nm}
-    return np.array([known[name] for name in model.names])
+    values |= {"k0": factors.k0_N_m, "k1": factors.k1_Nm_m, "k2": factors.k2_N, "k3": factors.k3_Nm}
+    return np.array([values[name] for name in model.names])

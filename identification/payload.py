@@ -42,7 +42,7 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
     root = 1.0 / np.sqrt(variance)
     along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
-    known = np.flatnonzero(np.r_[True, ~along])
+    indices = np.flatnonzero(np.r_[True, ~along])
     # With the unknown direction left free the others do not take what belongs to it.
     spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
     u = spread @ (after.values - before.values)
@@ -50,9 +50,9 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     std = float(np.sqrt(of_u[0, 0]))
     if not abs(u[0]) > 3.0 * std:
         raise _no_payload(before, after, float(u[0]), std)
-    left = (after.values - before.values - matrix @ u) * root
+    residuals = (after.values - before.values - matrix @ u) * root
     warnings = _about(before, after, float(u[0]))
-    if float(left @ left) > float(chdtri(3, UNLIKELY)):
+    if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
         warnings.append("the change of the forces is not a weight alone: something pushes, or a sensor has drifted")
     names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
     warnings.append(
@@ -66,7 +66,7 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     parameters = {
         name: Value(float(values[k]), float(deviations[k]), float(deviations[k]), units[name])
         for k, name in enumerate(units)
-        if k in known
+        if k in indices
     }
     return parameters, tuple(warnings)
 

@@ -88,9 +88,9 @@ def load_recording(folder: Path) -> Recording:
     record = record_of(folder)
     if not record:
         raise RecordingError(folder, "does not say which machine it is from", "read it with its case")
-    named = Artefact(folder / "recording.json", record, "run the program again")
-    case = named.case()
-    named.require_unchanged(recording_basis(case), case, stale=False)
+    artefact = Artefact(folder / "recording.json", record, "run the program again")
+    case = artefact.case()
+    artefact.require_unchanged(recording_basis(case), case, stale=False)
     return read(folder, case)
 
 

@@ -156,9 +156,9 @@ class Standstills:
 
     def without(self, left_out: Rows) -> "Standstills":
         """Without some, shape (n,)."""
-        keep = ~left_out
+        mask = ~left_out
         return Standstills(
-            self.model, self.t[keep], self.recorded[keep], self.matrices[keep], self.scale[keep], self.clocked
+            self.model, self.t[mask], self.recorded[mask], self.matrices[mask], self.scale[mask], self.clocked
         )
 
     def excerpt(self, times: int = 1) -> "Standstills":

@@ -81,7 +81,7 @@ def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
             file, f"schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}", "identify again"
         )
     try:
-        delay, felt = data["delay_s"], data.get("accelerometer")
+        delay, bias = data["delay_s"], data.get("accelerometer")
         result = SavedResult(
             source=file,
             case_name=str(data["case"]),
@@ -91,7 +91,7 @@ def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
             covariance_robust=np.array(data.get("covariance_robust", data["covariance"]), dtype=float),
             terms=tuple(str(t) for t in data.get("error_terms", ())),
             delay=0.0 if delay is None else float(delay["value"]),
-            accelerometer=None if felt is None else _accelerometer(felt),
+            accelerometer=None if bias is None else _accelerometer(bias),
             recordings=frozenset(str(i["sha256"]) for i in data.get("inputs", ())),
             about=data,
         )
@@ -136,8 +136,8 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
     std = np.sqrt(np.diag(white))
     larger = np.maximum(std, np.sqrt(np.diag(robust)))
-    grown = larger / np.where(std > 0.0, std, 1.0)
-    covariance = white * np.outer(grown, grown)
+    growth = larger / np.where(std > 0.0, std, 1.0)
+    covariance = white * np.outer(growth, growth)
     return Biases(str(path), result.values[offsets], covariance, result.accelerometer, remarks)
 
 

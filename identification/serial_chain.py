@@ -88,8 +88,8 @@ class SerialChain:
             return distances
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
         most = SHARE * np.array([self.chain.joints[k].effort for k in limited])
-        found = [self.torques(q, rates, accelerations, case.gravity, load) for load in case.bodies or (None,)]
-        return [*distances, *(Share(TORQUE, 2, torques[limited] / ca.DM(most)) for torques in found)]
+        loads = [self.torques(q, rates, accelerations, case.gravity, load) for load in case.bodies or (None,)]
+        return [*distances, *(Share(TORQUE, 2, torques[limited] / ca.DM(most)) for torques in loads)]
 
     def positions(self, coordinates: Array) -> Array:
         """Of the sensor, shape (k, 3) [m]."""
@@ -118,7 +118,7 @@ class SerialChain:
         *links, sensor = self._links(q, rates, accelerations)
         force, moment = ca.SX(3, 1), ca.SX(3, 1)  # of all behind a joint, the moment about the origin of {B}
         bodies = [*(joint.link for joint in self.chain.joints), load]
-        found = []
+        torques = []
         for k in range(self.count, -1, -1):
             frame, body = ([*links, sensor][k], bodies[k])
             if body is not None:
@@ -126,8 +126,8 @@ class SerialChain:
                 force, moment = force + f, moment + m
             if k < self.count:
                 about = moment - ca.cross(frame.p, force)
-                found.append(ca.dot(frame.axis, about if self.chain.joints[k].turns else force))
-        return ca.vertcat(*reversed(found))
+                torques.append(ca.dot(frame.axis, about if self.chain.joints[k].turns else force))
+        return ca.vertcat(*reversed(torques))
 
     def _motion(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """Position, R, twist and twist rate of {P} in {B}."""

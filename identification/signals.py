@@ -183,9 +183,9 @@ def decimated(
     for _, delay in wanted:
         low_pass.require(values, delay)
     stride, reach = low_pass.stride, 2 * low_pass.margin
-    kept = next_fast_len(-(-min(len(values), max(PART, 4 * reach)) // stride), real=True)
-    size = kept * stride
-    responses = [_response(low_pass, kept, order, delay) for order, delay in wanted]
+    count = next_fast_len(-(-min(len(values), max(PART, 4 * reach)) // stride), real=True)
+    size = count * stride
+    responses = [_response(low_pass, count, order, delay) for order, delay in wanted]
     mean = values.mean(axis=0)  # keeps rounding small against the oscillation, not against 1 m of strut
     results = [np.empty((len(rows), values.shape[1])) for _ in wanted]
     for begin in range(0, len(values) - reach, size - reach):
@@ -195,15 +195,15 @@ def decimated(
         part = np.zeros((values.shape[1], size))
         signals = values[begin : begin + size]
         part[:, : len(signals)] = (signals - mean).T
-        spectrum = fft(part).reshape(-1, stride, kept)[:, :, : kept // 2 + 1]
+        spectrum = fft(part).reshape(-1, stride, count)[:, :, : count // 2 + 1]
         at = rows[first:end] - begin + reach
         phases = at % stride
         for phase in np.unique(phases):
-            chosen = np.flatnonzero(phases == phase)
-            turned = spectrum * _turn(stride, kept, int(phase))
+            places = np.flatnonzero(phases == phase)
+            components = spectrum * _turn(stride, count, int(phase))
             for result, response in zip(results, responses, strict=True):
-                series = irfft(np.einsum("cam,am->cm", turned, response), kept)
-                result[first + chosen] = series[:, at[chosen] // stride].T
+                series = irfft(np.einsum("cam,am->cm", components, response), count)
+                result[first + places] = series[:, at[places] // stride].T
     for result, (order, _) in zip(results, wanted, strict=True):
         if order == 0:
             result += mean
@@ -211,15 +211,15 @@ def decimated(
 
 
 @lru_cache(maxsize=32)
-def _response(low_pass: Filter, kept: int, order: int, delay: float) -> Spectrum:
-    """H / s at the frequencies that fold together, shape (stride, kept // 2 + 1)."""
+def _response(low_pass: Filter, count: int, order: int, delay: float) -> Spectrum:
+    """H / s at the frequencies that fold together, shape (stride, count // 2 + 1)."""
     kernel = low_pass.kernel(order, delay)
-    spectrum = fft(kernel, kept * low_pass.stride).reshape(low_pass.stride, kept)
-    return np.asarray(spectrum[:, : kept // 2 + 1] / low_pass.stride)
+    spectrum = fft(kernel, count * low_pass.stride).reshape(low_pass.stride, count)
+    return np.asarray(spectrum[:, : count // 2 + 1] / low_pass.stride)
 
 
 @lru_cache(maxsize=32)
-def _turn(stride: int, kept: int, phase: int) -> Spectrum:
-    """e^(2 pi i p (q + a M) / N), shape (stride, kept // 2 + 1)."""
-    index = np.arange(stride)[:, None] * kept + np.arange(kept // 2 + 1)
-    return np.asarray(np.exp(2j * np.pi * ((phase * index) % (stride * kept)) / (stride * kept)))
+def _turn(stride: int, count: int, phase: int) -> Spectrum:
+    """e^(2 pi i p (q + a M) / N), shape (stride, count // 2 + 1)."""
+    index = np.arange(stride)[:, None] * count + np.arange(count // 2 + 1)
+    return np.asarray(np.exp(2j * np.pi * ((phase * index) % (stride * count)) / (stride * count)))

@@ -73,22 +73,24 @@ def force_parts(
     model = identification_model(case, full_model(case))
     u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
     rigid = expected_forces(model, motion, u)
-    found = around.disturbances
-    if found is None:
+    disturbances = around.disturbances
+    if disturbances is None:
         return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
     assert fields is not None
     frequency = mode_frequency(simulation.parameters, around)
-    shaken = Kinematics(motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, found.mode_damping))
+    vibration = Kinematics(
+        motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, disturbances.mode_damping)
+    )
     weight = around.load * float(np.linalg.norm(case.gravity))
-    return ForceParts(rigid, expected_forces(model, shaken, u) - rigid, fields.of(weight))
+    return ForceParts(rigid, expected_forces(model, vibration, u) - rigid, fields.of(weight))
 
 
 def _quantised(drives: Array, case: Case, simulation: Simulation) -> Array:
     steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
-    found = drives.copy()
+    result = drives.copy()
     for k in np.flatnonzero(steps):
-        found[:, k] = np.round(drives[:, k] / steps[k]) * steps[k]
-    return found
+        result[:, k] = np.round(drives[:, k] / steps[k]) * steps[k]
+    return result
 
 
 def simulate_recording(
@@ -123,13 +125,13 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
         execution = rippled(execution, around.disturbances, seed)
     step = 1.0 / simulation.encoder_rate_Hz
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
-    late = simulation.force_delay + simulation.force_sampling_offset_cycles * step
-    felt = execution.kinematics(np.clip(t - late, 0.0, execution.duration))
+    delay = simulation.force_delay + simulation.force_sampling_offset_cycles * step
+    kinematics = execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
     fields = None
     if around.disturbances is not None:
         home = case.need_machine("the simulation of sensor forces")[0].home.vector
-        fields = pose_fields(around.disturbances, home, felt.pose)
-    return Moved(t, execution.struts(t), felt, fields)
+        fields = pose_fields(around.disturbances, home, kinematics.pose)
+    return Moved(t, execution.struts(t), kinematics, fields)
 
 
 def sensed(

@@ -67,18 +67,21 @@ class StrutLayout:
             body: what is known of the body on the platform, by name.
         """
         s = self.sensors
-        known = dict(body)
+        values = dict(body)
         if s.at == "drive":
             for x, y, z in self.hexapod.platform:
                 lumped = {"m": 1.0, "mxC": x, "myC": y, "mzC": z, "I11": y**2 + z**2, "I12": -x * y, "I13": -x * z}
                 lumped |= {"I22": x**2 + z**2, "I23": -y * z, "I33": x**2 + y**2}
                 for name, value in lumped.items():
-                    known[name] = known.get(name, 0.0) + s.rod_mass_kg * float(value)
-        (base, joint), (held, turned) = s.viscous_friction_Nms or (0.0, 0.0), s.coulomb_friction_Nm or (0.0, 0.0)
+                    values[name] = values.get(name, 0.0) + s.rod_mass_kg * float(value)
+        (base, joint), (base_torque, joint_torque) = (
+            s.viscous_friction_Nms or (0.0, 0.0),
+            s.coulomb_friction_Nm or (0.0, 0.0),
+        )
         net = s.tube_first_moment_kg_m - (0.0 if moving else s.rod_first_moment_kg_m)
         own = {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
-        own |= {"cB": base, "cP": joint, "tB": held, "tP": turned}
-        return known | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
+        own |= {"cB": base, "cP": joint, "tB": base_torque, "tP": joint_torque}
+        return values | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
 
 
 def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
@@ -101,15 +104,15 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
         length = ca.norm_2(strut)
         direction = strut / length
         speed = ca.dot(direction, moving)
-        felt = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
-        vectors = (direction, (moving - speed * direction) / length, felt, ca.DM(gravity))
+        specific_force = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
+        vectors = (direction, (moving - speed * direction) / length, specific_force, ca.DM(gravity))
         for column, vector in zip(columns, vectors, strict=True):
             column.append(turn.T @ vector)
         lengths.append(length)
         speeds.append(speed)
     joints = ca.SX(ca.DM(hexapod.platform.T))
-    direction, turning, felt, weight = (ca.horzcat(*column) for column in columns)
-    return Rods(joints, direction, turning, felt, weight, ca.horzcat(*lengths), ca.horzcat(*speeds))
+    direction, turning, specific_force, weight = (ca.horzcat(*column) for column in columns)
+    return Rods(joints, direction, turning, specific_force, weight, ca.horzcat(*lengths), ca.horzcat(*speeds))
 
 
 def structure(moving: Rods) -> ca.SX:

@@ -79,7 +79,7 @@ def demo(
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
     language = dialect(usual_dialect(case))
-    controller, why = best_controller(language.name) if on is None else (on, "as asked")
+    controller, reason = best_controller(language.name) if on is None else (on, "as asked")
     family = PointToPoint(controller=language.name)
     request = Request(family, model=full_model(case), starts=starts, seed=seed, may_be_smooth=True)
     planned(request, case).save(place / "plan", overwrite=True)
@@ -97,4 +97,4 @@ def demo(
     result.save(place / "result", overwrite=True)
     done(result)
     assert result.estimate is not None
-    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)), why)
+    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)), reason)

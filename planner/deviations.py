@@ -119,10 +119,10 @@ def worst_std(
     Raises:
         CaseError: the case has no nominal body, or fewer payloads.
     """
-    found: dict[str, tuple[float, int]] = {}
+    worst: dict[str, tuple[float, int]] = {}
     for payload in payloads:
         noise = expected_noise(case, model, payload)
         for name, std in predicted_std_of(case, model, scaling, motion, noise, payload).items():
-            if name not in found or std > found[name][0] * (1.0 + 1e-6):
-                found[name] = (std, payload)
-    return found
+            if name not in worst or std > worst[name][0] * (1.0 + 1e-6):
+                worst[name] = (std, payload)
+    return worst

@@ -51,10 +51,10 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
     words = []
     times = found.of_rival(parameters)
     if found.rival is not None and times > RIVALS:
-        counted = "" if case.sensors.pose_error_N is None else ", errors of the pose counted"
+        remark = "" if case.sensors.pose_error_N is None else ", errors of the pose counted"
         words.append(
             f"weaker than a motion of another family that took seconds: --family {found.rival.family.name} has "
-            f"{times:.2f} times the D-efficiency{counted}"
+            f"{times:.2f} times the D-efficiency{remark}"
         )
     refined = [s for s in found.starts if s.refined]
     if refined and not found.interrupted and not refined[0].converged:
@@ -67,8 +67,8 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
             f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
             f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
         )
-    used = [c for c in found.limits.checks if c.binding and c.name.split(" (")[0] not in _PLACES]
-    if found.starts and used and (most := max(used, key=lambda c: c.ratio)).ratio < FULL:
+    checks = [c for c in found.limits.checks if c.binding and c.name.split(" (")[0] not in _PLACES]
+    if found.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
             f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
             "more --seconds or a smaller box may find more"
@@ -97,8 +97,8 @@ def notes(
     if isinstance(motion, FourierMotion) and (needless := needless_harmonics(motion)):
         order = max(2, motion.order - needless)
         if order < motion.order:
-            which = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
-            words.append(f"the {which} negligible: --order {order} would do")
+            text = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
+            words.append(f"the {text} negligible: --order {order} would do")
     if found.starts and (binding := bound_by(found.limits)):
         words.append(f"shaped by these limits: {', '.join(binding)}")
     if steps := [c for c in found.limits.checks if c.status is Status.STEPS]:
@@ -107,10 +107,10 @@ def notes(
             f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
             f"jerk of the case ({limits}) do not count"
         )
-    tried = {(s.family.order, s.family.period) for s in found.starts if isinstance(s.family, FourierFamily)}
-    if len(tried) > 1:
+    choices = {(s.family.order, s.family.period) for s in found.starts if isinstance(s.family, FourierFamily)}
+    if len(choices) > 1:
         own = f"order {settings['order']} with period {settings['period_s']:g} s"
-        words.append(f"{own} is the best of {len(tried)} choices of order and period")
+        words.append(f"{own} is the best of {len(choices)} choices of order and period")
     if (method := settings.get("retimed_with")) is not None:
         before, off_mm, off_deg = (float(settings[k]) for k in ("duration_before_s", "off_path_mm", "off_path_deg"))
         off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
@@ -128,8 +128,8 @@ def notes(
             )
     if len(request.payloads) > 1:
         by_load = {n: [p for p, (_, most) in worst.items() if most == n] for n in request.payloads}
-        which = "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
-        words.append(f"predicted standard deviations are the largest with {request.mounted}: {which}")
+        text = "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
+        words.append(f"predicted standard deviations are the largest with {request.mounted}: {text}")
     forces = [c for c in found.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
     words += [
         f"{c.name} shapes the motion: with fewer weights in [payloads] it could carry more information" for c in forces

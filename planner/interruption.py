@@ -28,13 +28,13 @@ def ctrl_c_raises() -> Iterator[None]:
 @contextmanager
 def first_ctrl_c_calls(stop: Callable[[], None]) -> Iterator[None]:
     """Inside, the first Ctrl-C calls `stop`, the second raises `Interrupted`."""
-    told = False
+    pressed = False
 
     def handle(number: int, frame: FrameType | None) -> None:
-        nonlocal told
-        if told:
+        nonlocal pressed
+        if pressed:
             raise Interrupted
-        told = True
+        pressed = True
         stop()
 
     with _handling(handle):

@@ -108,12 +108,12 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        told = None if progress is None else Progress(request, case, progress)
-        listener = SILENT if told is None else Listener(told.done, told.news)
+        reporter = None if progress is None else Progress(request, case, progress)
+        listener = SILENT if reporter is None else Listener(reporter.done, reporter.news)
 
         def make(wanted: Request) -> Plan:
-            if told is not None:
-                told.begin(wanted)
+            if reporter is not None:
+                reporter.begin(wanted)
             return make_until_ctrl_c(wanted, case, listener)
 
         return shortest_plan(request, case, make) if request.targets else make(request)
@@ -191,16 +191,16 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
 
 def _missed(request: Request, best: Plan, target: Target) -> BaseException:
     """What to say of the longest motion that is allowed where it does not meet a target."""
-    reached = f"{best.predicted_std[target.name] / UNITS[target.unit][1]:.3g} {target.unit}"
+    text = f"{best.predicted_std[target.name] / UNITS[target.unit][1]:.3g} {target.unit}"
     if best.interrupted:
-        return Interrupted(f"the best found until then has {reached}, not {target.text}: nothing was written")
-    needed = request.duration * target.share(best.predicted_std) ** 2 * RESERVE
-    longer = request.family.allowed_duration(float(np.ceil(needed)))
+        return Interrupted(f"the best found until then has {text}, not {target.text}: nothing was written")
+    minimum = request.duration * target.share(best.predicted_std) ** 2 * RESERVE
+    longer = request.family.allowed_duration(float(np.ceil(minimum)))
     remedy = f"allow --duration {longer:g}{request.family.options_for(longer)} or a wider target"
     if longer > LONGEST:
         remedy = f"even the longest motion, {LONGEST:g} s, would not do: set a wider target"
     return InfeasiblePlan(
-        f"target {target.text} is out of reach in {request.duration:g} s: the best found has {reached}; {remedy}"
+        f"target {target.text} is out of reach in {request.duration:g} s: the best found has {text}; {remedy}"
     )
 
 
@@ -248,24 +248,24 @@ class Progress:
 
     def words(self) -> str:
         """One line."""
-        passed = time.monotonic() - self.began
+        seconds = time.monotonic() - self.began
         if self.best is None:
-            return f"first starts, {passed:.0f} s"
+            return f"first starts, {seconds:.0f} s"
         if self.bound is not None:
-            reached = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
+            text = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
         else:
-            reached = f"criterion {self.request.criterion} {self.best.score:.4g}"
-        return f"{reached} after {self.count} start{'s' * (self.count > 1)}, {passed:.0f} s, {self._left(passed)}"
+            text = f"criterion {self.request.criterion} {self.best.score:.4g}"
+        return f"{text} after {self.count} start{'s' * (self.count > 1)}, {seconds:.0f} s, {self._left(seconds)}"
 
-    def _left(self, passed: float) -> str:
+    def _left(self, seconds: float) -> str:
         if self.request.seconds is not None:
-            return f"{max(0.0, self.request.seconds - passed):.0f} s left"
+            return f"{max(0.0, self.request.seconds - seconds):.0f} s left"
         if self.request.starts is not None:
-            left = self.request.starts - self.count
+            rest = self.request.starts - self.count
         else:
-            left = self.request.family.idle(self.request.criterion) - self.since
-        if left <= 0:
+            rest = self.request.family.idle(self.request.criterion) - self.since
+        if rest <= 0:
             return "refining the best"
-        return f"about {passed / self.count * left:.0f} s left" + (
+        return f"about {seconds / self.count * rest:.0f} s left" + (
             "" if self.request.starts else " unless more is found"
         )

@@ -179,9 +179,9 @@ class _Search:
     def _slope(self, sides: Array) -> Array:
         """Derivative of `_room` by the sides, shape (poses, 2 n)."""
         low, high = self.limits.box
-        moved = self._poses(sides)[:, None] + STEP * np.vstack([np.zeros(self.count), np.diag(high - low)])
-        shares = self.limits.shares(moved.reshape(-1, self.count)).reshape(len(moved), self.count + 1, -1)
-        shares = shares[np.arange(len(moved)), :, self.columns]
+        poses = self._poses(sides)[:, None] + STEP * np.vstack([np.zeros(self.count), np.diag(high - low)])
+        shares = self.limits.shares(poses.reshape(-1, self.count)).reshape(len(poses), self.count + 1, -1)
+        shares = shares[np.arange(len(poses)), :, self.columns]
         slope = (shares[:, :1] - shares[:, 1:]) / (STEP * (high - low))
         return np.hstack([slope * (1 - self.fractions) * low, slope * self.fractions * high])
 
@@ -216,15 +216,15 @@ def _rounded(case: Case, sides: Array) -> Array:
     """The box in the units of the case file, rounded inwards to a 500th of its widths, shape (2, n) [mm, deg]."""
     if case.chain is None:
         limits = case.need_machine("the reach of the motion box")[2].motion
-        stated = np.array([getattr(limits, key) for key in POSE]).T
+        case_box = np.array([getattr(limits, key) for key in POSE]).T
     else:
         joints = case.need_chain("the reach of the motion box")[1].joints
-        stated = np.array([joint.position_deg or joint.position_mm for joint in joints]).T
-    box = stated * sides.reshape(2, -1)
+        case_box = np.array([joint.position_deg or joint.position_mm for joint in joints]).T
+    box = case_box * sides.reshape(2, -1)
     finest = np.minimum(np.ptp(box, axis=0) / 500, np.abs(box).min(axis=0) / 10)
     scale = 10.0 ** np.maximum(np.ceil(-np.log10(finest)), 0.0)
     inwards = np.trunc(box * scale * (1 + 1e-12)) / scale
-    return np.where(sides.reshape(2, -1) >= WHOLE, stated, inwards)
+    return np.where(sides.reshape(2, -1) >= WHOLE, case_box, inwards)
 
 
 def _proof(case: Case, limits: StaticLimits, box: Array, seed: int) -> tuple[LimitCheck, int]:

@@ -58,8 +58,8 @@ class ExpectedNoise:
         None where W is right for the noise, when that is the information itself.
         """
         whitening = np.eye(6) if self.whitening is None else self.whitening
-        left = whitening @ self.channels @ whitening.T / self.sensors**2
-        if np.allclose(left, np.eye(6), atol=1e-9):
+        covariance = whitening @ self.channels @ whitening.T / self.sensors**2
+        if np.allclose(covariance, np.eye(6), atol=1e-9):
             return None
         return np.asarray(np.linalg.cholesky(self.channels).T / self.sensors @ whitening.T @ whitening)
 
@@ -157,13 +157,13 @@ class PoseErrors:
             struts: their lengths, shape (n, 6) [m].
             duration: duration for which they stand [s].
         """
-        felt = regressors if self.mixing is None else self.mixing @ regressors
-        flat, count = felt.reshape(len(felt), -1), len(felt)
+        rows = regressors if self.mixing is None else self.mixing @ regressors
+        flat, count = rows.reshape(len(rows), -1), len(rows)
         total = np.zeros((regressors.shape[2],) * 2)
         for first in range(0, count, BLOCK):
-            some = slice(first, first + BLOCK)
-            answer = (self.correlation(struts[some], struts) @ flat).reshape(-1, *felt.shape[1:])
-            total += np.tensordot(regressors[some], answer, ((0, 1), (0, 1)))
+            block = slice(first, first + BLOCK)
+            answer = (self.correlation(struts[block], struts) @ flat).reshape(-1, *rows.shape[1:])
+            total += np.tensordot(regressors[block], answer, ((0, 1), (0, 1)))
         return np.asarray(self.rate * duration / count**2 * (total + total.T) / 2.0)
 
     def scatter_of(self, model: Model, scaling: Array, motion: Trajectory) -> Array:
@@ -174,9 +174,9 @@ class PoseErrors:
             scaling: diagonal of H, shape (u,).
         """
         count = min(MOST_SAMPLES, max(2, int(np.ceil(motion.duration * 1000.0))))
-        found = motion.at((np.arange(count) + 0.5) * motion.duration / count)
-        matrices = over_samples(model.coordinate_regressor, found.pose, found.rates, found.accelerations)[0]
-        struts = self.hexapod.strut_lengths(found.pose)
+        states = motion.at((np.arange(count) + 0.5) * motion.duration / count)
+        matrices = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
+        struts = self.hexapod.strut_lengths(states.pose)
         return self.scatter(matrices.reshape(count, 6, -1) * scaling, struts, motion.duration)
 
 

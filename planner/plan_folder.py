@@ -104,15 +104,15 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     of_poses = data["family"] == PoseRequest.name
     if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
         raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
-    named = Artefact(file, data, "plan again")
-    own = named.case() if case is None else case
+    artefact = Artefact(file, data, "plan again")
+    own = artefact.case() if case is None else case
     count = len(own.need_motion("a plan")[0])
     if motion.at([0.0]).pose.shape[1] != count:
         raise FileProblem(f"{file}: its motion does not have the {count} coordinates of case {own.name}; plan again")
     payload = data.get("payload", 0)
     now = plan_basis(own, payload if isinstance(payload, int) else 0, of_poses)
-    remarks = named.require_unchanged(now, own, stale) if case is None else ()
-    if not named.changes(now, own.hash) and (problem := problem_of(data, motion, own)):
+    remarks = artefact.require_unchanged(now, own, stale) if case is None else ()
+    if not artefact.changes(now, own.hash) and (problem := problem_of(data, motion, own)):
         raise FileProblem(file, problem, "plan again")
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     try:
@@ -177,8 +177,8 @@ def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iter
     yield from _unlike("d_efficiency", data["d_efficiency"], efficiency)
     payload = _whole(data, "payload")
     noise = expected_noise(case, model, payload)
-    chosen = _chosen(case, model, noise, scaling, motion, information)
-    yield from _of_criterion(data, singular_values(chosen, model.names))
+    criterion_information = _chosen(case, model, noise, scaling, motion, information)
+    yield from _of_criterion(data, singular_values(criterion_information, model.names))
     yield from _unlike("assumed_noise_N", data["assumed_noise_N"], noise.sensors)
     first = _whole(data, "payload_from") if "payload_from" in data else payload
     worst = worst_std(case, model, scaling, motion, range(first, payload + 1))
@@ -228,17 +228,17 @@ def _whole(data: dict[str, Any], key: str) -> int:
 
 
 def _unlike_deviations(data: dict[str, Any], expected: dict[str, float]) -> Iterator[_Mismatch]:
-    said = data["predicted_std"]
-    if list(said) != list(expected):
+    entries = data["predicted_std"]
+    if list(entries) != list(expected):
         raise ValueError("predicted_std")
     for name, std in expected.items():
-        yield from _unlike(f"predicted_std.{name}", said[name], std)
+        yield from _unlike(f"predicted_std.{name}", entries[name], std)
 
 
-def _unlike(key: str, said: object, found: float, within: float | None = None) -> Iterator[_Mismatch]:
-    within = ALIKE * abs(found) if within is None else within
-    if isinstance(said, bool) or not isinstance(said, int | float) or not abs(said - found) <= within:
-        yield key, said, found
+def _unlike(key: str, entry: object, value: float, within: float | None = None) -> Iterator[_Mismatch]:
+    within = ALIKE * abs(value) if within is None else within
+    if isinstance(entry, bool) or not isinstance(entry, int | float) or not abs(entry - value) <= within:
+        yield key, entry, value
 
 
 def problem_of(data: dict[str, Any], motion: Trajectory, case: Case) -> str | None:
@@ -251,6 +251,6 @@ def problem_of(data: dict[str, Any], motion: Trajectory, case: Case) -> str | No
         return f"entry {error} is missing or damaged"
     if first is None:
         return None
-    key, said, found = first
-    words = f"{said:.6g}" if isinstance(said, int | float) else repr(said)
+    key, text, found = first
+    words = f"{text:.6g}" if isinstance(text, int | float) else repr(text)
     return f"{key} is {words}, but {found:.6g} by its motion: changed by hand or by another version"

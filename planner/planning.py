@@ -69,9 +69,9 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
     results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
-    done = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
+    score = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
-    rough = [s for s in results if isinstance(s, Start) and not s.refined and s.promise > done]
+    rough = [s for s in results if isinstance(s, Start) and not s.refined and s.promise > score]
     best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
             for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
     if best and not interrupted:
@@ -100,27 +100,29 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival, white)
 
 
-def _by_errors(request: Request, case: Case, found: Found, listener: Listener, run: Runner) -> tuple[Request, Found]:
+def _by_errors(request: Request, case: Case, result: Found, listener: Listener, run: Runner) -> tuple[Request, Found]:
     """A smooth motion in place of moves whose accelerations step, where it is worth more, and its request.
 
     What they are worth are the errors to be expected on a machine with a structural mode, where the case states one.
     """
-    laws = None if found.interrupted else both_laws(case, request.model, found.motion, request.payload)
+    laws = None if result.interrupted else both_laws(case, request.model, result.motion, request.payload)
     if laws is None or not laws.steps or laws.better != LIMITED_JERK:
-        return request, found._replace(laws=laws)
+        return request, result._replace(laws=laws)
     other = replace(request, family=Spline(), may_be_smooth=False)
     try:
         require_plannable(other, case)
         smooth = search(other, case, listener, run)
     except HexciteError:  # so short or long that none can be had
-        return request, found._replace(laws=laws)
+        return request, result._replace(laws=laws)
     worth = vibration(case, request.model, smooth.motion, request.payload, smooth.motion.duration)
     assert worth is not None  # the case states a mode
     times = worth.over(laws.own)
-    told = f"{other.name} in place of {request.name}, by errors to be expected on a machine with a mode at "
-    told += f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
-    told += "acceleration, of a controller that follows paths smoothly; --family ptp keeps these"
-    return (other, smooth._replace(of_law=told)) if times < 1.0 else (request, found._replace(laws=laws))
+    sentence = f"{other.name} in place of {request.name}, by errors to be expected on a machine with a mode at "
+    sentence += (
+        f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
+    )
+    sentence += "acceleration, of a controller that follows paths smoothly; --family ptp keeps these"
+    return (other, smooth._replace(of_law=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
 
 
 def _explored(
@@ -144,15 +146,15 @@ def _explored(
     results: list[Start | Failed] = []
     rivals: list[Start] = []
     while True:
-        found = run([*tasks, *([] if rival is None else [rival])], listener, patience)
-        for result in found.results:
+        outcome = run([*tasks, *([] if rival is None else [rival])], listener, patience)
+        for result in outcome.results:
             if isinstance(result, Start) and rival is not None and result.family.name != request.family.name:
                 rivals.append(result)
             else:
                 results.append(result)
         rival = None
-        if found.interrupted or patience.over() or patience.enough(results) or len(results) >= patience.most:
-            return results, rivals, found.interrupted
+        if outcome.interrupted or patience.over() or patience.enough(results) or len(results) >= patience.most:
+            return results, rivals, outcome.interrupted
         starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
         names = [family.settings for family in families]
         ranked = dict.fromkeys(names.index(s.family.settings) for s in starts) if several else {}
@@ -177,19 +179,19 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         Interrupted: Ctrl-C before any start was done.
     """
     require_plannable(request, case)
-    began = perf_counter()
+    start = perf_counter()
     fixed = request.family.motion(case)
-    found = search(request, case, listener, run) if fixed is None else _made_by_hand(request, *fixed, case)
+    result = search(request, case, listener, run) if fixed is None else _made_by_hand(request, *fixed, case)
     if request.may_be_smooth:
-        request, found = _by_errors(request, case, found, listener, run)
-    seconds = perf_counter() - began
-    if not found.limits.kept:
-        worst = found.limits.violations[0]
+        request, result = _by_errors(request, case, result, listener, run)
+    seconds = perf_counter() - start
+    if not result.limits.kept:
+        worst = result.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)}")
     try:
-        return rated(request, case, found, seconds)
+        return rated(request, case, result, seconds)
     except IdentificationError as error:
-        place = found.settings.get("sequence", f"no plan for model {request.model}")
+        place = result.settings.get("sequence", f"no plan for model {request.model}")
         raise IdentificationError(f"{place}: {error.typed}") from error
 
 
@@ -224,13 +226,13 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     mu = singular_values(information, model.names)
     noise = expected_noise(case, model, request.payload)
     worst = worst_std(case, model, scaling, found.motion, request.payloads)
-    chosen, errors = mu, PoseErrors.of(case, noise)
+    eigenvalues, errors = mu, PoseErrors.of(case, noise)
     if noise.whitening is not None or errors is not None:
         weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
-        chosen = singular_values(weighted, model.names)
+        eigenvalues = singular_values(weighted, model.names)
     laws = found.laws or both_laws(case, request.model, found.motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
-    told = (
+    remarks = (
         *_told(case, model, scaling, found.motion, noise, request.payload),
         *_of_pose_errors(case, model, scaling, found, request, predicted),
     )
@@ -238,7 +240,7 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     worth = Worth(
         settings=found.settings,
         search=_record(found, seconds, bound.efficiency(logdet), len(mu)),
-        score=CRITERIA[request.criterion].of(chosen),
+        score=CRITERIA[request.criterion].of(eigenvalues),
         logdet=logdet,
         condition=-CRITERIA["K"].of(mu),
         bound=bound,
@@ -247,14 +249,14 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
         shaken=noise.shaken,
         weights=noise.weights,
         weaknesses=weaknesses(found, case, len(mu)),
-        notes=(*notes(found._replace(laws=laws), request, case, worst), *told),
+        notes=(*notes(found._replace(laws=laws), request, case, worst), *remarks),
         vibration=None if laws is None else laws.to_json(),
     )
     rate = case.recording.rate_Hz
     return Plan(case, request, found.motion, found.limits, predicted, noise.sensors, rate, worth)
 
 
-def _record(found: Found, seconds: float, efficiency: float, parameters: int) -> Search:
+def _record(result: Found, seconds: float, efficiency: float, parameters: int) -> Search:
     """What a plan keeps of its search."""
     starts = tuple(
         Tried(
@@ -268,11 +270,11 @@ def _record(found: Found, seconds: float, efficiency: float, parameters: int) ->
             iterations=s.iterations,
             seconds=s.seconds,
         )
-        for s in found.starts
+        for s in result.starts
     )
-    other = found.rival
-    rival = None if other is None else Rival(other.family.name, found.of_rival(parameters) * efficiency)
-    return Search(starts, found.failed, found.interrupted, seconds, rival)
+    other = result.rival
+    rival = None if other is None else Rival(other.family.name, result.of_rival(parameters) * efficiency)
+    return Search(starts, result.failed, result.interrupted, seconds, rival)
 
 
 def _from_rest_to_rest(motion: Trajectory) -> bool:
@@ -288,43 +290,43 @@ def _told(
     if not noise.shaken:
         return ()
     mounted = f"with {payload} payloads" if payload else "without payload"
-    told = f"noise of the accelerations: a force sample errs by {_rms(noise):.3g} N rms {mounted}"
+    sentence = f"noise of the accelerations: a force sample errs by {_rms(noise):.3g} N rms {mounted}"
     if payload:
-        told += f", by {_rms(expected_noise(case, model)):.3g} N without"
-    told += f"; the sensors alone by {noise.sensors:.3g} N"
+        sentence += f", by {_rms(expected_noise(case, model)):.3g} N without"
+    sentence += f"; the sensors alone by {noise.sensors:.3g} N"
     if noise.weights == "stated":
-        return (told,)
-    stated = expected_noise(case, model, payload, "stated")
-    pairs = [predicted_std_of(case, model, scaling, motion, n, payload) for n in (stated, noise)]
+        return (sentence,)
+    case_noise = expected_noise(case, model, payload, "stated")
+    pairs = [predicted_std_of(case, model, scaling, motion, n, payload) for n in (case_noise, noise)]
     less = 1.0 - float(np.exp(np.mean([np.log(pairs[0][name] / pairs[1][name]) for name in pairs[0]])))
     return (
-        told,
+        sentence,
         f'identify --weights stated, or sensors.weights = "stated" in the case, makes the standard deviations '
         f"{100 * less:.0f} % smaller than the weights {noise.weights} (geometric mean, this motion)",
     )
 
 
 def _of_pose_errors(
-    case: Case, model: Model, scaling: Array, found: Found, request: Request, predicted: dict[str, float]
+    case: Case, model: Model, scaling: Array, result: Found, request: Request, predicted: dict[str, float]
 ) -> tuple[str, ...]:
     """What errors that depend on the pose cost a plan, and what it gave up for them."""
     field = PoseField.of(case.sensors)
     if field is None:
         return ()
-    white = worst_std(without_pose_errors(case), model, scaling, found.motion, request.payloads)
+    white = worst_std(without_pose_errors(case), model, scaling, result.motion, request.payloads)
     times = float(np.exp(np.mean([np.log(predicted[name] / std) for name, (std, _) in white.items()])))
-    told = (
+    remark = (
         f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
     )
-    told += "noise alone (geometric mean); "
-    if found.white is None:
-        return (told + "D-efficiency counts white noise alone",)
-    plain = np.linalg.slogdet(mean_information(model, scaling, found.motion))[1]
-    other = found.white.family.motion(found.white.unknowns)
+    remark += "noise alone (geometric mean); "
+    if result.white is None:
+        return (remark + "D-efficiency counts white noise alone",)
+    plain = np.linalg.slogdet(mean_information(model, scaling, result.motion))[1]
+    other = result.white.family.motion(result.white.unknowns)
     best = np.linalg.slogdet(mean_information(model, scaling, other))[1]
     bound = box_bound(case, model)
     return (
-        f"{told}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
+        f"{remark}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
         f"reaches {bound.efficiency(float(max(best, plain))):.3f}",
     )
 

@@ -83,8 +83,8 @@ class Plan:
     def poses(self) -> Array:
         """Where it stands still to measure, in the order of visit, shape (n, k) [m or rad]; a motion has none."""
         parts = self.motion.parts if isinstance(self.motion, Joined) else ()
-        found = [part.pose for part in parts if isinstance(part, Measurement)]
-        return np.array(found) if found else np.zeros((0, 6))
+        poses = [part.pose for part in parts if isinstance(part, Measurement)]
+        return np.array(poses) if poses else np.zeros((0, 6))
 
     @property
     def name(self) -> str:
@@ -188,9 +188,9 @@ class Plan:
     def __str__(self) -> str:
         """Ten lines: what it is, what it is worth, what it predicts, and its limits."""
         worth = self.worth
-        what = f"{len(self.poses)} poses" if isinstance(worth, PoseWorth) else f"{self.family} motion"
+        subject = f"{len(self.poses)} poses" if isinstance(worth, PoseWorth) else f"{self.family} motion"
         lines = [
-            f"Plan for {self.case.name}: {what}, {self.duration:.2f} s, criterion {self.request.criterion}, model "
+            f"Plan for {self.case.name}: {subject}, {self.duration:.2f} s, criterion {self.request.criterion}, model "
             f"{self.model}"
         ]
         if isinstance(worth, PoseWorth):
@@ -200,8 +200,8 @@ class Plan:
             lines.append(f"D-efficiency {worth.d_efficiency:.3f} against the box bound ({kind})")
             lines += [f"weak: {weakness}" for weakness in worth.weaknesses]
         lines += [f"predicted standard deviations, {line}" for line in self.deviations()]
-        used = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
-        lines.append(f"limits most used: {', '.join(f'{c.name} {share_text(c.ratio)}' for c in used)}")
+        checks = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
+        lines.append(f"limits most used: {', '.join(f'{c.name} {share_text(c.ratio)}' for c in checks)}")
         return "\n".join(lines)
 
     __repr__ = __str__

@@ -63,7 +63,7 @@ class Reach:
 
     def to_json(self) -> dict[str, Any]:
         """Shares, and the coordinates by the keys of `[limits.motion]` and in their units."""
-        stated, reachable = (np.round(box / self.units, 9).T.tolist() for box in (self.stated, self.reachable))
+        case_ranges, reachable = (np.round(box / self.units, 9).T.tolist() for box in (self.stated, self.reachable))
         return {
             "share": self.share,
             "share_std": self.share_std,
@@ -71,7 +71,7 @@ class Reach:
             "whole": self.whole,
             "worst": {"limit": self.worst_limit, "ratio": self.worst},
             "coordinates": {
-                key: {"stated": stated[k], "reachable": reachable[k], "limited_by": list(self.limited_by[k])}
+                key: {"stated": case_ranges[k], "reachable": reachable[k], "limited_by": list(self.limited_by[k])}
                 for k, key in enumerate(self.keys)
             },
             "exceeded": self.exceeded,
@@ -95,20 +95,20 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     limits = static_limits(case)
     box = limits.box
     n = box.shape[1]
-    drawn = np.random.default_rng(seed).random((count, n))
+    samples = np.random.default_rng(seed).random((count, n))
     grid = corners_and_middles(n, seed)
-    passed = limits.shares(limits.poses(box, drawn)) > 1.0 + TOLERANCE
-    kept = int(count - passed.any(axis=1).sum())
+    violations = limits.shares(limits.poses(box, samples)) > 1.0 + TOLERANCE
+    inside = int(count - violations.any(axis=1).sum())
     exceeded = {
-        kind: float(passed[:, [k == kind for k in limits.kinds]].any(axis=1).mean())
+        kind: float(violations[:, [k == kind for k in limits.kinds]].any(axis=1).mean())
         for kind in dict.fromkeys(limits.kinds)
     }
-    _, worst = limits.worst_poses(box, np.vstack([grid, drawn[:2000]]))
-    likely = (kept + 1) / (count + 2)  # so that the error of a share of 0 or 1 is not 0
+    _, worst = limits.worst_poses(box, np.vstack([grid, samples[:2000]]))
+    estimate = (inside + 1) / (count + 2)  # so that the error of a share of 0 or 1 is not 0
     reachable, limited_by = _coordinates(limits)
     return Reach(
-        share=kept / count,
-        share_std=float(np.sqrt(likely * (1 - likely) / count)),
+        share=inside / count,
+        share_std=float(np.sqrt(estimate * (1 - estimate) / count)),
         poses=count,
         worst=float(worst.max()),
         worst_limit=limits.names[int(worst.argmax())],
@@ -143,8 +143,8 @@ def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None,
         return limits.shares((limits.home + lengths[..., None] * ends[:, None]).reshape(-1, n))
 
     along = np.linspace(0.0, 1.0, STEPS + 1)
-    kept = (shares(np.tile(along, (2 * n, 1))).max(axis=1) <= 1.0 + TOLERANCE).reshape(2 * n, -1)
-    last = np.where(kept.all(axis=1), STEPS, np.maximum(np.argmin(kept, axis=1) - 1, 0))
+    valid = (shares(np.tile(along, (2 * n, 1))).max(axis=1) <= 1.0 + TOLERANCE).reshape(2 * n, -1)
+    last = np.where(valid.all(axis=1), STEPS, np.maximum(np.argmin(valid, axis=1) - 1, 0))
     inside, outside = along[last], along[np.minimum(last + 1, STEPS)]
     for _ in range(HALVINGS):
         middle = (inside + outside) / 2
@@ -182,7 +182,7 @@ class StaticLimits:
         struts = [f"strut {k}" for k in range(1, 7)]
         columns = [
             *(("strut length", f"{strut}, {end}") for end in ("longest", "shortest") for strut in struts),
-            *((f"{where} joint angle", strut) for where in ("base", "platform") for strut in struts),
+            *((f"{side} joint angle", strut) for side in ("base", "platform") for strut in struts),
             ("singularity", ""),
             *(
                 (f"distance from {box.name}", part)
@@ -212,8 +212,8 @@ class StaticLimits:
             columns = [stretched, -stretched, *angles, 1.0 - np.linalg.det(jacobian)[:, None] / self.determinant]
             struts = jacobian[:, :, :3] * length[:, :, None]  # the rows of J^-1 begin with the struts' directions
             for box in workspace.keep_out:
-                apart = distances(box, workspace, poses[:, :3], turn, self.machine.base.points, struts)
-                columns.append(1.0 - apart / box.vicinity)
+                clearances = distances(box, workspace, poses[:, :3], turn, self.machine.base.points, struts)
+                columns.append(1.0 - clearances / box.vicinity)
         return np.asarray(np.nan_to_num(np.hstack(columns), nan=np.inf))
 
     def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:
@@ -237,12 +237,14 @@ class StaticLimits:
         )
         for _ in range(CLIMBS):
             moves = np.vstack([np.eye(n), -np.eye(n)])
-            tried = np.clip(best[:, None] + size[:, None, None] * moves, 0.0, 1.0)
-            values = self.shares(self.poses(box, tried.reshape(-1, n))).reshape(len(columns), 2 * n, len(self.names))
+            candidates = np.clip(best[:, None] + size[:, None, None] * moves, 0.0, 1.0)
+            values = self.shares(self.poses(box, candidates.reshape(-1, n))).reshape(
+                len(columns), 2 * n, len(self.names)
+            )
             values = values[rows, :, columns]  # of each limit at the moves of its own pose
             way = values.argmax(axis=1)
             higher = values[rows, way] > most
-            best = np.where(higher[:, None], tried[rows, way], best)
+            best = np.where(higher[:, None], candidates[rows, way], best)
             most = np.where(higher, values[rows, way], most)
             size = np.where(higher, size, size / 2)
         fractions[columns], largest[columns] = best, most

@@ -82,9 +82,9 @@ class Request:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        asked = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
+        entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
         own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
-        return {"targets": list(self.targets), "seed": self.seed, "asked": asked | {"family": own}}
+        return {"targets": list(self.targets), "seed": self.seed, "asked": entries | {"family": own}}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
@@ -95,18 +95,18 @@ class Request:
         settings, kind = data["settings"], family_class(str(data["family"]))
         names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
         names["made_for"] = "controller"
-        became = {name: settings[key] for key, name in names.items() if key in settings}
-        asked = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": became}
+        family_settings = {name: settings[key] for key, name in names.items() if key in settings}
+        entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
         return cls(
-            kind(**asked["family"]),
-            float(asked["duration_s"]),
+            kind(**entries["family"]),
+            float(entries["duration_s"]),
             str(data["criterion"]),
             int(data["model"]),
             int(data["payload"]),
             _fewest(data),
             tuple(str(target) for target in data["targets"]),
-            asked.get("starts"),
-            asked.get("seconds"),
+            entries.get("starts"),
+            entries.get("seconds"),
             int(data.get("seed", settings.get("seed", 0))),
         )
 
@@ -126,10 +126,10 @@ def read_payloads(text: str) -> tuple[int, int | None]:
     Raises:
         HexciteError: neither.
     """
-    found = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
-    if found is None:
+    match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
+    if match is None:
         raise HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
-    return int(found[2]), None if found[1] is None else int(found[1])
+    return int(match[2]), None if match[1] is None else int(match[1])
 
 
 UNITS = {
@@ -171,17 +171,17 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Targe
     Raises:
         HexciteError: not of this form, an unknown parameter, or a unit that is not the parameter's.
     """
-    known = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
+    parameters = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
     targets = []
     for word in words:
         match = re.fullmatch(rf"(\w+)=({NUMBER}) *([A-Za-z][A-Za-z0-9/^ ]*)", word.strip())
         if match is None:
             raise HexciteError(f"target {word!r} is not of the form m=0.05kg; name, number and unit")
         name, number, unit = match[1], match[2], match[3].replace("^", "").replace(" ", "")
-        if name not in known:
-            raise HexciteError(f"target {word!r}: model {model} has no {name}; choose {', '.join(known)}")
-        if unit not in UNITS or UNITS[unit][0] != known[name]:
-            units = ", ".join(u for u, (base, _) in UNITS.items() if base == known[name])
+        if name not in parameters:
+            raise HexciteError(f"target {word!r}: model {model} has no {name}; choose {', '.join(parameters)}")
+        if unit not in UNITS or UNITS[unit][0] != parameters[name]:
+            units = ", ".join(u for u, (base, _) in UNITS.items() if base == parameters[name])
             raise HexciteError(f"target {word!r}: {name} is not measured in {match[3]}; choose {units}")
         std = float(number) * UNITS[unit][1]
         if not (np.isfinite(std) and std > 0.0):

@@ -104,8 +104,10 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     share = float(np.sqrt(motion.duration / seconds))  # of white noise, which averages out over time
     at_equal_time = replace(noise, sensors=share * noise.sensors, channels=share**2 * noise.channels)
     white = predicted_std_of(case, model, reference_scaling(case, model), motion, at_equal_time, payload)
-    found = {p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)}
-    return Vibration(frequency, found, _mean_ratio(found, white), s0)
+    deviations = {
+        p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)
+    }
+    return Vibration(frequency, deviations, _mean_ratio(deviations, white), s0)
 
 
 def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:
@@ -125,8 +127,8 @@ def _shift(columns: Array, added: Array, noise: float, low_pass: "Filter") -> tu
     """What added forces move each unknown by, and the residual of a force sample beside its noise [N]."""
     size = np.linalg.norm(columns, axis=0)
     answer, *_ = np.linalg.lstsq(columns / size, added, rcond=None)
-    left = added - (columns / size) @ answer
-    return answer / size, float(np.sqrt(noise**2 + np.mean(left**2) / low_pass.noise_gain))
+    residuals = added - (columns / size) @ answer
+    return answer / size, float(np.sqrt(noise**2 + np.mean(residuals**2) / low_pass.noise_gain))
 
 
 def _evaluated(
@@ -139,10 +141,10 @@ def _evaluated(
     lengths = hexapod.strut_lengths(run.at(np.minimum(t, run.duration)).pose)
     execution = DriveExecution.of_set_points(hexapod, step, lengths)
     t = t[t <= execution.duration]
-    struts, moved = execution.struts(t), execution.kinematics(t)
-    shaken = replace(moved, twist_rate=vibrating(moved.twist_rate, step, frequency, damping))
-    rigid = regressors(model, moved) @ u
-    added = low_pass.apply(regressors(model, shaken) @ u - rigid)
+    struts, kinematics = execution.struts(t), execution.kinematics(t)
+    vibrating_motion = replace(kinematics, twist_rate=vibrating(kinematics.twist_rate, step, frequency, damping))
+    rigid = regressors(model, kinematics) @ u
+    added = low_pass.apply(regressors(model, vibrating_motion) @ u - rigid)
     inside = t[low_pass.margin : -low_pass.margin]
     rows = np.flatnonzero((inside >= REST) & (inside <= run.duration - REST))[:: low_pass.stride]
     matrices = regressors(model, hexapod.kinematics(*(low_pass.apply(struts, order)[rows] for order in range(3))))

@@ -203,8 +203,8 @@ def dialect_of_file(file: str) -> Dialect:
     Raises:
         ProgramError: no dialect has this suffix.
     """
-    for known in DIALECTS.values():
-        if file.lower().endswith(known.suffixes):
-            return known
+    for dialect in DIALECTS.values():
+        if file.lower().endswith(dialect.suffixes):
+            return dialect
     suffixes = ", ".join(s for d in DIALECTS.values() for s in d.suffixes)
     raise ProgramError(file, 0, 0, f"the suffix names no controller; programs end in {suffixes}")

@@ -83,18 +83,18 @@ def _motion(program: NeutralProgram) -> Joined:
 
 def _parts(program: NeutralProgram) -> Iterator[Trajectory]:
     """Each block's motion; the trigger has no place in the message, the whole motion is evaluated."""
-    here: Array | None = None
+    last_pose: Array | None = None
     for block in program.blocks:
         part: Trajectory
         match block:
             case ToHome():
-                here = block.pose
+                last_pose = block.pose
                 continue
             case Comment() | Trigger():
                 continue
             case Dwell():
-                assert here is not None
-                part = Standstill(here, block.duration)
+                assert last_pose is not None
+                part = Standstill(last_pose, block.duration)
             case ExactStopMove():
                 part = block.move
             case SplinePath():
@@ -105,31 +105,31 @@ def _parts(program: NeutralProgram) -> Iterator[Trajectory]:
                 raise HexciteError("a joint trajectory has no arcs and no moves straight in struts; plan without them")
         if part.duration > 0.0:
             yield part
-            here = part.at([part.duration]).pose[0]
+            last_pose = part.at([part.duration]).pose[0]
 
 
 def _instants(motion: Joined, step: float) -> Array:
     """Ends of all pieces, and instants between them, shape (n,) [s]; none within a standstill."""
-    found = [np.zeros(1)]
+    instants = [np.zeros(1)]
     for part, start in zip(motion.parts, motion.starts, strict=False):
         if isinstance(part, Standstill):
-            found.append(np.array([start + part.duration]))
+            instants.append(np.array([start + part.duration]))
             continue
         for a, b in pairwise(_apart(_ends(part))):
             count = max(1, int(np.ceil((b - a) / step - 1e-9)))
-            found.append(start + np.linspace(a, b, count + 1)[1:])
-    return np.concatenate(found)
+            instants.append(start + np.linspace(a, b, count + 1)[1:])
+    return np.concatenate(instants)
 
 
 def _apart(ends: list[float]) -> list[float]:
     """Ends of pieces without those that are too close to another one: the first and the last stay."""
-    kept = ends[:1]
+    instants = ends[:1]
     for end in ends[1:]:
-        if end - kept[-1] >= CLOSEST:
-            kept.append(end)
-        elif end == ends[-1] and len(kept) > 1:
-            kept[-1] = end
-    return kept if len(kept) > 1 else [ends[0], ends[-1]]
+        if end - instants[-1] >= CLOSEST:
+            instants.append(end)
+        elif end == ends[-1] and len(instants) > 1:
+            instants[-1] = end
+    return instants if len(instants) > 1 else [ends[0], ends[-1]]
 
 
 def _ends(part: Trajectory) -> list[float]:

@@ -76,10 +76,10 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
             ),
             base[-1],
         )
-        found = _hermite(motion, times, degree)
-        off = even_deviation(found, motion)
+        spline = _hermite(motion, times, degree)
+        off = even_deviation(spline, motion)
         if off.position <= tolerance[0] and off.angle <= tolerance[1]:
-            return found
+            return spline
         finer *= 2
     raise TooCoarse(f"polynomials of degree {degree} stay {off.position * 1e3:.2g} mm off the motion")
 
@@ -109,18 +109,18 @@ def _hermite(motion: Trajectory, times: Array, degree: int) -> Pieces:
     at, steps = motion.at(times), np.diff(times)[:, None]
     order = (degree - 1) // 2
     values = [at.pose, at.rates, at.accelerations][: order + 1]
-    known = [v[:-1] * steps**k / (1, 1, 2)[k] for k, v in enumerate(values)]  # c_0 .. c_order
+    coefficients = [v[:-1] * steps**k / (1, 1, 2)[k] for k, v in enumerate(values)]  # c_0 .. c_order
     # The other half from the end: sum_i i!/(i-k)! c_i = x1^(k) T^k.
     high = np.arange(order + 1, degree + 1)
     falling = np.array(
         [[np.prod(high[c] - np.arange(k)) for c in range(len(high))] for k in range(order + 1)], dtype=float
     )
-    wanted = []
+    targets = []
     for k, v in enumerate(values):
-        rest = sum(np.prod(i - np.arange(k)) * known[i] for i in range(k, order + 1))
-        wanted.append(v[1:] * steps**k - rest)
-    rest_coefficients = np.einsum("ck,knj->cnj", np.linalg.inv(falling), np.stack(wanted))
-    return Pieces(times, np.stack([*known, *rest_coefficients], axis=1))
+        rest = sum(np.prod(i - np.arange(k)) * coefficients[i] for i in range(k, order + 1))
+        targets.append(v[1:] * steps**k - rest)
+    rest_coefficients = np.einsum("ck,knj->cnj", np.linalg.inv(falling), np.stack(targets))
+    return Pieces(times, np.stack([*coefficients, *rest_coefficients], axis=1))
 
 
 def even_deviation(found: Pieces, motion: Trajectory) -> PieceDeviation:
@@ -138,13 +138,13 @@ def path_speed_deviation(found: Pieces, motion: Trajectory) -> PieceDeviation:
     rests = share[:, -1:] <= 1e-12
     share = np.where(rests, p, share / np.where(rests, 1.0, share[:, -1:]))
     even = np.linspace(0.0, 1.0, CHECKS + 1)
-    passed = np.array([np.interp(even, row, p) for row in share])
-    powers = passed[:, :, None] ** np.arange(found.coefficients.shape[1])
+    parameters = np.array([np.interp(even, row, p) for row in share])
+    powers = parameters[:, :, None] ** np.arange(found.coefficients.shape[1])
     return _deviation(found, motion, np.einsum("kmi,kij->kmj", powers, found.coefficients), even)
 
 
-def _deviation(found: Pieces, motion: Trajectory, poses: Array, p: Array) -> PieceDeviation:
-    starts, steps = found.times[:-1, None], np.diff(found.times)[:, None]
+def _deviation(spline: Pieces, motion: Trajectory, poses: Array, p: Array) -> PieceDeviation:
+    starts, steps = spline.times[:-1, None], np.diff(spline.times)[:, None]
     instants = np.minimum(starts + steps * p, motion.duration)
     exact = motion.at(instants.ravel()).pose.reshape(poses.shape)
     off = poses - exact

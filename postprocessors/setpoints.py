@@ -119,8 +119,8 @@ def _values(program: NeutralProgram, case: Case) -> Array:
     struts: list[Array] = []
     if case.hexapod is not None:
         function = Hexapod.of(case).strut_motion.map(len(motion.t))
-        found = function(motion.pose.T, motion.rates.T, motion.accelerations.T)
-        struts = [np.array(v.full()).T / MM for v in found]
+        outputs = function(motion.pose.T, motion.rates.T, motion.accelerations.T)
+        struts = [np.array(v.full()).T / MM for v in outputs]
     return np.column_stack([motion.t, *coordinates, *struts, trigger])
 
 

@@ -106,12 +106,12 @@ class _SinumerikWriter:
         if s.poly_axes < AXES_OF_A_POSE:
             raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates; set path = 'lines'")
         try:
-            found = pieces(motion, s.poly_degree, s.poly_block, s.poly_tolerance)
+            spline = pieces(motion, s.poly_degree, s.poly_block, s.poly_tolerance)
         except TooCoarse as error:
             raise self.wrong(
                 "poly_tolerance_mm", f"is not reached: {error}; loosen it or set path = 'lines'"
             ) from error
-        return [*self.stated(name, found, motion), "G64 G93", *self.poly(found), "G94 G60 G1"]
+        return [*self.stated(name, spline, motion), "G64 G93", *self.poly(spline), "G94 G60 G1"]
 
     def wrong(self, key: str, problem: str) -> CaseError:
         return CaseError(f"case {self.case.name}", f"controller.sinumerik.{key}", problem)
@@ -150,9 +150,9 @@ class _SinumerikWriter:
     def compressed(self, name: str, path: TimedPath) -> list[str]:
         """The compressor takes nothing but G1, coordinates and F."""
         s = self.settings
-        said = f"{name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"
+        comment = f"{name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"
         tolerances = f"CTOL={s.contour_tolerance_mm:g} OTOL={s.orientation_tolerance_deg:g}"
-        lines = [*comments(said), f"G642 G93 COMPCAD {tolerances}"]
+        lines = [*comments(comment), f"G642 G93 COMPCAD {tolerances}"]
         for pose, step in zip(path.poses[1:], np.diff(path.times), strict=True):
             lines.append(f"G1 {self.pose(pose)} F{number(MINUTE / step, FEED_DECIMALS)}")
         return [*lines, "COMPOF", "G94 G60"]

@@ -75,8 +75,8 @@ def proven_program(
         _require_same(program, reading, language.tolerance(case))
     else:
         language.same(program, reading, case)
-    said = replace(program, header=(*header, *_findings(proof)))
-    content = language.write(said, case)
+    draft = replace(program, header=(*header, *_findings(proof)))
+    content = language.write(draft, case)
     again = language.read(content, file, case)
     if not _same_events(again, reading):
         raise ProgramError(file, 0, 0, "the header changes how the program reads; report this")
@@ -87,8 +87,8 @@ def _findings(proof: ProgramProof) -> tuple[str, ...]:
     """What the header says of the proof: never more than it holds."""
     lines = [f"duration {proof.duration:.3f} s, excitation {proof.excitation:.3f} s", f"limits: {proof.verdict}"]
     for check in proof.limits.checks:
-        used = f"{100 * check.ratio:.1f} % of {check.limit:.5g} {check.unit}"
-        lines.append(f"{check.name}: {used}, {check.status}{'' if check.binding else ' (predicted)'}")
+        text = f"{100 * check.ratio:.1f} % of {check.limit:.5g} {check.unit}"
+        lines.append(f"{check.name}: {text}, {check.status}{'' if check.binding else ' (predicted)'}")
     return tuple(lines)
 
 
@@ -96,8 +96,8 @@ def _same_events(one: Reading, other: Reading) -> bool:
     """Whether two readings say the same to the last bit, but for the lines at which they say it."""
 
     def values(event: Event) -> list[object]:
-        found = [getattr(event, f.name) for f in fields(event) if f.name != "line"]
-        return [type(event), *(v.tobytes() if isinstance(v, np.ndarray) else repr(v) for v in found)]
+        entries = [getattr(event, f.name) for f in fields(event) if f.name != "line"]
+        return [type(event), *(v.tobytes() if isinstance(v, np.ndarray) else repr(v) for v in entries)]
 
     pairs = zip(one.events, other.events, strict=False)
     return len(one.events) == len(other.events) and all(values(a) == values(b) for a, b in pairs)
@@ -165,11 +165,11 @@ def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:
     """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces."""
     blocks: list[Block] = []
     for together, group in groupby(program.blocks, lambda b: isinstance(b, ExactStopMove)):
-        found = list(group)
+        members = list(group)
         if together:
-            moves = [b.move for b in found if isinstance(b, ExactStopMove)]
-            found = [SplinePath("moves", polynomials_of(moves))]
-        blocks += found
+            moves = [b.move for b in members if isinstance(b, ExactStopMove)]
+            members = [SplinePath("moves", polynomials_of(moves))]
+        blocks += members
     return replace(program, blocks=tuple(blocks))
 
 

@@ -65,10 +65,10 @@ def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array)
     flat, right = matrix.reshape(-1, 6), (specific_forces - at_rest).ravel()
     if len(at_rest) < FEWEST_POSES or np.linalg.cond(flat / np.linalg.norm(flat, axis=0)) > 1e3:
         return None
-    found = np.linalg.lstsq(flat, right, rcond=None)[0]
-    left = right - flat @ found
-    covariance = np.linalg.inv(flat.T @ flat) * float(left @ left) / (len(right) - 6)
-    return AccelerometerBias(found[:3], covariance[:3, :3], found[3:], float(np.sqrt(np.mean(left**2))))
+    solution = np.linalg.lstsq(flat, right, rcond=None)[0]
+    residuals = right - flat @ solution
+    covariance = np.linalg.inv(flat.T @ flat) * float(residuals @ residuals) / (len(right) - 6)
+    return AccelerometerBias(solution[:3], covariance[:3, :3], solution[3:], float(np.sqrt(np.mean(residuals**2))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +89,9 @@ class Biases:
     @property
     def exact(self) -> "Biases":
         """The same without their uncertainty."""
-        felt = self.accelerometer
-        felt = None if felt is None else replace(felt, covariance=np.zeros((3, 3)))
-        return replace(self, covariance=np.zeros((6, 6)), accelerometer=felt)
+        bias = self.accelerometer
+        bias = None if bias is None else replace(bias, covariance=np.zeros((3, 3)))
+        return replace(self, covariance=np.zeros((6, 6)), accelerometer=bias)
 
     def to_json(self) -> dict[str, Any]:
         """What a result says about where its offsets come from."""
@@ -122,18 +122,18 @@ class Biases:
             units: units of the channels.
             mass: what the run makes of the mass then, in words.
         """
-        away = free - self.values
+        deviation = free - self.values
         std = np.sqrt(np.diag(covariance) + np.diag(self.covariance))
-        worst = int(np.argmax(np.abs(away) / std))
-        if not abs(away[worst]) > DRIFTED * std[worst]:
+        worst = int(np.argmax(np.abs(deviation) / std))
+        if not abs(deviation[worst]) > DRIFTED * std[worst]:
             return []
-        name, unit, by = OFFSET_NAMES[worst], units[worst], abs(away[worst])
-        told = (
+        name, unit, by = OFFSET_NAMES[worst], units[worst], abs(deviation[worst])
+        sentence = (
             f"{name} of this run is {free[worst]:.4g} {unit}, {by:.2g} {unit} or {by / std[worst]:.0f} standard "
             f"deviations from that of {self.source}: offsets have drifted, or the two runs err differently; the other "
             f"parameters carry it{mass}"
         )
-        return [warning(Kind.OFFSETS, told)]
+        return [warning(Kind.OFFSETS, sentence)]
 
 
 def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
@@ -144,11 +144,11 @@ def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
         exact: the same fit as if these were exact.
     """
     place = model.names.index("m")
-    std, left = (max(f.covariance[place, place], f.covariance_robust[place, place]) for f in (fit, exact))
+    std, remainder = (max(f.covariance[place, place], f.covariance_robust[place, place]) for f in (fit, exact))
     return note(
         Kind.OFFSETS,
         f"of the mass's standard deviation of {std**0.5:.2g} kg the offsets that were taken make "
-        f"{max(std - left, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {left**0.5:.2g} kg",
+        f"{max(std - remainder, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {remainder**0.5:.2g} kg",
     )
 
 

@@ -87,15 +87,15 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
     Raises:
         IdentificationError: parameters that are not determined, by name.
     """
-    counted = root.shape[1] - nuisance
-    scaled = triangle(root * column_scale(root))[:counted, :counted]
+    count = root.shape[1] - nuisance
+    scaled = triangle(root * column_scale(root))[:count, :count]
     singular, directions = np.linalg.svd(scaled)[1:]
     rank = int(np.sum(singular > rows * np.finfo(float).eps * singular[0]))
-    if rank < counted:
+    if rank < count:
         share = np.abs(directions[rank:]).max(axis=0)
         hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
         raise IdentificationError(
-            f"rank {rank} of {counted}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
+            f"rank {rank} of {count}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
             "more poses) or choose a model without them"
         )
     return rank, float(singular[0] / singular[-1])

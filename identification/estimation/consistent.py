@@ -109,8 +109,8 @@ def _root(covariance: Array) -> Array:
     """S with S S^T = covariance, shape (u, r), r < u where parameters are fixed."""
     unit = _unit(covariance)
     variances, directions = np.linalg.eigh(covariance / np.outer(unit, unit))
-    kept = variances > len(unit) * np.finfo(float).eps * variances[-1]
-    return np.asarray(unit[:, None] * directions[:, kept] * np.sqrt(variances[kept]))
+    significant = variances > len(unit) * np.finfo(float).eps * variances[-1]
+    return np.asarray(unit[:, None] * directions[:, significant] * np.sqrt(variances[significant]))
 
 
 def _nearest(start: Array, slopes: Array) -> Array:

@@ -55,8 +55,8 @@ def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0)
     """
     determined(compressed.root, names, compressed.rows, nuisance)
     norms = np.linalg.norm(compressed.root, axis=0)
-    left = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
-    unseen = np.flatnonzero(left <= compressed.rows * np.finfo(float).eps * norms)
+    remainders = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
+    unseen = np.flatnonzero(remainders <= compressed.rows * np.finfo(float).eps * norms)
     if len(unseen):
         raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
     half = inverse_root(compressed.root)
@@ -138,11 +138,11 @@ def _own_noise(regressors: Array, forces: Array) -> Array:
     samples, _, unknowns = regressors.shape
     if samples < 2 * unknowns:
         return np.asarray(forces.std(axis=0))
-    left = [
+    residuals = [
         forces[:, k] - regressors[:, k] @ np.linalg.lstsq(regressors[:, k], forces[:, k], rcond=None)[0]
         for k in range(forces.shape[1])
     ]
-    noise = np.std(left, axis=1)
+    noise = np.std(residuals, axis=1)
     return np.asarray(np.maximum(noise, 1e-6 * forces.std(axis=0)))
 
 
@@ -220,9 +220,9 @@ def full_weights(
         converged = bool(np.abs((new - channels) / np.outer(std, std)).max() < WEIGHT_TOLERANCE)
         channels, rounds = new, rounds + 1
         fit = _weighted(regressors, forces, names, channels, nuisance, filtered)
-    raised = (independent / (independent - sensors - 1)) ** 2
+    factor = (independent / (independent - sensors - 1)) ** 2
     findings = settled("full", converged, rounds)
-    return replace(fit, covariance=raised * fit.covariance, findings=findings), channels
+    return replace(fit, covariance=factor * fit.covariance, findings=findings), channels
 
 
 def _weighted(

@@ -86,8 +86,8 @@ class Method:
     @property
     def without_biases(self) -> "Method":
         """The same with the offsets of the forces free."""
-        taken = {} if self.biases is None else self.biases.known
-        return replace(self, known={n: v for n, v in self.known.items() if n not in taken}, biases=None)
+        offsets = {} if self.biases is None else self.biases.known
+        return replace(self, known={n: v for n, v in self.known.items() if n not in offsets}, biases=None)
 
     def selection(self, model: Model) -> Selection:
         """What of a model is estimated, where the problem is linear; for the non-linear form all of it.
@@ -193,8 +193,8 @@ def method(
 def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
     fit, kept = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
     share = ", ".join(f"{100 * r:.0f}" for r in np.mean(kept < 1.0, axis=0))
-    told = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
-    return replace(fit, findings=(note(Kind.ESTIMATOR, told), *fit.findings))
+    sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
+    return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
 
 
 def _full(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
@@ -203,11 +203,11 @@ def _full(regressors: Array, forces: Array, names: Sequence[str], problem: FitPr
 
 def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, free: Estimator) -> Fit:
     fit, rise, p_value = consistent(regressors, forces, names, free(regressors, forces, names), THINNEST)
-    told = "consistent: the estimate is that of a real body, the constraint did not bind"
+    sentence = "consistent: the estimate is that of a real body, the constraint did not bind"
     if rise:
-        told = f"consistent: the constraint bound and raised chi^2 by {rise:.3g} s0^2; chance does so in at most "
-        told += f"{100 * p_value:.2g} % of runs"
-    findings = (*fit.findings, note(Kind.ESTIMATOR, told))
+        sentence = f"consistent: the constraint bound and raised chi^2 by {rise:.3g} s0^2; chance does so in at most "
+        sentence += f"{100 * p_value:.2g} % of runs"
+    findings = (*fit.findings, note(Kind.ESTIMATOR, sentence))
     if rise and p_value < UNLIKELY:
         far = "no real body is near what the data say; model or data are wrong"
         findings = (*findings, warning(Kind.ESTIMATOR, far))
@@ -239,14 +239,14 @@ def _with_priors(
     fit, effects = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)
     findings = []
     for effect in effects:
-        told = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
-        told += f"{100 * effect.data_share:.0f} % of what is known about it"
+        sentence = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
+        sentence += f"{100 * effect.data_share:.0f} % of what is known about it"
         if effect.data_share > 0.0:
-            told += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
-        findings.append(note(Kind.ESTIMATOR, told))
+            sentence += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
+        findings.append(note(Kind.ESTIMATOR, sentence))
         if abs(effect.conflict) > CONFLICT:
-            told = (
+            sentence = (
                 f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard deviations"
             )
-            findings.append(warning(Kind.ESTIMATOR, f"{told}; doubt one of them"))
+            findings.append(warning(Kind.ESTIMATOR, f"{sentence}; doubt one of them"))
     return replace(fit, findings=tuple(findings))

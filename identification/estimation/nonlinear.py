@@ -102,8 +102,8 @@ def nonlinear(
 
     noise = np.sqrt(compressed.rest / (compressed.rows - len(names)))
     length = np.sqrt(compressed.rest + np.sum(compressed.right**2))
-    found, steps = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
-    u, tangent = full(found)
+    solution, steps = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
+    u, tangent = full(solution)
     labels = [name for name, f in zip(names, free, strict=True) if f]
     fit = with_kernel(fit_along(compressed, labels, u, tangent, beyond, filtered), regressors, filtered)
     return replace(fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {steps} Gauss-Newton steps"),))

@@ -148,8 +148,8 @@ def with_priors(
     compressed = compress(regressors, forces, weights)
     scale = column_scale(compressed.root)
     zero = compressed.rows * np.finfo(float).eps  # the paper's (Fig. 3)
-    free, _, seen, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
-    freedom = degrees_of_freedom(compressed.rows, float(seen), filtered)
+    free, _, matrix_rank, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
+    freedom = degrees_of_freedom(compressed.rows, float(matrix_rank), filtered)
     floor = ROUNDING * float(np.sqrt(compressed.rest + np.sum(compressed.right**2)))
     least = max(compressed.chi_squared(scale * free), floor**2)
     noise = float(np.sqrt(least / freedom))  # s0 / sqrt(stride), the noise of (28)
@@ -205,10 +205,10 @@ def _effects(pseudo: PseudoMeasurements, fit: Fit) -> tuple[PriorEffect, ...]:
     for prior, value, row in zip(pseudo.priors, values, rows, strict=True):
         variance = float(row @ fit.covariance @ row)
         share = float(np.clip(1.0 - variance / prior.std**2, 0.0, 1.0))
-        moved = conflict = 0.0
+        shift = conflict = 0.0
         if share > SILENT:
             without = np.sqrt(share / variance)  # one over the standard deviation without this prior
-            moved = float((prior.value - value) / (prior.std**2 * without))
-            conflict = moved * prior.std / np.sqrt(variance)
-        effects.append(PriorEffect(prior, float(value), float(np.sqrt(variance)), moved, float(conflict), share))
+            shift = float((prior.value - value) / (prior.std**2 * without))
+            conflict = shift * prior.std / np.sqrt(variance)
+        effects.append(PriorEffect(prior, float(value), float(np.sqrt(variance)), shift, float(conflict), share))
     return tuple(effects)

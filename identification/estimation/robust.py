@@ -82,14 +82,14 @@ def huber(
     back = scale[:, None] * solve_triangular(r, np.eye(unknowns))
     spread_of_u = back @ _bread(q, residuals, noise)
     meat = (q * (psi / noise)[:, None] ** 2).T @ q * (rows / start.freedom)
-    moved = (q * (psi / noise)[:, None]).reshape(samples, sensors, unknowns).sum(axis=1)
+    influence = (q * (psi / noise)[:, None]).reshape(samples, sensors, unknowns).sum(axis=1)
     recorded = noise[:6] * spread / np.sqrt(filtered.gain)  # of the forces before the filter
     values = back @ v
     s0 = float(shrunk * np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))  # Huber's proposal 2, for a scale near it
     fit = Fit(
         values=values,
         covariance=spread_of_u @ meat @ spread_of_u.T,
-        covariance_robust=spread_of_u @ long_run_covariance(moved) @ spread_of_u.T,
+        covariance_robust=spread_of_u @ long_run_covariance(influence) @ spread_of_u.T,
         s0=s0 * float(recorded[0]) if pooled else s0,
         freedom=start.freedom,
         residuals=forces - regressors @ values,

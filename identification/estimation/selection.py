@@ -37,8 +37,8 @@ class Selection:
         without = {*self.known, *self.dropped} | {f"IC{name[1:]}" for name in self.dropped if name[0] == "I"}
         jacobian = form.map(self.offset + self.basis.sum(axis=1))[1].full()
         # What follows from known values alone cancels to rounding.
-        reached = np.abs(jacobian @ self.basis).max(axis=1) > 1e-9 * np.abs(jacobian).max(axis=1)
-        return tuple(p.name for p, r in zip(form.parameters, reached, strict=True) if r and p.name not in without)
+        sensitive = np.abs(jacobian @ self.basis).max(axis=1) > 1e-9 * np.abs(jacobian).max(axis=1)
+        return tuple(p.name for p, r in zip(form.parameters, sensitive, strict=True) if r and p.name not in without)
 
 
 def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
@@ -75,37 +75,37 @@ def select(model: Model, known: Mapping[str, float], dropped: Iterable[str] = ()
             raise IdentificationError(
                 f"{name} = {value:g} cannot be a known value; give a finite number, a mass above 0"
             )
-    given = {**known, **dict.fromkeys(dropped, 0.0)}
+    constants = {**known, **dict.fromkeys(dropped, 0.0)}
     pairs = list(zip(model.names, form, strict=True))
     for linear, physical in pairs:
         if (linear in known) + (physical in known and physical != linear) + (linear in dropped) > 1:
             raise IdentificationError(f"{linear} is given twice (as {physical}, or also left out); give it once")
-    names = tuple(linear for linear, physical in pairs if linear not in given and physical not in given)
+    names = tuple(linear for linear, physical in pairs if linear not in constants and physical not in constants)
     if not names:
         raise IdentificationError("all parameters are known; leave at least one to estimate")
-    rows = _rows(pairs, given, names)
+    rows = _rows(pairs, constants, names)
     return Selection(names, dict(known), dropped, rows[:, 0], rows[:, 1:])
 
 
-def _rows(pairs: Sequence[tuple[str, str]], given: Mapping[str, float], names: Sequence[str]) -> Array:
+def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], names: Sequence[str]) -> Array:
     """(u0 B), shape (u, 1 + free), built in the order of (17): mass, first moments, inertia."""
     rows: dict[str, Array] = {}
     one = np.eye(1 + len(names))
     for linear, physical in pairs:
-        if linear in given:
-            rows[linear] = given[linear] * one[0]
-        elif physical not in given:
+        if linear in constants:
+            rows[linear] = constants[linear] * one[0]
+        elif physical not in constants:
             rows[linear] = one[1 + names.index(linear)]
         elif physical in _CENTRE:
-            rows[linear] = given[physical] * rows["m"]
+            rows[linear] = constants[physical] * rows["m"]
         else:
-            rows[linear] = given[physical] * one[0] + _parallel_axis(physical, given, rows)
+            rows[linear] = constants[physical] * one[0] + _parallel_axis(physical, constants, rows)
     return np.array(list(rows.values()))
 
 
-def _parallel_axis(name: str, given: Mapping[str, float], rows: Mapping[str, Array]) -> Array:
+def _parallel_axis(name: str, constants: Mapping[str, float], rows: Mapping[str, Array]) -> Array:
     """The row of m S(xC)^T S(xC) for ICij, with one factor of each product xC m xC known."""
-    centre = [_known_centre(axis, given) for axis in range(3)]
+    centre = [_known_centre(axis, constants) for axis in range(3)]
     i, j = int(name[2]) - 1, int(name[3]) - 1
     if i == j:
         others = [(axis, axis) for axis in range(3) if axis != i]
@@ -117,22 +117,22 @@ def _parallel_axis(name: str, given: Mapping[str, float], rows: Mapping[str, Arr
     for a, b in others:
         factor = centre[a]
         if factor is None:
-            needed = " and ".join(_CENTRE[axis] for axis, _ in others)
+            centres = " and ".join(_CENTRE[axis] for axis, _ in others)
             raise IdentificationError(
-                f"{name} can only be fixed together with {needed}, on which its parallel-axis term depends; fix these "
+                f"{name} can only be fixed together with {centres}, on which its parallel-axis term depends; fix these "
                 f"too, fix {name.replace('C', '')}, or use the non-linear form"
             )
         row = row + sign * factor * rows[_FIRST_MOMENTS[b]]
     return row
 
 
-def _known_centre(axis: int, given: Mapping[str, float]) -> float | None:
+def _known_centre(axis: int, constants: Mapping[str, float]) -> float | None:
     moment, centre = _FIRST_MOMENTS[axis], _CENTRE[axis]
-    if centre in given:
-        return given[centre]
-    if given.get(moment) == 0.0:
+    if centre in constants:
+        return constants[centre]
+    if constants.get(moment) == 0.0:
         return 0.0
-    return given[moment] / given["m"] if moment in given and "m" in given else None
+    return constants[moment] / constants["m"] if moment in constants and "m" in constants else None
 
 
 def estimate_selected(

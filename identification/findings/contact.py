@@ -96,8 +96,8 @@ class Calm(NamedTuple):
 
     def distance(self, residuals: Array) -> Array:
         """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,)."""
-        away = residuals - self.centre
-        return np.asarray(np.sum((away @ self.metric) * away, axis=1))
+        deviation = residuals - self.centre
+        return np.asarray(np.sum((deviation @ self.metric) * deviation, axis=1))
 
 
 def find_contacts(
@@ -121,17 +121,17 @@ def find_contacts(
     above = distance > 1.0
     edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
-    found: list[Contact] = []
+    contacts: list[Contact] = []
     for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
         if last - first + 1 < FEWEST or not clear[first : last + 1].any():
             continue
         contact = Contact(float(t[first]), float(t[last]), float(wrench[first : last + 1].max()))
-        if found and contact.start - found[-1].end < NEAR:
-            before = found.pop()
+        if contacts and contact.start - contacts[-1].end < NEAR:
+            before = contacts.pop()
             contact = Contact(before.start, contact.end, max(before.peak, contact.peak))
-        found.append(contact)
+        contacts.append(contact)
     step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
-    return tuple(contact for contact in found if contact.end - contact.start + step >= SHORTEST)
+    return tuple(contact for contact in contacts if contact.end - contact.start + step >= SHORTEST)
 
 
 def touched(t: Array, contacts: tuple[Contact, ...]) -> Rows:
@@ -163,7 +163,7 @@ def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: floa
     samples, sensors, unknowns = matrices.shape
     scale = column_scale(matrices.reshape(-1, unknowns))
     matrices = matrices * scale
-    kept, width = int(np.ceil(HALF * samples)), max(1, round(TOGETHER / step))
+    count, width = int(np.ceil(HALF * samples)), max(1, round(TOGETHER / step))
     best: tuple[float, Array, Rows] | None = None
     for share in STRETCHES:
         length = round(share * samples)
@@ -172,15 +172,15 @@ def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: floa
         for begin in np.linspace(0, samples - length, STARTS).astype(int):
             rows = np.zeros(samples, dtype=bool)
             rows[begin : begin + length] = True
-            found = _concentrated(matrices, right, rows, kept, width)
-            if best is None or found[0] < best[0]:
-                best = found
+            candidate = _concentrated(matrices, right, rows, count, width)
+            if best is None or candidate[0] < best[0]:
+                best = candidate
     if best is None:
         return None
     return scale * best[1], best[2]
 
 
-def _concentrated(matrices: Array, right: Array, rows: Rows, kept: int, width: int) -> tuple[float, Array, Rows]:
+def _concentrated(matrices: Array, right: Array, rows: Rows, count: int, width: int) -> tuple[float, Array, Rows]:
     """Fits and keeps what fits best, in turns: the trimmed sum, the values and the samples."""
     unknowns = matrices.shape[2]
     objective = np.inf
@@ -188,10 +188,10 @@ def _concentrated(matrices: Array, right: Array, rows: Rows, kept: int, width: i
     for _ in range(ROUNDS):
         stacked = matrices[rows].reshape(-1, unknowns)
         values = np.asarray(np.linalg.lstsq(stacked, right[rows].ravel(), rcond=None)[0], dtype=np.float64)
-        left = np.sum((right - matrices @ values) ** 2, axis=1)
-        smooth = uniform_filter1d(left, width, mode="nearest")
-        rows = np.asarray(smooth <= np.partition(smooth, kept - 1)[kept - 1], dtype=bool)
-        new = float(left[rows].sum())
+        squares = np.sum((right - matrices @ values) ** 2, axis=1)
+        smooth = uniform_filter1d(squares, width, mode="nearest")
+        rows = np.asarray(smooth <= np.partition(smooth, count - 1)[count - 1], dtype=bool)
+        new = float(squares[rows].sum())
         if not new < objective * (1.0 - 1e-6):
             break
         objective = new
@@ -221,8 +221,8 @@ def free_of_contact(
     forces, matrices = run.forces, fitted.matrices
     for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
-        left = forces - matrices @ _without_pull(matrices, forces, run, how, problem)
-        before, contacts = contacts, find_contacts(run.t, left, run.model.structure, forces - left)
+        residuals = forces - matrices @ _without_pull(matrices, forces, run, how, problem)
+        before, contacts = contacts, find_contacts(run.t, residuals, run.model.structure, forces - residuals)
         if contacts == before:
             break
         rows = touched(run.t, contacts)
@@ -232,10 +232,10 @@ def free_of_contact(
     if systematic(moving.fit, run.noise_correlation):
         longer = _long_contacts(run, moving)
         rows = touched(run.t, longer)
-        freed = fit_samples(run.without(rows), how, problem, moving.at, held) if 0.0 < rows.mean() < 1.0 else moving
-        if _spread(freed) < CALMER * _spread(moving) and not systematic(freed.fit, run.noise_correlation):
+        candidate = fit_samples(run.without(rows), how, problem, moving.at, held) if 0.0 < rows.mean() < 1.0 else moving
+        if _spread(candidate) < CALMER * _spread(moving) and not systematic(candidate.fit, run.noise_correlation):
             require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer], run.model)
-            moving, contacts = freed, longer
+            moving, contacts = candidate, longer
     return moving, contacts
 
 
@@ -248,14 +248,16 @@ def _long_contacts(run: Samples, moving: Fitted) -> tuple[Contact, ...]:
     if half is None:
         return ()
     values, explained = half
-    left = forces - matrices @ values
-    return find_contacts(run.t, left, run.model.structure, forces - left, Calm.of(left[every][explained]))
+    residuals = forces - matrices @ values
+    return find_contacts(
+        run.t, residuals, run.model.structure, forces - residuals, Calm.of(residuals[every][explained])
+    )
 
 
 def _spread(moving: Fitted) -> float:
     """Rms of the weighted residuals."""
-    left = moving.fit.residuals
-    return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", left, moving.w, left))))
+    residuals = moving.fit.residuals
+    return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", residuals, moving.w, residuals))))
 
 
 def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
@@ -278,9 +280,9 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
         )
 
 
-def _without_pull(matrices: Array, forces: Array, run: Samples, how: Method, problem: FitProblem) -> Array:
+def _without_pull(matrices: Array, forces: Array, run: Samples, method: Method, problem: FitProblem) -> Array:
     """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not draw it to them."""
-    selection, part = how.selection(run.model), fair_part(len(forces))
+    selection, part = method.selection(run.model), fair_part(len(forces))
     matrices, forces = matrices[part], forces[part]
     pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
     robust = robust_of(replace(problem, pooled=pooled, filtered=run.filtered))
@@ -294,8 +296,8 @@ def contacts_told(recording: Recording, contacts: Sequence[Contact]) -> list[str
         return [contact_told(recording, contact) for contact in contacts]
     longest = sorted(contacts, key=lambda contact: contact.start - contact.end)[:MOST_NAMED]
     total, peak = sum(c.end - c.start for c in contacts), max(c.peak for c in contacts)
-    named = "; ".join(contact_told(recording, contact) for contact in longest)
-    return [f"{len(contacts)} external contacts, {total:.2g} s in all, up to {peak:.3g} N; the longest: {named}"]
+    text = "; ".join(contact_told(recording, contact) for contact in longest)
+    return [f"{len(contacts)} external contacts, {total:.2g} s in all, up to {peak:.3g} N; the longest: {text}"]
 
 
 def contact_told(recording: Recording, contact: Contact) -> str:

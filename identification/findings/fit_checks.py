@@ -41,14 +41,16 @@ SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a s
 
 def systematic(fit: Fit, usual: float) -> list[Finding]:
     """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
-    left = fit.residuals
-    alike = np.sum(left[1:] * left[:-1], axis=0) / np.maximum(np.sum(left**2, axis=0), np.finfo(float).tiny)
-    if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
+    residuals = fit.residuals
+    alike = np.sum(residuals[1:] * residuals[:-1], axis=0) / np.maximum(
+        np.sum(residuals**2, axis=0), np.finfo(float).tiny
+    )
+    if len(residuals) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
-    told = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
-    told += "contact, a dimension in the case that is not the machine's, a model without what moves the forces, or "
-    told += "coloured noise; look at their figure in the report"
-    return [warning(Kind.MODEL, told)]
+    sentence = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
+    sentence += "contact, a dimension in the case that is not the machine's, a model without what moves the forces, or "
+    sentence += "coloured noise; look at their figure in the report"
+    return [warning(Kind.MODEL, sentence)]
 
 
 def require_scale(model: Model, values: Array, case: Case) -> None:
@@ -70,30 +72,36 @@ def other_mass(model: Model, values: Array, case: Case) -> list[Finding]:
     if MASS not in model.blocks or case.nominal is None or case.setup == "1a":
         return []
     mass = float(values[model.names.index("m")])
-    expected = min((body.mass_kg for body in case.bodies), key=lambda known: abs(mass - known))
+    expected = min((body.mass_kg for body in case.bodies), key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
-    what = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
-    told = f"the mass comes out as {mass:.3g} kg where {what} is {expected:.3g} kg, more than a third off: correct "
-    return [warning(Kind.CASE, f"{told}nominal, or check gravity, units and what is mounted")]
+    key = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
+    sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
+    return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
 
 
 def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     """What an estimate of forces, shape (n, 6), itself says against its standard deviations, or against its model."""
-    found = []
+    findings = []
     white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
     if ratio > SUSPICIOUS_RATIO:
-        told = f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-        told += "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
-        found.append(warning(Kind.NOISE, told))
+        sentence = (
+            f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
+        )
+        sentence += (
+            "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
+        )
+        findings.append(warning(Kind.NOISE, sentence))
     spread = np.sum(fit.weights * forces.var(axis=0))
-    left = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
+    misfit = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
-    if moves and len(forces) > len(fit.values) and left > (1.0 - LEAST_EXPLAINED) * spread:
-        told = f"the model explains only {100 * max(0.0, 1.0 - left / spread):.0f} % of the forces' variance; check "
-        found.append(warning(Kind.MODEL, f"{told}order, sign and unit of forces and struts"))
-    return found
+    if moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread:
+        sentence = (
+            f"the model explains only {100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance; check "
+        )
+        findings.append(warning(Kind.MODEL, f"{sentence}order, sign and unit of forces and struts"))
+    return findings
 
 
 STEP = 0.07  # of the feed, by which neighbouring stretches differ
@@ -124,18 +132,18 @@ def other_feed(recording: Recording) -> list[Finding]:
     if not stretches:
         return []
     assert recording.t is not None
-    told, named = [], []
+    entries, texts = [], []
     for rows, scale in stretches:
         first, last = (recording.lines.place(k) for k in (rows.start, rows.stop - 1))
         word, number = first.rsplit(" ", 1)
-        where = first if first == last else f"{word}s {number} to {last.rsplit(' ', 1)[1]}"
+        place = first if first == last else f"{word}s {number} to {last.rsplit(' ', 1)[1]}"
         start, end = float(recording.t[rows.start]), float(recording.t[rows.stop - 1])
-        told.append({"from_s": start, "to_s": end, "feed": scale, "where": where})
-        named.append(f"{where} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")
-    more = f" and {len(named) - MOST_NAMED} more stretches" if len(named) > MOST_NAMED else ""
+        entries.append({"from_s": start, "to_s": end, "feed": scale, "where": place})
+        texts.append(f"{place} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")
+    more = f" and {len(texts) - MOST_NAMED} more stretches" if len(texts) > MOST_NAMED else ""
     found_by = "the recorded override"
-    sentence = f"feed other than 100 %, by {found_by}: {', '.join(named[:MOST_NAMED])}{more}; {CONSEQUENCE}"
-    return [warning(Kind.FEED, sentence, feed={"found_by": found_by, "stretches": told})]
+    sentence = f"feed other than 100 %, by {found_by}: {', '.join(texts[:MOST_NAMED])}{more}; {CONSEQUENCE}"
+    return [warning(Kind.FEED, sentence, feed={"found_by": found_by, "stretches": entries})]
 
 
 def other_rate(recording: Recording, case: Case) -> list[Finding]:
@@ -145,9 +153,9 @@ def other_rate(recording: Recording, case: Case) -> list[Finding]:
     rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
     if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
         return []
-    told = f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
-    told += f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
-    return [note(Kind.CLOCK, told)]
+    sentence = f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
+    sentence += f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
+    return [note(Kind.CLOCK, sentence)]
 
 
 def _cut_off(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
@@ -165,9 +173,9 @@ def _placed(_recording: Recording, case: Case, _how: Method, fitted: Fitted) -> 
     field = fitted.fit.field
     if field is None:
         return []
-    stated = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
-    told = f"[sensors] {stated}: with this in the case, plans count on the errors that depend on the pose"
-    return [note(Kind.NOISE, "" if case.sensors.pose_error_N else told, pose_errors=field.keys)]
+    settings = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
+    sentence = f"[sensors] {settings}: with this in the case, plans count on the errors that depend on the pose"
+    return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
 
 
 def _late(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
@@ -183,13 +191,13 @@ def _unlikely(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) 
     return [*unlikely(fitted.fit, fitted.samples.forces), *own]
 
 
-def _not_compared(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+def _not_compared(_recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """Noise that the case states and that this estimator's s0 is not compared with."""
-    told = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
-    compared = how.name in SANDWICHED and not how.priors
+    sentence = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
+    compared = method.name in SANDWICHED and not method.priors
     if compared or not case.sensors.state_noise or not isinstance(fitted.samples, Run | PeriodicRun):
         return []
-    return [warning(Kind.NOISE, told)]
+    return [warning(Kind.NOISE, sentence)]
 
 
 def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
@@ -207,12 +215,12 @@ def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> 
     return [warning(Kind.MODEL, told)]
 
 
-def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+def _looks_like(_recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """What noise the residuals look like."""
     if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
         return []
-    found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.has_moments)
-    return [] if found is None else [found.finding(how.weights or case.sensors.weights)]
+    components = noise_components(fitted.samples, fitted.fit, case.sensor_frame.has_moments)
+    return [] if components is None else [components.finding(method.weights or case.sensors.weights)]
 
 
 def _fed(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
@@ -223,8 +231,8 @@ def _fed(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> lis
 def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
     """Rates: another than predictions assume, or averages of faster forces."""
     averaged = recording.averaged
-    told = [] if averaged is None else [averaged.finding(fitted.w, fitted.fit.s0)]
-    return [*other_rate(recording, case), *told] if fitted.samples.nuisances else []
+    findings = [] if averaged is None else [averaged.finding(fitted.w, fitted.fit.s0)]
+    return [*other_rate(recording, case), *findings] if fitted.samples.nuisances else []
 
 
 Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
@@ -262,7 +270,7 @@ class NoiseComponents:
     def finding(self, weights: str) -> Finding:
         """What is to be told of it, `weights` being those of the identification; keys as in the case."""
         moments = "" if self.moment is None else f" and {self.moment:.3g} N m"
-        told = (
+        sentence = (
             f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
             f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
             "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
@@ -277,7 +285,7 @@ class NoiseComponents:
             "share_of_accelerations": self.share,
         }
         silent = self.share < TELLING or weights == "stated"
-        return note(Kind.NOISE, "" if silent else told, noise_components=entries)
+        return note(Kind.NOISE, "" if silent else sentence, noise_components=entries)
 
 
 def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None:
@@ -291,29 +299,31 @@ def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None
     freedom = len(run.rows) * run.filter.noise_gain * run.filter.stride - len(fit.values) / 6
     if freedom < LEAST:
         return None
-    found = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
-    if np.linalg.matrix_rank(found) < len(found):
+    covariance = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
+    if np.linalg.matrix_rank(covariance) < len(covariance):
         return None
-    return _taken_apart(found, run.model, fit.values[: len(run.model.parameters)], wrench)
+    return _taken_apart(covariance, run.model, fit.values[: len(run.model.parameters)], wrench)
 
 
-def _taken_apart(found: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
+def _taken_apart(total: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
     """The components of a covariance of the channels, shape (6, 6)."""
-    felt = acceleration_to_force(model, values)
+    effects = acceleration_to_force(model, values)
     kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
-    parts = [np.diag(k) for k in kinds] + [felt[:, k] @ felt[:, k].T for k in (slice(0, 3), slice(3, 6))]
-    covariance = found
+    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
+    covariance = total
     theta = np.zeros(len(parts))
     for _ in range(TURNS):
         root = inverse_root(covariance)
         columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
         size = np.linalg.norm(columns, axis=0)
-        theta = nnls(columns / size, (root @ found @ root.T).ravel())[0] / size
+        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
         covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
-        covariance = covariance + 1e-9 * np.diag(np.diag(found))  # positive definite also without noise of a channel
-    shaken = np.diag(covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6))))
+        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
+    remainder = np.diag(
+        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
+    )
     std = np.sqrt(theta)
     return NoiseComponents(
         float(std[0]), float(std[1]) if wrench else None, float(std[-2]), float(std[-1]),
-        float(np.mean(shaken / np.diag(covariance))),
+        float(np.mean(remainder / np.diag(covariance))),
     )  # fmt: skip

@@ -56,13 +56,13 @@ def places(lines: Lines, rows: Rows) -> str:
     """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
     edges = np.flatnonzero(np.diff(np.r_[False, rows, False].astype(np.int8)))
     spans = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    named = []
+    ranges = []
     for first, last in spans[:MOST_NAMED]:
         start, end = (lines.place(k).rsplit(" ", 1)[1] for k in (first, last))
-        named.append(start if first == last else f"{start} to {end}")
+        ranges.append(start if first == last else f"{start} to {end}")
     more = f" and {len(spans) - MOST_NAMED} more places" if len(spans) > MOST_NAMED else ""
     plural = "s" if int(rows.sum()) > 1 else ""
-    return f"{lines.word}{plural} {', '.join(named)}{more}"
+    return f"{lines.word}{plural} {', '.join(ranges)}{more}"
 
 
 def scan(recording: Recording, case: Case) -> Scan:
@@ -76,8 +76,8 @@ def scan(recording: Recording, case: Case) -> Scan:
     """
     if recording.t is None:
         _require_standstills(recording)
-    count, found = len(recording.forces), unmeasured(recording)
-    bad, findings = found.bad, list(found.findings)
+    count, checks = len(recording.forces), unmeasured(recording)
+    bad, findings = checks.bad, list(checks.findings)
     for text, rows in _joined([*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)]):
         findings.append(warning(Kind.DAMAGE, f"{text}; left out", places(recording.lines, rows)))
         bad |= rows
@@ -98,13 +98,13 @@ def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
     for text, rows in findings:
         thing, _, *words = text.split()
         kinds.setdefault((thing, *words[:2]), []).append((text, rows))
-    joined = []
+    result = []
     for alike in kinds.values():
         text, rows = max(alike, key=lambda finding: int(finding[1].sum()))
         others = [other.split()[1] for other, _ in alike if other is not text]
         likewise = f" (likewise {text.split()[0]} {', '.join(others)})" if others else ""
-        joined.append((text + likewise, np.any([r for _, r in alike], axis=0)))
-    return joined
+        result.append((text + likewise, np.any([r for _, r in alike], axis=0)))
+    return result
 
 
 def unmeasured(recording: Recording) -> Scan:
@@ -128,23 +128,23 @@ def bridged(values: Array, bad: Rows) -> Array:
 
 def missing_values(stream: Stream) -> list[Finding]:
     """Values that were not measured, and samples that were lost."""
-    found = []
+    findings = []
     count = len(stream.missing) if stream.missing is not None else 0
-    put_back = np.zeros(count, dtype=bool)
-    put_back[[k // stream.lines.every for k in stream.lines.inserted if k % stream.lines.every == 0]] = True
-    if stream.missing is not None and np.any(stream.missing & ~put_back):
+    inserted = np.zeros(count, dtype=bool)
+    inserted[[k // stream.lines.every for k in stream.lines.inserted if k % stream.lines.every == 0]] = True
+    if stream.missing is not None and np.any(stream.missing & ~inserted):
         names = ", ".join(dict.fromkeys(stream.missing_in))
-        where = places(stream.lines, stream.missing & ~put_back)
-        found.append(warning(Kind.DAMAGE, f"no measured value in {names}; left out", where))
-    if put_back.any():
-        before = np.flatnonzero(np.diff(np.r_[False, put_back].astype(np.int8)) > 0)
-        told = f"{behind(stream.lines, before, int(put_back.sum()))}; bridged from their neighbours"
-        found.append(warning(Kind.DAMAGE, told))
-    lost = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
-    if lost.any():
-        told = f"{behind(stream.lines, np.flatnonzero(lost), int(lost.sum()))}; no filter reaches across"
-        found.append(warning(Kind.DAMAGE, told))
-    return found
+        place = places(stream.lines, stream.missing & ~inserted)
+        findings.append(warning(Kind.DAMAGE, f"no measured value in {names}; left out", place))
+    if inserted.any():
+        before = np.flatnonzero(np.diff(np.r_[False, inserted].astype(np.int8)) > 0)
+        sentence = f"{behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"
+        findings.append(warning(Kind.DAMAGE, sentence))
+    gaps = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
+    if gaps.any():
+        sentence = f"{behind(stream.lines, np.flatnonzero(gaps), int(gaps.sum()))}; no filter reaches across"
+        findings.append(warning(Kind.DAMAGE, sentence))
+    return findings
 
 
 def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
@@ -155,10 +155,10 @@ def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
         rows: before each of the gaps, counted from 0, shape (gaps,).
         count: samples that are missing in all.
     """
-    named = [lines.place(int(k)).rsplit(" ", 1)[1] for k in rows[:MOST_NAMED]]
+    numbers = [lines.place(int(k)).rsplit(" ", 1)[1] for k in rows[:MOST_NAMED]]
     more = f" and {len(rows) - MOST_NAMED} more places" if len(rows) > MOST_NAMED else ""
     return (
-        f"behind {lines.word}{'s' if len(rows) > 1 else ''} {', '.join(named)}{more}: {count} "
+        f"behind {lines.word}{'s' if len(rows) > 1 else ''} {', '.join(numbers)}{more}: {count} "
         f"{'samples are' if count > 1 else 'sample is'} missing"
     )
 
@@ -169,8 +169,8 @@ def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if most is None:
         return []
     newtons = range(3 if case.sensor_frame.has_moments else 6)
-    found = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
-    return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in found if rows.any()]
+    channels = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
+    return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in channels if rows.any()]
 
 
 def _silent(recording: Recording) -> list[tuple[str, Rows]]:
@@ -178,7 +178,7 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
     if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
         return []
     travel = TRAVELLING * float(np.median(np.diff(recording.t)))
-    found = []
+    problems = []
     for k in range(6):
         still = np.diff(recording.forces[:, k]) == 0.0
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
@@ -188,62 +188,62 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
         rows = np.zeros(len(recording.forces), dtype=bool)
         for first, last in zip(edges[::2][long], edges[1::2][long], strict=True):
             # The other channels tell a sensor that is stuck from forces that are constant.
-            here = slice(first, last + 1)
-            others = np.ptp(np.delete(recording.forces[here], k, axis=1), axis=0).max()
-            moves = np.abs(np.diff(recording.struts[here], axis=0)).max(axis=1) > travel
+            span = slice(first, last + 1)
+            others = np.ptp(np.delete(recording.forces[span], k, axis=1), axis=0).max()
+            moves = np.abs(np.diff(recording.struts[span], axis=0)).max(axis=1) > travel
             if others > 0.0 and moves.mean() > 0.5:
-                rows[here] = True
+                rows[span] = True
         if rows.any():
             value = recording.forces[np.argmax(rows), k]
-            found.append((f"channel {k + 1} is stuck at {value:g} while the machine moves", rows))
-    return found
+            problems.append((f"channel {k + 1} is stuck at {value:g} while the machine moves", rows))
+    return problems
 
 
 def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     """Single samples that leave their neighbours: forces by chance never, struts by no drive."""
     if recording.t is None or len(recording.t) < LEAST_ROWS:
         return []
-    found = []
+    problems = []
     count = len(recording.forces)
     for k in range(6):
         force = recording.forces[:, k]
-        away = np.abs(_from_neighbours(force))
-        usual = 1.4826 * _median(away)
+        jumps = np.abs(_from_neighbours(force))
+        usual = 1.4826 * _median(jumps)
         # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
-        leaps = _peaks(away, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
-        leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < away[leaps]]
+        leaps = _peaks(jumps, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
+        leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < jumps[leaps]]
         leaps = leaps[~_shaken(recording, leaps + 1)]
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
-        leaps = leaps[away[leaps] > LONELY * _around(away, leaps)]
+        leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if usual > 0.0 and len(leaps):
             unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
-            found.append(
-                (f"channel {k + 1} jumps by up to {away.max():.4g} {unit} for single samples", _at(leaps + 1, count))
+            problems.append(
+                (f"channel {k + 1} jumps by up to {jumps.max():.4g} {unit} for single samples", _at(leaps + 1, count))
             )
     if recording.struts is None or not isinstance(case.limits, Limits):
-        return found
+        return problems
     step = float(np.median(np.diff(recording.t)))
     limits = case.limits.motion
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
-    lost = np.flatnonzero(recording.lost)
+    gaps = np.flatnonzero(recording.lost)
     for k in range(6):
-        away = np.abs(_from_neighbours(recording.struts[:, k]))
-        for row in (lost - 1, lost):  # neighbours that are not neighbours in time
-            away[row[(row >= 0) & (row < len(away))]] = 0.0
-        leaps = _peaks(away, most)
+        jumps = np.abs(_from_neighbours(recording.struts[:, k]))
+        for row in (gaps - 1, gaps):  # neighbours that are not neighbours in time
+            jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
+        leaps = _peaks(jumps, most)
         if len(leaps):
-            text = f"strut {k + 1} jumps by up to {away.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, "
+            text = f"strut {k + 1} jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, "
             text += f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids"
-            found.append((text, _at(leaps + 1, count)))
-    return found
+            problems.append((text, _at(leaps + 1, count)))
+    return problems
 
 
 def _from_neighbours(values: Array) -> Array:
     """How far samples are from the middle of their neighbours, shape (n - 2,)."""
-    away = values[:-2] + values[2:]
-    away *= -0.5
-    away += values[1:-1]
-    return np.asarray(away)
+    deviations = values[:-2] + values[2:]
+    deviations *= -0.5
+    deviations += values[1:-1]
+    return np.asarray(deviations)
 
 
 def _median(values: Array) -> float:
@@ -261,12 +261,12 @@ def _around(size: Array, index: NDArray[np.int64]) -> Array:
     """What most samples around some of them stay below, shape of `index`."""
     half = LONELY_WIDTH // 2
     rank = int(LONELY_WIDTH * LONELY_SHARE / 100.0)
-    found = np.empty(len(index))
+    levels = np.empty(len(index))
     for start in range(0, len(index), _AT_ONCE):
         part = index[start : start + _AT_ONCE]
         windows = size[np.clip(part[:, None] + np.arange(-half, half + 1), 0, len(size) - 1)]
-        found[start : start + _AT_ONCE] = np.partition(windows, rank, axis=1)[:, rank]
-    return found
+        levels[start : start + _AT_ONCE] = np.partition(windows, rank, axis=1)[:, rank]
+    return levels
 
 
 def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
@@ -278,13 +278,13 @@ def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
     if recording.struts is None or not len(rows):
         return np.zeros(len(rows), dtype=bool)
     near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
-    shaken = np.zeros(near.shape, dtype=bool)
+    mask = np.zeros(near.shape, dtype=bool)
     for k in range(recording.struts.shape[1]):
-        away = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
-        usual = 1.4826 * _median(away)
+        deviations = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
+        usual = 1.4826 * _median(deviations)
         if usual > 0.0:
-            shaken |= away[near - 2] > SHAKEN * usual
-    return np.asarray(shaken.any(axis=1))
+            mask |= deviations[near - 2] > SHAKEN * usual
+    return np.asarray(mask.any(axis=1))
 
 
 def _peaks(size: Array, most: float) -> NDArray[np.int64]:
@@ -317,8 +317,8 @@ def cut_off(recording: Recording) -> list[Finding]:
     """Where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
     if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
         return []
-    told = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
-    return [warning(Kind.WINDOW, told, recording.lines.place(len(recording.trigger) - 1))]
+    sentence = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
+    return [warning(Kind.WINDOW, sentence, recording.lines.place(len(recording.trigger) - 1))]
 
 
 def _require_standstills(recording: Recording) -> None:
@@ -334,10 +334,10 @@ def _require_standstills(recording: Recording) -> None:
         step = float(np.median(np.abs(first).max(axis=1)))
         rough = float(np.sqrt(np.mean(second**2)))
         if 0.0 < step < small and rough < SMOOTH * float(np.sqrt(np.mean(first**2))):
-            shown = f"{step / MM:.3g} mm" if unit == "mm" else f"{step:.2g} rad"
+            distance = f"{step / MM:.3g} mm" if unit == "mm" else f"{step:.2g} rad"
             raise RecordingError(
                 recording.source,
-                f"has no t_s column, yet its {len(values)} rows are {shown} apart and smooth like samples of a "
+                f"has no t_s column, yet its {len(values)} rows are {distance} apart and smooth like samples of a "
                 "motion, not averaged standstills",
                 "add the time, map its name in [recording.columns] or give recording.clock.period_ms",
             )

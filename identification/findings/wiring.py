@@ -42,9 +42,9 @@ def require_wiring(recording: Recording, case: Case, model: Model, negative: boo
         model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
-    found = compensated(recording, case, model) or other_wiring(recording, case, model, negative)
-    if found is not None:
-        raise IdentificationError(found)
+    explanation = compensated(recording, case, model) or other_wiring(recording, case, model, negative)
+    if explanation is not None:
+        raise IdentificationError(explanation)
 
 
 class Order(NamedTuple):
@@ -55,18 +55,18 @@ class Order(NamedTuple):
 
     def words(self, what: str) -> str:
         """What is wrong where this order is the right one; `what` are struts or force channels."""
-        turned = [k + 1 for k, sign in enumerate(self.signs) if sign < 0]
-        if len(turned) == 6:
+        negative = [k + 1 for k, sign in enumerate(self.signs) if sign < 0]
+        if len(negative) == 6:
             return f"the signs of all {what} are turned"
-        if turned:
-            if len(turned) == 1:
-                return f"the sign of {what[:-1]} {turned[0]} is turned"
-            return f"the signs of {what} {', '.join(map(str, turned))} are turned"
+        if negative:
+            if len(negative) == 1:
+                return f"the sign of {what[:-1]} {negative[0]} is turned"
+            return f"the signs of {what} {', '.join(map(str, negative))} are turned"
         if self.places == tuple(range(5, -1, -1)):
             return f"{what} are in reverse order"
-        moved = [k for k, place in enumerate(self.places) if place != k]
-        if all(self.places[self.places[k]] == k for k in moved):
-            pairs = [f"{k + 1} and {self.places[k] + 1}" for k in moved if k < self.places[k]]
+        exchanges = [k for k, place in enumerate(self.places) if place != k]
+        if all(self.places[self.places[k]] == k for k in exchanges):
+            pairs = [f"{k + 1} and {self.places[k] + 1}" for k in exchanges if k < self.places[k]]
             return f"{what} {', '.join(pairs)} are exchanged"
         return f"{what} are shifted by {self.places[0]} places"
 
@@ -102,22 +102,22 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     weighted, newtons = _left(data, data.regressors)
     if not negative and newtons < SMALL * float(np.sqrt(data.forces.var(axis=0).mean())):
         return None
-    found: list[tuple[tuple[float, float], str, Order]] = []
+    candidates: list[tuple[tuple[float, float], str, Order]] = []
     for order in _orders(signs=True):
-        found.append((_left(data, data.regressors, order, mass), "force", order))
+        candidates.append((_left(data, data.regressors, order, mass), "force", order))
     if data.struts is not None:
         for order in _orders(signs=case.recording.drives is not None):
-            found.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
-    (least, least_newtons), *_ = min(found, key=lambda f: f[0])
+            candidates.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
+    (least, least_newtons), *_ = min(candidates, key=lambda f: f[0])
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
             return None
-        turned = Order(STRAIGHT.places, (-1,) * 6)
+        opposite = Order(STRAIGHT.places, (-1,) * 6)
         return (
-            f"{turned.words(_SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
-            f"{_remedy(case, 'force', turned)}, or correct gravity_m_s2"
+            f"{opposite.words(_SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
+            f"{_remedy(case, 'force', opposite)}, or correct gravity_m_s2"
         )
-    rivals = [min((f for f in found if f[1] == side), key=lambda f: f[0]) for side in {f[1] for f in found}]
+    rivals = [min((f for f in candidates if f[1] == side), key=lambda f: f[0]) for side in {f[1] for f in candidates}]
     alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
     names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
     instead = f" instead of {newtons:.2g} N" if np.isfinite(newtons) else ", while no pose fits them as recorded"
@@ -141,10 +141,10 @@ def _remedy(case: Case, side: str, order: Order) -> str:
         return f"write recording.drives.order = {numbers}"
     names = STRUTS if side == "strut" else case.sensor_frame.channels
     theirs = [case.recording.file_name(names[place]) for place in order.places]
-    moved = [
+    entries = [
         f'{ours} = "{name}"' for k, (ours, name) in enumerate(zip(names, theirs, strict=True)) if order.places[k] != k
     ]
-    return f"write in [recording.columns]: {', '.join(moved)}"
+    return f"write in [recording.columns]: {', '.join(entries)}"
 
 
 def _orders(signs: bool) -> Iterator[Order]:
@@ -155,9 +155,9 @@ def _orders(signs: bool) -> Iterator[Order]:
     for shift in (1, 2, 4, 5):  # a shift by 3 exchanges pairs
         yield Order(tuple((k + shift) % 6 for k in range(6)))
     if signs:
-        for turned in product((1, -1), repeat=6):
-            if -1 in turned:
-                yield Order(tuple(range(6)), turned)
+        for directions in product((1, -1), repeat=6):
+            if -1 in directions:
+                yield Order(tuple(range(6)), directions)
 
 
 def _exchanges(free: Sequence[int]) -> Iterator[tuple[int, ...]]:
@@ -175,22 +175,22 @@ def _exchanges(free: Sequence[int]) -> Iterator[tuple[int, ...]]:
 
 
 def _data(recording: Recording, case: Case, model: Model) -> Data:
-    found = scan(recording, case)
+    checks = scan(recording, case)
     slopes = struts = matrices = None
     if recording.t is None or case.setup == "1a":
-        used = np.flatnonzero(~found.bad)
+        valid = np.flatnonzero(~checks.bad)
         if recording.struts is None or case.chain is not None:
-            matrices = standstills(recording, case, model, found).matrices
+            matrices = standstills(recording, case, model, checks).matrices
         else:
-            used = used[:: max(1, -(-len(used) // INSTANTS))]
-            lengths = recording.struts[used]
+            valid = valid[:: max(1, -(-len(valid) // INSTANTS))]
+            lengths = recording.struts[valid]
             struts = (lengths, np.zeros_like(lengths), np.zeros_like(lengths))
-        forces = recording.forces[used]
+        forces = recording.forces[valid]
     elif recording.struts is None:
-        wrist = wrist_run(recording, case, model, MOST_DELAY, bad=found.bad)
+        wrist = wrist_run(recording, case, model, MOST_DELAY, bad=checks.bad)
         matrices, forces = wrist.regressors(0.0), wrist.forces
     else:
-        run = moving_run(recording, case, model, found=found)
+        run = moving_run(recording, case, model, found=checks)
         assert run.recording.struts is not None
         rows = run.rows[:: max(1, -(-len(run.rows) // INSTANTS))]
         lengths, velocities, accelerations = decimated(

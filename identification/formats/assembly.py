@@ -85,8 +85,8 @@ def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
     return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
 
 
-def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
-    table = found.table
+def _stream(source: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
+    table = source.table
     forces = _group(table, form, case.sensor_frame.channels)
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
@@ -107,8 +107,8 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         poses=_group(table, form, POSE),
         specific_forces=_specific_forces(table, form),
         lines=table.lines,
-        missing=found.missing,
-        missing_in=found.columns,
+        missing=source.missing,
+        missing_in=source.columns,
     )
     if not stream.channels:
         raise RecordingError(table.source, _nothing(table, case.sensor_frame.channels, form))
@@ -126,20 +126,20 @@ def _nothing(table: ColumnTable, forces: tuple[str, ...], form: RecordingFormat)
     return without([form.file_name(c) for c in (STRUTS[0], POSE[0], ROTATION[0], forces[0])], table.names)
 
 
-def _group(table: ColumnTable, form: RecordingFormat, wanted: tuple[str, ...]) -> Array | None:
+def _group(table: ColumnTable, form: RecordingFormat, channels: tuple[str, ...]) -> Array | None:
     """Columns that belong together in SI units, shape (n, k); None if the file has none of them."""
-    found = [ours in table.values for ours in wanted]
-    if not any(found):
+    present = [ours in table.values for ours in channels]
+    if not any(present):
         return None
-    if not all(found):
-        missing = form.file_name(wanted[found.index(False)])
+    if not all(present):
+        missing = form.file_name(channels[present.index(False)])
         raise RecordingError(
             table.source,
             f"column {missing} is missing",
             f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
         )
-    group = np.empty((len(wanted), table.rows)).T  # each channel in one piece, for it is worked on channel by channel
-    for k, ours in enumerate(wanted):
+    group = np.empty((len(channels), table.rows)).T  # each channel in one piece, for it is worked on channel by channel
+    for k, ours in enumerate(channels):
         np.multiply(table.values[ours], form.factor(ours), out=group[:, k])
     return group
 

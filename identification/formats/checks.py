@@ -142,12 +142,12 @@ def require_gravity(stream: Stream, case: Case) -> None:
     """Raises RecordingError where an accelerometer does not feel gravity, as with a wrong scale."""
     if stream.specific_forces is None:
         return
-    felt = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
+    magnitude = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
     gravity = float(np.linalg.norm(case.gravity))
-    if not gravity / _GRAVITY <= felt <= gravity * _GRAVITY:
+    if not gravity / _GRAVITY <= magnitude <= gravity * _GRAVITY:
         raise RecordingError(
             f"{stream.source}, {stream.lines.place(0)}",
-            f"the accelerometer reads {felt:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2",
+            f"the accelerometer reads {magnitude:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2",
             "correct recording.accelerometer.scale_m_s2 in the case",
         )
 
@@ -217,21 +217,21 @@ def with_lost_rows(stream: Stream) -> Stream:
         return stream
     steps = np.diff(stream.t)
     usual = float(np.median(steps))
-    lost = lost_samples(stream.t, step=usual)
-    if np.any((np.abs(steps - usual) > UNIFORMITY * usual) & (lost == 0)) or crowded(lost > 0) is not None:
+    gaps = lost_samples(stream.t, step=usual)
+    if np.any((np.abs(steps - usual) > UNIFORMITY * usual) & (gaps == 0)) or crowded(gaps > 0) is not None:
         return stream  # not at one rate: the reason is told where a rate is needed
-    count = np.r_[0, np.where(lost <= MOST_PUT_BACK, lost, 0)]
+    count = np.r_[0, np.where(gaps <= MOST_PUT_BACK, gaps, 0)]
     if not count.any():
         return stream
     own = np.arange(len(stream.t)) + np.cumsum(count)  # where the rows that are there stand in the result
     rows = np.arange(own[-1] + 1)
-    there = np.zeros(len(rows), dtype=bool)
-    there[own] = True
+    present = np.zeros(len(rows), dtype=bool)
+    present[own] = True
     more: dict[Any, Any] = {n: _spread(v, own, rows, n in _SWITCHING) for n, v in stream.channels.items()}
-    missing = ~there
+    missing = ~present
     if stream.missing is not None:
         missing[own] = stream.missing
-    lines = replace(stream.lines, inserted=tuple(np.flatnonzero(~there).tolist()))
+    lines = replace(stream.lines, inserted=tuple(np.flatnonzero(~present).tolist()))
     t = np.interp(rows, own, stream.t)
     return replace(stream, t=t, lines=lines, missing=missing, **more)
 

@@ -93,8 +93,8 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
     expected = form.delimiter or ","
     for k, line in enumerate(lines[:_SEARCHED_LINES], 1):
         for separator, word in _SEPARATORS.items():
-            found = {c.strip() for c in TextFormat(separator).split(line.decode(form.encoding, "replace"))}
-            if not (found & ours) or len(found) < 2:
+            fields = {c.strip() for c in TextFormat(separator).split(line.decode(form.encoding, "replace"))}
+            if not (fields & ours) or len(fields) < 2:
                 continue
             if separator != expected:
                 raise RecordingError(
@@ -136,10 +136,10 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """
     dialect = TextFormat(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
     header_rows, names = _header(file, form, dialect)
-    chosen = select(file, names, form)
-    tick = form.clock.period if chosen.clock is None else form.tick
+    selection = select(file, names, form)
+    tick = form.clock.period if selection.clock is None else form.tick
     blocks = read_blocks(file, header_rows, form.trailing_rows)
-    yield from rows_of(file, blocks, names, chosen, dialect, tick)
+    yield from rows_of(file, blocks, names, selection, dialect, tick)
 
 
 def rows_of(
@@ -210,13 +210,13 @@ def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable
     assert form.column_names is not None  # the case is checked
     dialect = TextFormat(form.delimiter or " ", form.decimal or ".")
     names, numbered = _columns(file, list(form.column_names), dialect)
-    chosen = select(file, names, form)
-    tick = form.clock.period if chosen.clock is None else form.tick
-    if chosen.clock is None and numbered:
-        chosen = replace(chosen, clock=0)
+    selection = select(file, names, form)
+    tick = form.clock.period if selection.clock is None else form.tick
+    if selection.clock is None and numbered:
+        selection = replace(selection, clock=0)
     lines = read_blocks(file, form.header_rows or 0, form.trailing_rows)
-    blocks = (_without_overruns(file, block, chosen.clock is not None) for block in lines)
-    yield from rows_of(file, (b for b in blocks if b.data.strip()), names, chosen, dialect, tick)
+    blocks = (_without_overruns(file, block, selection.clock is not None) for block in lines)
+    yield from rows_of(file, (b for b in blocks if b.data.strip()), names, selection, dialect, tick)
 
 
 def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[str], bool]:
@@ -225,14 +225,14 @@ def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[st
     text = next(lines, b"").decode(errors="replace")
     end = [""] if text.endswith(dialect.delimiter) else []
     values = dialect.split(text)
-    found = len(values) - len(end)
-    if found == len(names):
+    count = len(values) - len(end)
+    if count == len(names):
         return [*names, *end], False
-    if found == len(names) + 1 and values[0].isdecimal():
+    if count == len(names) + 1 and values[0].isdecimal():
         return [_NUMBER_OF_SAMPLE, *names, *end], True
     raise RecordingError(
         file,
-        f"has {found} values in a line, where recording.column_names lists {len(names)}",
+        f"has {count} values in a line, where recording.column_names lists {len(names)}",
         "list one name for each pin of the sampler",
     )
 

@@ -81,13 +81,13 @@ def look(file: Path | str, case: Case | None = None) -> Look:
         if name or k in columns
     )
     rows = max((len(values) for values in columns.values()), default=0)
-    found = Look(file, rows, shown_columns, settings, (), True)
-    if found.rate is not None and not 0.99 < found.rate / _USUAL_RATE < 1.01:
-        settings["rate_Hz"] = float(f"{found.rate:.4g}")
-    elif found.rate is None and rows > _STANDSTILLS:
+    result = Look(file, rows, shown_columns, settings, (), True)
+    if result.rate is not None and not 0.99 < result.rate / _USUAL_RATE < 1.01:
+        settings["rate_Hz"] = float(f"{result.rate:.4g}")
+    elif result.rate is None and rows > _STANDSTILLS:
         settings["clock"] = {"period_ms": 1e3 / (case.recording.rate_Hz if case is not None else _USUAL_RATE)}
     problem = _problem(file, settings, case)
-    odd = (*oddities(found, layout, case), *([f"not read with these settings: {problem}"] if problem else []))
+    odd = (*oddities(result, layout, case), *([f"not read with these settings: {problem}"] if problem else []))
     return Look(file, rows, shown_columns, settings, odd, problem is None)
 
 
@@ -102,17 +102,19 @@ def _bag(bag: Path, case: Case | None) -> Look:
 
 def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int, Array]]:
     """Names, and position -> numbers of the columns that hold such."""
-    chosen = [k for k, numeric in enumerate(layout.numeric) if numeric and (layout.names[k] or layout.names_row == 0)]
+    positions = [
+        k for k, numeric in enumerate(layout.numeric) if numeric and (layout.names[k] or layout.names_row == 0)
+    ]
     last_blank = layout.format == "halsampler" and not layout.numeric[-1]
     names = layout.names[:-1] if last_blank else layout.names
-    piles: dict[int, list[Array]] = {k: [] for k in chosen}
+    piles: dict[int, list[Array]] = {k: [] for k in positions}
     trailing = 0 if layout.format == "twincat-scope" else layout.trailing_rows
     for block in read_blocks(file, layout.header_rows, trailing or layout.trailing_rows):
-        table = parse(file, block, Fields(layout.names, chosen, []), layout.dialect)
-        for k in chosen:
+        table = parse(file, block, Fields(layout.names, positions, []), layout.dialect)
+        for k in positions:
             piles[k].append(table[k].to_numpy())
-    joined = {k: np.concatenate(parts) for k, parts in piles.items() if parts}
-    return names, {k: values for k, values in joined.items() if np.isfinite(values).any()}
+    arrays = {k: np.concatenate(parts) for k, parts in piles.items() if parts}
+    return names, {k: values for k, values in arrays.items() if np.isfinite(values).any()}
 
 
 def _parquet(file: Path) -> tuple[tuple[str, ...], dict[int, Array]]:
@@ -181,36 +183,36 @@ def _is_switch(values: Array) -> bool:
 def _units(
     columns: Mapping[int, Array],
     places: Mapping[str, int],
-    stated: Mapping[str, str],
+    name_units: Mapping[str, str],
     case: Case | None,
     guessed: set[str],
 ) -> dict[str, str]:
     """Units that names do not state, from the values; what is a guess is added to `guessed`."""
     units: dict[str, str] = {}
     chain = None if case is None else case.chain
-    if CLOCK in places and CLOCK not in stated:
+    if CLOCK in places and CLOCK not in name_units:
         steps = np.diff(columns[places[CLOCK]])
         step = float(np.median(steps)) if len(steps) else 0.0
         start = float(columns[places[CLOCK]][0]) if len(steps) else 0.0
         names = ("filetime",) if start > 1e17 and start < 1e18 else ("s", "ms", "us", "ns")
         rates = {u: 1.0 / (step * CLOCKS[u]) for u in names if step > 0.0}
-        likely = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
-        if likely:
-            units[CLOCK] = min(likely, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)))
+        candidates = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
+        if candidates:
+            units[CLOCK] = min(candidates, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)))
             guessed |= {CLOCK} if units[CLOCK] != "s" else set()
-    if STRUTS[0] in places and STRUTS[0] not in stated:
+    if STRUTS[0] in places and STRUTS[0] not in name_units:
         unit = _strut_unit([columns[places[name]] for name in STRUTS], case)
         units |= dict.fromkeys(STRUTS, unit) if unit else {}
         guessed |= set(STRUTS) if unit not in (None, "mm") else set()
     turning = [
         ours for ours in (chain.columns if chain is not None else ()) if ours.endswith("_deg") and ours in places
     ]
-    if turning and not {*turning} & stated.keys():
+    if turning and not {*turning} & name_units.keys():
         widest = max(float(np.nanmax(np.abs(columns[places[ours]]))) for ours in turning)
         units |= dict.fromkeys(turning, "rad") if widest <= _MOST_RADIANS else {}
         guessed |= set(turning) if widest <= _MOST_RADIANS else set()
     for group in (BAR_FORCES, WRENCH[:3]):
-        if group[0] in places and group[0] not in stated and case is not None and case.nominal is not None:
+        if group[0] in places and group[0] not in name_units and case is not None and case.nominal is not None:
             weight = case.nominal.mass_kg * float(np.linalg.norm(case.gravity))
             span = max(float(np.ptp(columns[places[name]][np.isfinite(columns[places[name]])])) for name in group)
             low, high = (share * weight for share in _FORCES_OVER_WEIGHT)
@@ -259,9 +261,13 @@ def _meaning_settings(
     differing: dict[str, str] = {}
     for group in GROUP_UNITS:
         members = [ours for ours in ordered if group_of(ours) == group]
-        used = {units[ours] for ours in members if ours in units}
-        if len(used) == 1 and used != {next(iter(GROUP_UNITS[group]))} and used <= GROUP_UNITS[group].keys():
-            differing[group] = used.pop()
+        group_units = {units[ours] for ours in members if ours in units}
+        if (
+            len(group_units) == 1
+            and group_units != {next(iter(GROUP_UNITS[group]))}
+            and group_units <= GROUP_UNITS[group].keys()
+        ):
+            differing[group] = group_units.pop()
     settings |= {"units": differing} if differing else {}
     if CLOCK in places and units.get(CLOCK, "s") != "s" and not scope:
         settings["clock"] = {"unit": units[CLOCK]}

@@ -74,8 +74,8 @@ class Look:
 
     def __repr__(self) -> str:
         """What it found, in a few lines."""
-        known = ", ".join(c.ours for c in self.columns if c.ours is not None) or "none that hexcite knows"
-        return "\n".join([f"{self.file}: {self.rows} rows; columns: {known}", *self.odd, self.toml])
+        names = ", ".join(c.ours for c in self.columns if c.ours is not None) or "none that hexcite knows"
+        return "\n".join([f"{self.file}: {self.rows} rows; columns: {names}", *self.odd, self.toml])
 
     __str__ = __repr__
 
@@ -85,12 +85,12 @@ class Look:
 
 def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Iterator[str]:
     """What a person should look at."""
-    known = {c.ours: c for c in found.columns if c.ours is not None}
+    columns = {c.ours: c for c in found.columns if c.ours is not None}
     if layout is not None and layout.cut_off:
         yield "the last line ends early: the recorder was stopped while it wrote; the settings leave this line out"
     elif layout is not None and layout.trailing_rows and layout.format == "csv":
         yield f"lines without numbers at the end: {layout.trailing_rows}; the settings leave them out"
-    clock = known.get(CLOCK)
+    clock = columns.get(CLOCK)
     if clock is None and "clock" in found.settings:
         period = found.settings["clock"]["period_ms"]
         yield f"no clock: {period:g} ms between rows is a guess; state the recorder's period in clock.period_ms"
@@ -103,17 +103,17 @@ def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Itera
             f"{shown(clock.name)}: its unit {clock.unit} is a guess from its steps; if it counts samples, leave it out "
             "and state clock.period_ms"
         )
-    if TRIGGER not in known and (clock is not None or "clock" in found.settings):
+    if TRIGGER not in columns and (clock is not None or "clock" in found.settings):
         yield "no trigger: the whole motion is evaluated, the ways from and to home too"
-    if TRIGGER in known:
-        on = switched(np.nan_to_num(known[TRIGGER].values))
+    if TRIGGER in columns:
+        on = switched(np.nan_to_num(columns[TRIGGER].values))
         if on is None:
-            yield f"{shown(known[TRIGGER].name)}: has more than two levels: not a switch; leave it out of columns"
+            yield f"{shown(columns[TRIGGER].name)}: has more than two levels: not a switch; leave it out of columns"
         elif not on.any():
-            yield f"{shown(known[TRIGGER].name)}: is never on, so nothing would be evaluated; leave it out of columns"
+            yield f"{shown(columns[TRIGGER].name)}: is never on, so nothing would be evaluated; leave it out of columns"
         elif on[-1]:
-            yield f"{shown(known[TRIGGER].name)}: is still on in the last row; was the recorder stopped too early?"
-    if DRIVES[0] in known:
+            yield f"{shown(columns[TRIGGER].name)}: is still on in the last row; was the recorder stopped too early?"
+    if DRIVES[0] in columns:
         yield (
             "drive positions: state drives = { sign = [1.0, ..], offset_mm = [..] }, for strut length = sign times "
             "position plus offset"
@@ -127,10 +127,10 @@ def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Itera
     if guesses:
         names = ", ".join(map(shown, guesses))
         yield f"meaning or unit guessed from values: {names}; compare order and unit with the recorder's settings"
-    if (possible := strut_range(case)) is not None and STRUTS[0] in known:
+    if (possible := strut_range(case)) is not None and STRUTS[0] in columns:
         low, high = (limit / MM for limit in possible)
-        factor = units_of(STRUTS[0])[known[STRUTS[0]].unit] / MM
-        middle = float(np.nanmedian([known[name].values for name in STRUTS])) * factor
+        factor = units_of(STRUTS[0])[columns[STRUTS[0]].unit] / MM
+        middle = float(np.nanmedian([columns[name].values for name in STRUTS])) * factor
         if not low <= middle <= high:
             yield (
                 f"struts of {middle:.4g} mm are not what the case lets expect ({low:.4g} to {high:.4g} mm): "
@@ -158,10 +158,10 @@ def _clock_oddities(clock: Column, rate: float | None) -> Iterator[str]:
         now, then = clock.values[row], clock.values[row - 1]
         yield f"{shown(clock.name)}: {now:.10g} comes after {then:.10g} in row {row + 1} of the numbers"
         return
-    lost = lost_samples(clock.values)
-    if lost.any():
-        count, places = int(lost.sum()), int(np.count_nonzero(lost))
-        first = int(np.argmax(lost > 0)) + 1
+    gaps = lost_samples(clock.values)
+    if gaps.any():
+        count, places = int(gaps.sum()), int(np.count_nonzero(gaps))
+        first = int(np.argmax(gaps > 0)) + 1
         yield f"{shown(clock.name)}: {count} samples are missing at {places} places, first after row {first}"
     if rate is not None and not RATES[0] <= rate <= RATES[1]:
         yield f"{rate:.3g} rows per second, by this clock: is its unit right?"

@@ -82,14 +82,14 @@ def named(theirs: str, unit: str = "") -> Named:
     if theirs in COLUMNS:
         return Named(theirs, None)
     match = _BRACKETED.search(theirs)
-    stated = unit_of(unit.strip("[]() ")) or (unit_of(match[1]) if match else None)
+    symbol = unit_of(unit.strip("[]() ")) or (unit_of(match[1]) if match else None)
     bare = _BRACKETED.sub("", theirs).strip()
     suffix = _SUFFIX.search(bare)
-    if stated is None and suffix and unit_of(suffix[1]):
-        stated, bare = unit_of(suffix[1]), bare[: suffix.start()]
+    if symbol is None and suffix and unit_of(suffix[1]):
+        symbol, bare = unit_of(suffix[1]), bare[: suffix.start()]
     key = bare.lower()
     commanded = _COMMANDED.search(key) is not None
-    return Named(_ours(key), stated, commanded)
+    return Named(_ours(key), symbol, commanded)
 
 
 def unit_of(text: str) -> str | None:
@@ -114,8 +114,8 @@ def _ours(key: str) -> str | None:
         match = re.search(pattern, re.sub(r"[_ .\-#]+", "", key))
         if match:
             number = int(next(group for group in match.groups() if group is not None))
-            chosen = rates if rates and _RATE.search(key) else columns
-            return f"{chosen[0][: chosen[0].index('1')]}{number}{chosen[0][chosen[0].index('1') + 1 :]}"
+            names = rates if rates and _RATE.search(key) else columns
+            return f"{names[0][: names[0].index('1')]}{number}{names[0][names[0].index('1') + 1 :]}"
     return None
 
 
@@ -132,11 +132,11 @@ def matched(
         Our name -> position in the file; our name -> unit. Numbers that count from 0 are shifted; of two columns for
         one of ours the first that is not a command counts; groups that are not whole are left out.
     """
-    said = [named(name, units[k] if units else "") for k, name in enumerate(names)]
-    order = sorted(range(len(said)), key=lambda k: said[k].commanded)  # stable: measured ones first
+    meanings = [named(name, units[k] if units else "") for k, name in enumerate(names)]
+    order = sorted(range(len(meanings)), key=lambda k: meanings[k].commanded)  # stable: measured ones first
     places: dict[str, int] = {}
     for k in order:
-        ours = said[k].ours
+        ours = meanings[k].ours
         if ours is not None:
             places.setdefault(ours, k)
     shifted = dict(_from_one(places))
@@ -144,8 +144,8 @@ def matched(
         shifted = _of_joints(names, shifted, joints)
     groups = GROUPS if joints is None else (tuple(joints.values()), *(g for g in GROUPS if g not in _OF_DRIVES))
     whole = {ours: k for ours, k in shifted.items() if _is_whole(ours, shifted, groups)}
-    stated = {ours: unit for ours, k in whole.items() if (unit := said[k].unit) is not None}
-    return whole, stated
+    column_units = {ours: unit for ours, k in whole.items() if (unit := meanings[k].unit) is not None}
+    return whole, column_units
 
 
 def _from_one(places: Mapping[str, int]) -> Iterator[tuple[str, int]]:
@@ -163,14 +163,14 @@ def _from_one(places: Mapping[str, int]) -> Iterator[tuple[str, int]]:
 
 def _of_joints(names: Sequence[str], places: Mapping[str, int], joints: Mapping[str, str]) -> dict[str, int]:
     """Drives that are the joints of a chain: by the joints' own names in those of the columns, else by numbers."""
-    found = {ours: k for ours, k in places.items() if not any(ours in group for group in _OF_DRIVES)}
+    columns = {ours: k for ours, k in places.items() if not any(ours in group for group in _OF_DRIVES)}
     for number, (joint, ours) in enumerate(joints.items()):
         called = [k for k, name in enumerate(names) if joint.lower() in name.lower() and not named(name).commanded]
         numbered = places.get(f"q{number + 1}_mm", places.get(ours))
         place = called[0] if len(called) == 1 else numbered
         if place is not None:
-            found[ours] = place
-    return found
+            columns[ours] = place
+    return columns
 
 
 def _is_whole(ours: str, places: Mapping[str, int], groups: Sequence[Sequence[str]]) -> bool:

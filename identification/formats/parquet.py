@@ -39,15 +39,15 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
 
 def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Iterator[ColumnTable]:
     names = tuple(parquet.schema_arrow.names)
-    chosen = select(file, names, form)
-    if not chosen.values:
+    selection = select(file, names, form)
+    if not selection.values:
         raise RecordingError(file, unknown_columns(names, form))
-    clock = [] if chosen.clock is None else [names[chosen.clock]]
-    wanted = [*(names[k] for k in chosen.values.values()), *clock]
+    clock = [] if selection.clock is None else [names[selection.clock]]
+    columns = [*(names[k] for k in selection.values.values()), *clock]
     count = 0
     for group in range(parquet.num_row_groups):
-        batch = parquet.read_row_group(group, columns=wanted)
-        values = {ours: _numbers(file, names[k], batch) for ours, k in chosen.values.items()}
+        batch = parquet.read_row_group(group, columns=columns)
+        values = {ours: _numbers(file, names[k], batch) for ours, k in selection.values.items()}
         stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
         if stamps is None and form.clock.period is not None:
             stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period

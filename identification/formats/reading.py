@@ -152,8 +152,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     tables: list[tuple[ColumnTable, RecordingFormat]] = []
     for path in paths:
         file, form = _file_of(path, case)
-        held = sum(table.rows * len(table.values) for table, _ in tables)
-        tables += [(table, form) for table in read_tables(file, form, held)]
+        cells = sum(table.rows * len(table.values) for table, _ in tables)
+        tables += [(table, form) for table in read_tables(file, form, cells)]
     for table, form in tables:
         require_stamps(table, form)  # before the first of them is taken for the run's beginning
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
@@ -203,33 +203,33 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
     for stream in streams:
         for channel in stream.channels:
             if channel in owner:
-                where = "and is given twice" if owner[channel] == stream.source else f"as {owner[channel]} does"
+                reason = "and is given twice" if owner[channel] == stream.source else f"as {owner[channel]} does"
                 raise RecordingError(
-                    stream.source, f"has {channel.replace('_', ' ')}, {where}", "give the files of one run, each once"
+                    stream.source, f"has {channel.replace('_', ' ')}, {reason}", "give the files of one run, each once"
                 )
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
-        wanted = [form.file_name(c) for c in case.sensor_frame.channels]
-        raise RecordingError(sources, f"no forces: {without(wanted, names)}")
+        columns = [form.file_name(c) for c in case.sensor_frame.channels]
+        raise RecordingError(sources, f"no forces: {without(columns, names)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
-        wanted = [form.file_name(c) for c in (case.drive_columns if case.machine is not None else (*ROTATION, *POSE))]
-        raise RecordingError(sources, f"no pose: {without(wanted, names)}")
+        columns = [form.file_name(c) for c in (case.drive_columns if case.machine is not None else (*ROTATION, *POSE))]
+        raise RecordingError(sources, f"no pose: {without(columns, names)}")
 
 
 def _joined(streams: Sequence[Stream]) -> list[Stream]:
     """Streams whose samples coincide as one."""
-    joined: list[Stream] = []
+    result: list[Stream] = []
     for stream in streams:
-        same = next((k for k, s in enumerate(joined) if _coincide(s, stream)), None)
+        same = next((k for k, s in enumerate(result) if _coincide(s, stream)), None)
         if same is None:
-            joined.append(stream)
+            result.append(stream)
         else:
             more: dict[Any, Any] = {**stream.channels}
-            missing = either(joined[same].missing, stream.missing)
-            names = (*joined[same].missing_in, *stream.missing_in)
-            joined[same] = replace(joined[same], missing=missing, missing_in=names, **more)
-    return joined
+            missing = either(result[same].missing, stream.missing)
+            names = (*result[same].missing_in, *stream.missing_in)
+            result[same] = replace(result[same], missing=missing, missing_in=names, **more)
+    return result
 
 
 def _coincide(one: Stream, other: Stream) -> bool:
@@ -250,11 +250,11 @@ def _require_one_time(streams: Sequence[Stream]) -> None:
                 without_clock.source, f"{reason}, {other.source} {against}", "give files of one run, recorded together"
             )
     spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
-    start, _, late = max(spans, default=(0.0, 0.0, ""))
+    start, _, latest = max(spans, default=(0.0, 0.0, ""))
     end, early = min(((end, source) for _, end, source in spans), default=(0.0, ""))
     if len(spans) > 1 and start >= end:
         raise RecordingError(
-            late,
+            latest,
             f"starts {start - end:.6g} s after {early} ends",
             "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
         )

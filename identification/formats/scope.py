@@ -61,15 +61,15 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     lines = read_head(file)
     dialect = _dialect(file, lines[0], form)
     layout = _layout(file, lines, dialect, form)
-    used = sorted(set(layout.clocks.values()))
-    fields = Fields(layout.names, list(layout.values.values()), used)
+    clocks = sorted(set(layout.clocks.values()))
+    fields = Fields(layout.names, list(layout.values.values()), clocks)
     groups: list[tuple[str, ...]] = []
     for block in read_blocks(file, layout.header_rows, form.trailing_rows):
         filled = _filled(block, len(layout.names), dialect)
         if not filled.data.strip():
             continue
         columns = parse(file, filled, fields, dialect)
-        stamps = {k: _present(file, filled, columns[k]) for k in used}
+        stamps = {k: _present(file, filled, columns[k]) for k in clocks}
         groups = groups or _groups(layout, stamps)
         for group in groups:
             clock = min((stamps[layout.clocks[ours]] for ours in group), key=len)
@@ -83,8 +83,8 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             if not len(clock):
                 continue
             values = {ours: columns[layout.values[ours]].to_numpy()[: len(clock)] for ours in group}
-            where = lines_of(filled, len(columns[used[0]]))
-            yield ColumnTable(str(file), layout.channels, values, clock, form.tick, where)
+            places = lines_of(filled, len(columns[clocks[0]]))
+            yield ColumnTable(str(file), layout.channels, values, clock, form.tick, places)
     if not groups:
         raise RecordingError(file, "has a header but no rows", "export the recording again")
 
@@ -116,23 +116,23 @@ def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: Recording
     clocks = [k for k, name in enumerate(names) if name == _NAME]
     above = [max(c for c in clocks if c <= k) for k in range(len(names))]
     own = [name if k not in clocks else "" for k, name in enumerate(names)]
-    chosen = select(file, own, form).values
+    positions = select(file, own, form).values
     for line in lines[top + 1 : first]:
         if line.startswith((_SYMBOL + dialect.delimiter).encode()):
             symbols = cells(line.decode(dialect.encoding, "replace"), dialect)
-            chosen = select(file, [*symbols, *names][: len(names)], form).values | chosen
-    chosen.pop(CLOCK, None)
+            positions = select(file, [*symbols, *names][: len(names)], form).values | positions
+    positions.pop(CLOCK, None)
     channels = tuple(name for name in own if name)
-    if not chosen:
+    if not positions:
         raise RecordingError(file, unknown_columns(channels, form))
-    shown = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
-    return _Layout(first, shown, channels, chosen, {ours: above[k] for ours, k in chosen.items()})
+    labels = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
+    return _Layout(first, labels, channels, positions, {ours: above[k] for ours, k in positions.items()})
 
 
 def _is_data(line: bytes, dialect: TextFormat) -> bool:
     """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
-    found = [f for f in dialect.split(line.decode(errors="replace")) if f.strip()]
-    return bool(found) and all(is_number(f.replace(",", ".", 1)) for f in found)
+    fields = [f for f in dialect.split(line.decode(errors="replace")) if f.strip()]
+    return bool(fields) and all(is_number(f.replace(",", ".", 1)) for f in fields)
 
 
 def _filled(block: TextBlock, count: int, dialect: TextFormat) -> TextBlock:

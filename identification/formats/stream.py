@@ -86,7 +86,7 @@ class Averaged(NamedTuple):
             s0: s0 of the fit.
         """
         expected = float(np.sqrt(np.trace(w @ np.diag(self.expected**2)) / 6.0))
-        told = {
+        entries = {
             "ratio": self.ratio,
             "interval_s": self.interval,
             "sample_noise": self.noise.tolist(),
@@ -97,7 +97,7 @@ class Averaged(NamedTuple):
             f"forces: {self.ratio:.4g} samples averaged for each of the motion ({self.interval * 1e3:.4g} ms, "
             f"centred: no group delay); noise of a sample {float(np.median(self.noise)):.3g} N; were it white, s0 "
             f"would be {expected:.3g}, it is {s0:.3g}",
-            averaged=told,
+            averaged=entries,
         )
 
 

@@ -72,9 +72,9 @@ def shown(text: str, limit: int = _SHOWN_CHARACTERS) -> str:
 
 def listed(names: Iterable[str]) -> str:
     """Names from a file as a message can list them."""
-    kept = [shown(n) for n in names if n.strip()]
-    more = f" and {len(kept) - _SHOWN_NAMES} more" if len(kept) > _SHOWN_NAMES else ""
-    return (", ".join(kept[:_SHOWN_NAMES]) or "no names") + more
+    labels = [shown(n) for n in names if n.strip()]
+    more = f" and {len(labels) - _SHOWN_NAMES} more" if len(labels) > _SHOWN_NAMES else ""
+    return (", ".join(labels[:_SHOWN_NAMES]) or "no names") + more
 
 
 # Time stamps of equal steps are printed with rounding; beyond this share of a step the sampling is not uniform.
@@ -99,8 +99,8 @@ def lost_samples(t: Array | None, least: float = GAP, step: float | None = None)
     usual = float(np.median(steps)) if step is None else step
     if not steps.max() > least * usual:
         return np.zeros(len(steps), dtype=np.int64)
-    lost = np.maximum(np.rint(steps / usual) - 1.0, 1.0)
-    return np.where(steps > least * usual, lost, 0.0).astype(np.int64)
+    counts = np.maximum(np.rint(steps / usual) - 1.0, 1.0)
+    return np.where(steps > least * usual, counts, 0.0).astype(np.int64)
 
 
 def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
@@ -195,10 +195,14 @@ def crowded(gaps: NDArray[np.bool_]) -> int | None:
 def _uneven(source: str, steps: Array, usual: float, off: NDArray[np.bool_], row: int, lines: Lines) -> str:
     """What to say of a clock that is not uniform: another rate, or single steps that differ."""
     count = int(off.sum())
-    there = float(np.median(steps[row : row + _TYPICAL_STEPS]))
-    where = f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
-    where += f"{usual * 1e3:.4g} ms"
-    if count >= _FEW_STEPS and off[row : row + _TYPICAL_STEPS].mean() > 0.5 and abs(there - usual) > UNIFORMITY * usual:
-        return f"{where}; the sampling rate changes: export the run at one rate"
+    local_step = float(np.median(steps[row : row + _TYPICAL_STEPS]))
+    text = f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
+    text += f"{usual * 1e3:.4g} ms"
+    if (
+        count >= _FEW_STEPS
+        and off[row : row + _TYPICAL_STEPS].mean() > 0.5
+        and abs(local_step - usual) > UNIFORMITY * usual
+    ):
+        return f"{text}; the sampling rate changes: export the run at one rate"
     more = f", and at {count - 1} more places" if count > 1 else ""
-    return f"{where}{more}, which is not a gap either; export the run at one rate"
+    return f"{text}{more}, which is not a gap either; export the run at one rate"

@@ -104,9 +104,9 @@ def read_head(file: Path) -> list[bytes]:
             data = stream.read(_LONGEST_LINE)
     except OSError as error:
         raise unreadable(file, error) from error
-    for mark, what in _NOT_TEXT.items():
+    for mark, kind in _NOT_TEXT.items():
         if data.startswith(mark):
-            raise RecordingError(file, f"is not a CSV table but {what}")
+            raise RecordingError(file, f"is not a CSV table but {kind}")
     lines = data.removeprefix(_MARK).split(b"\n")
     if not any(line.strip() for line in lines):
         raise RecordingError(file, "is empty, it has blank lines only", "record again")
@@ -138,14 +138,14 @@ def read_blocks(
             yield TextBlock(header_rows + 1, rows[-1])
 
 
-def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterator[TextBlock]:
+def _all_blocks(file: Path, trailing_rows: int, size: int, reserve: int) -> Iterator[TextBlock]:
     line, rest = 1, b""
     try:
         with file.open("rb") as stream:
             rest = stream.read(len(_MARK)).removeprefix(_MARK)
             while chunk := stream.read(size):
                 rest += chunk
-                end = max(len(rest) - kept, 0)
+                end = max(len(rest) - reserve, 0)
                 cut = rest.rfind(b"\n", 0, end) + 1
                 if cut:
                     yield TextBlock(line, rest[:cut])
@@ -188,7 +188,7 @@ def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> 
     Raises:
         RecordingError: a line or a value cannot be read; the message names it.
     """
-    wanted = [*fields.numbers, *(k for k in fields.stamps if k not in fields.numbers)]
+    positions = [*fields.numbers, *(k for k in fields.stamps if k not in fields.numbers)]
     names = [str(k) for k in range(len(fields.names))]
     try:
         table = pacsv.read_csv(
@@ -198,20 +198,20 @@ def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> 
             parse_options=pacsv.ParseOptions(delimiter=dialect.delimiter),
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in fields.numbers},
-                include_columns=[str(k) for k in wanted],
+                include_columns=[str(k) for k in positions],
                 null_values=list(dialect.missing),
                 strings_can_be_null=bool(dialect.missing),
                 decimal_point=dialect.decimal,
             ),
         )
     except (pa.ArrowException, UnicodeDecodeError) as error:
-        raise explain(file, block, fields.names, wanted, dialect, str(error)) from error
-    columns = {k: table.column(str(k)) for k in wanted}
+        raise explain(file, block, fields.names, positions, dialect, str(error)) from error
+    columns = {k: table.column(str(k)) for k in positions}
     for k in fields.stamps:
         if pa.types.is_null(columns[k].type):
             columns[k] = columns[k].cast(pa.float64())
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
-            raise explain(file, block, fields.names, wanted, dialect, f"column {k} holds no numbers")
+            raise explain(file, block, fields.names, positions, dialect, f"column {k} holds no numbers")
     return columns
 
 
@@ -242,14 +242,14 @@ def explain(
             text = raw.decode(dialect.encoding)
         except UnicodeDecodeError:
             return not_text(place, dialect)
-        found = dialect.split(text)
-        if len(found) != len(names):
+        fields = dialect.split(text)
+        if len(fields) != len(names):
             return RecordingError(
-                place, f"expected {len(names)} columns, got {len(found)}", _why(found, names, dialect, text, ends)
+                place, f"expected {len(names)} columns, got {len(fields)}", _why(fields, names, dialect, text, ends)
             )
         for k in wanted:
-            if not dialect.is_number(found[k]):
-                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(found[k], dialect))
+            if not dialect.is_number(fields[k]):
+                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(fields[k], dialect))
     reason = shown(cause.splitlines()[0] if cause else "", 120)
     return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
 
@@ -267,12 +267,12 @@ def _lines(block: TextBlock) -> Iterator[tuple[int, bytes, bool]]:
             yield block.first_line + k, line.rstrip(b"\r"), k < len(lines) - 1
 
 
-def _why(found: Sequence[str], names: Sequence[str], dialect: TextFormat, text: str, ends: bool) -> str:
-    if len(found) < len(names) and not ends:
+def _why(fields: Sequence[str], names: Sequence[str], dialect: TextFormat, text: str, ends: bool) -> str:
+    if len(fields) < len(names) and not ends:
         return "the file is cut off in its last line: remove that line"
-    if len(found) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
+    if len(fields) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
         return "does it have decimal commas? export with semicolons and set recording.delimiter and recording.decimal"
-    if len(found) > len(names) and dialect.delimiter == " " and "  " in text:
+    if len(fields) > len(names) and dialect.delimiter == " " and "  " in text:
         return "there are several blanks between numbers: export with one character between them"
     return "correct or remove the row"
 

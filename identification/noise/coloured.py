@@ -96,10 +96,10 @@ def coloured_covariance(found: Turned) -> Array | None:
     """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs."""
     if len(found.noise) < LEAST_SAMPLES:
         return None
-    answer, taken, white = (found.series(v) for v in (found.answer, found.taken, found.noise))
-    here = found.series(np.ones(len(found.noise)))
+    answer, basis, white = (found.series(v) for v in (found.answer, found.taken, found.noise))
+    mask = found.series(np.ones(len(found.noise)))
     channels = range(found.noise.shape[1])
-    meat = sum(_meat(answer[:, k], taken[:, k], white[:, k], here, found.freedom) for k in channels)
+    meat = sum(_meat(answer[:, k], basis[:, k], white[:, k], mask, found.freedom) for k in channels)
     return found.share * found.covariance(np.asarray(meat))
 
 
@@ -122,23 +122,23 @@ def _seen(answer: Array, taken: Array, here: Array, pairs: Array, autocovariance
     return left + np.einsum("fi,ij,fj->f", spectrum, meat, spectrum.conj()).real, meat
 
 
-def _meat(answer: Array, taken: Array, noise: Array, here: Array, freedom: float) -> Array:
+def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float) -> Array:
     """B^T Gamma B of a channel with the autocovariance that its residuals tell, shape (u, u).
 
     Args:
         answer: B, see `_seen`.
-        taken: C.
+        basis: C.
         noise: residuals of variance 1, shape (n,), zero where there is no sample.
-        here: 1 where there is a sample, shape (n,).
+        mask: 1 where there is a sample, shape (n,).
         freedom: degrees of freedom of the channel.
     """
     length = len(noise)
-    pairs = np.maximum(np.round(products(here)), 0.0)
-    near = autoregressive(noise, here, float(here.sum()) / freedom)
-    components = [_seen(answer, taken, here, pairs, c) for c in (near, *slow_noises(length))]
+    pairs = np.maximum(np.round(products(mask)), 0.0)
+    near = autoregressive(noise, mask, float(mask.sum()) / freedom)
+    components = [_seen(answer, basis, mask, pairs, c) for c in (near, *slow_noises(length))]
     slow = max(len(components), int(SLOW * (length // 2)) + 1)
-    left = np.array([c[0] for c in components])[:, :slow]
-    shares = _shares(np.abs(rfft(noise)[:slow]) ** 2, left)
+    spectra = np.array([c[0] for c in components])[:, :slow]
+    shares = _shares(np.abs(rfft(noise)[:slow]) ** 2, spectra)
     meat = np.einsum("c,cij->ij", shares, np.array([c[1] for c in components]))
     return np.asarray((meat + meat.T) / 2.0)
 
@@ -195,12 +195,12 @@ def autoregressive(noise: Array, here: Array, scale: float) -> Array:
     forward, backward, whole = noise, noise, here > 0.0
     for order in range(1, min(MOST_ORDER, count // PER_ORDER) + 1):
         whole = whole[1:] & (here[:-order] > 0.0)
-        ahead, behind = forward[1:], backward[:-1]
-        power = float(np.sum((ahead**2 + behind**2)[whole]))
+        later, earlier = forward[1:], backward[:-1]
+        power = float(np.sum((later**2 + earlier**2)[whole]))
         if np.count_nonzero(whole) < LEAST_SAMPLES // 2 or power <= 0.0:
             break
-        reflection = float(np.clip(2.0 * (ahead @ (behind * whole)) / power, -MOST_ALIKE, MOST_ALIKE))
-        forward, backward = ahead - reflection * behind, behind - reflection * ahead
+        reflection = float(np.clip(2.0 * (later @ (earlier * whole)) / power, -MOST_ALIKE, MOST_ALIKE))
+        forward, backward = later - reflection * earlier, earlier - reflection * later
         phi = np.r_[phi - reflection * phi[::-1], reflection]
         variance *= 1.0 - reflection**2
         criterion = count * (np.log(variance) + 2.0 * (order + 1) / (count - order - 2))

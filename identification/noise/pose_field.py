@@ -49,9 +49,9 @@ class PoseField:
 def squared_distances(places: Array, others: Array) -> Array:
     """Between places, shapes (n, d) and (m, d), shape (n, m)."""
     middle = others.mean(axis=0)
-    here, there = places - middle, others - middle
-    total = np.sum(here**2, axis=1)[:, None] + np.sum(there**2, axis=1)
-    return np.asarray(np.maximum(total - 2.0 * here @ there.T, 0.0))
+    first, second = places - middle, others - middle
+    total = np.sum(first**2, axis=1)[:, None] + np.sum(second**2, axis=1)
+    return np.asarray(np.maximum(total - 2.0 * first @ second.T, 0.0))
 
 
 def matern(distance: Array) -> tuple[Array, Array]:

@@ -44,8 +44,8 @@ class Left(NamedTuple):
     def of(cls, noise: Array, taken: Array) -> "Left":
         """Of residuals, shape (m, s), and columns of the fit, shape (m, s, u), that may depend on one another."""
         basis, size, _ = np.linalg.svd(taken.reshape(noise.size, -1), full_matrices=False)
-        kept = basis[:, size > UNSEEN * size[0]]
-        return cls(noise, kept.reshape(*noise.shape, -1))
+        directions = basis[:, size > UNSEEN * size[0]]
+        return cls(noise, directions.reshape(*noise.shape, -1))
 
 
 class _Solved(NamedTuple):
@@ -57,18 +57,18 @@ class _Solved(NamedTuple):
     half_logdet: float  # log of the determinants' root
 
 
-def _solved(left: Left, covariance: Array) -> _Solved:
-    count, channels = left.noise.shape
+def _solved(data: Left, covariance: Array) -> _Solved:
+    count, channels = data.noise.shape
     jittered = covariance + JITTER * np.trace(covariance) / count * np.eye(count)
     factor, lower = cho_factor(jittered, lower=True)
     inverse = cho_solve((factor, lower), np.eye(count))
-    columns = (inverse @ left.taken.reshape(count, -1)).reshape(left.taken.shape)
-    inner = np.linalg.cholesky(np.tensordot(left.taken, columns, ((0, 1), (0, 1))))
+    columns = (inverse @ data.taken.reshape(count, -1)).reshape(data.taken.shape)
+    inner = np.linalg.cholesky(np.tensordot(data.taken, columns, ((0, 1), (0, 1))))
     spanned = solve_triangular(inner, columns.reshape(-1, len(inner)).T, lower=True).T.reshape(columns.shape)
-    rest = np.tensordot(spanned, left.noise, ((0, 1), (0, 1)))
-    weighed = inverse @ left.noise
+    rest = np.tensordot(spanned, data.noise, ((0, 1), (0, 1)))
+    solution = inverse @ data.noise
     logdet = channels * np.log(np.diag(factor)).sum() + np.log(np.diag(inner)).sum()
-    return _Solved(inverse, spanned, weighed - spanned @ rest, float(logdet))
+    return _Solved(inverse, spanned, solution - spanned @ rest, float(logdet))
 
 
 def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
@@ -80,11 +80,11 @@ def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[
     """
 
     def value(logarithms: Array) -> tuple[float, Array]:
-        covariance, pulled = family(logarithms)
-        found = _solved(left, covariance)
-        flat = found.spanned.reshape(len(covariance), -1)
-        slope = left.noise.shape[1] * found.inverse - flat @ flat.T - found.answer @ found.answer.T
-        return found.half_logdet + float(np.sum(left.noise * found.answer)) / 2.0, pulled(slope / 2.0)
+        covariance, gradient = family(logarithms)
+        solution = _solved(left, covariance)
+        flat = solution.spanned.reshape(len(covariance), -1)
+        slope = left.noise.shape[1] * solution.inverse - flat @ flat.T - solution.answer @ solution.answer.T
+        return solution.half_logdet + float(np.sum(left.noise * solution.answer)) / 2.0, gradient(slope / 2.0)
 
     best = minimize(
         value,
@@ -116,25 +116,27 @@ def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
         kernels: covariances of the noises, shape (c, m, m).
         shares: shares that are the likeliest for all channels alike, shape (c,).
     """
-    found = _solved(left, np.tensordot(shares, kernels, 1))
+    solution = _solved(left, np.tensordot(shares, kernels, 1))
     channels, count = left.noise.shape[1], len(kernels)
-    inverse, spanned, answer = found.inverse, found.spanned, found.answer
+    inverse, spanned, answer = solution.inverse, solution.spanned, solution.answer
     weighed = inverse @ kernels
     power = np.einsum("ms,cms->sc", answer, np.tensordot(kernels, answer, 1))
-    felt = np.tensordot(kernels, spanned, 1)  # K_c H, shape (c, m, s, r)
-    within = np.einsum("msu,cmsv->scuv", spanned, felt, optimize=True)
+    products = np.tensordot(kernels, spanned, 1)  # K_c H, shape (c, m, s, r)
+    within = np.einsum("msu,cmsv->scuv", spanned, products, optimize=True)
     information = np.einsum("kcuv,ldvu->kcld", within, within, optimize=True)
     whole = np.einsum("aij,bji->ab", weighed, weighed, optimize=True)
     for k in range(channels):
-        through = inverse @ felt[:, :, k]
-        crossed = np.tensordot(felt[:, :, k], through, ((1, 2), (1, 2)))
-        information[k, :, k, :] += whole - 2.0 * crossed
+        through = inverse @ products[:, :, k]
+        cross_terms = np.tensordot(products[:, :, k], through, ((1, 2), (1, 2)))
+        information[k, :, k, :] += whole - 2.0 * cross_terms
     square = information.reshape(channels * count, -1)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(square), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh((square + square.T) / 2.0 * np.outer(scale, scale))
-    seen = values > UNSEEN * values[-1]
-    root = np.sqrt(values[seen])
-    found_shares, _ = nnls((vectors[:, seen] * root).T, vectors[:, seen].T @ (scale * power.ravel()) / root)
+    significant = values > UNSEEN * values[-1]
+    root = np.sqrt(values[significant])
+    found_shares, _ = nnls(
+        (vectors[:, significant] * root).T, vectors[:, significant].T @ (scale * power.ravel()) / root
+    )
     return np.asarray((found_shares * scale).reshape(channels, count))
 
 
@@ -179,19 +181,19 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     samples = len(found.noise)
     if samples < LEAST_SAMPLES:
         return None
-    chosen = np.arange(samples)[(samples - 1) % -(-samples // INSTANTS) // 2 :: -(-samples // INSTANTS)]
-    squared = squared_distances(struts[chosen], struts[chosen])
+    rows = np.arange(samples)[(samples - 1) % -(-samples // INSTANTS) // 2 :: -(-samples // INSTANTS)]
+    squared = squared_distances(struts[rows], struts[rows])
     reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
     if reach == 0.0:
         return None
-    left = Left.of(found.noise[chosen], found.taken[chosen])
+    data = Left.of(found.noise[rows], found.taken[rows])
     memories = [_near(found), *slow_noises(found.length)]
-    lags = np.abs(found.places[chosen][:, None] - found.places[chosen])
+    lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])
     begin = np.r_[BEGIN[0], np.full(len(memories) - 1, BEGIN[1]), BEGIN[2:]]
     bounds = np.array([*[SHARES] * (len(memories) + 1), LENGTHS])
-    _, without = likeliest(left, mixtures(kernels), begin[:-2], bounds[:-2])
-    shares, value = likeliest(left, _with_field(kernels, squared / reach**2), begin, bounds)
+    _, without = likeliest(data, mixtures(kernels), begin[:-2], bounds[:-2])
+    shares, value = likeliest(data, _with_field(kernels, squared / reach**2), begin, bounds)
     if without - value <= UNKNOWNS:
         return None
     length = reach * float(shares[-1])
@@ -202,20 +204,20 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     begin = np.array([shares[0], 1.0, shares[-2]])
     by_channel = np.zeros((found.noise.shape[1], len(begin)))
     counts = begin * alike[:, 0, 0] > COUNTED
-    by_channel[:, counts] = shares_by_channel(left, alike[counts], begin[counts])
+    by_channel[:, counts] = shares_by_channel(data, alike[counts], begin[counts])
     meat = _felt_field(found, struts / length, by_channel[:, -1])
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
-        felt = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
-        meat += found.share * np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
+        response = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
+        meat += found.share * np.tensordot(answer * share[:, None], response, ((0, 1), (0, 1)))
     return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
 
 
-def _near(found: Turned) -> Array:
+def _near(data: Turned) -> Array:
     """Autocovariance of an autoregressive model, mean of the channels, shape (length,)."""
-    series, here = found.series(found.noise), found.series(np.ones(len(found.noise)))
-    scale = len(found.noise) / found.freedom
-    return np.asarray(np.mean([autoregressive(channel, here, scale) for channel in series.T], axis=0))
+    series, mask = data.series(data.noise), data.series(np.ones(len(data.noise)))
+    scale = len(data.noise) / data.freedom
+    return np.asarray(np.mean([autoregressive(channel, mask, scale) for channel in series.T], axis=0))
 
 
 def _with_field(kernels: Array, squared: Array) -> Family:
@@ -226,19 +228,19 @@ def _with_field(kernels: Array, squared: Array) -> Family:
     mixture, distance = mixtures(kernels), np.sqrt(squared)
 
     def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
-        memory, pulled = mixture(logarithms[:-2])
+        memory, gradient = mixture(logarithms[:-2])
         share = np.exp(logarithms[-2])
         alike, longer = matern(distance * np.exp(-logarithms[-1]))
 
         def pull(slope: Array) -> Array:
-            return np.asarray(np.r_[pulled(slope), share * np.sum(slope * alike), share * np.sum(slope * longer)])
+            return np.asarray(np.r_[gradient(slope), share * np.sum(slope * alike), share * np.sum(slope * longer)])
 
         return memory + share * alike, pull
 
     return family
 
 
-def _felt_field(found: Turned, places: Array, shares: Array) -> Array:
+def _felt_field(data: Turned, places: Array, shares: Array) -> Array:
     """Covariance of half^-1 u by a field of variance `shares` in each channel, shape (u, u).
 
     As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so that
@@ -248,14 +250,14 @@ def _felt_field(found: Turned, places: Array, shares: Array) -> Array:
         places: places in lengths of the field, shape (n, 6).
         shares: shape (6,).
     """
-    apart = places - places.mean(axis=0)
+    offsets = places - places.mean(axis=0)
     waves = _spectrum(places.shape[1])
-    meat = np.zeros((found.answer.shape[2],) * 2)
-    for some in np.array_split(waves, 16):  # of a long run all would fill the memory
-        phase = apart @ some.T
+    meat = np.zeros((data.answer.shape[2],) * 2)
+    for block in np.array_split(waves, 16):  # of a long run all would fill the memory
+        phase = offsets @ block.T
         for part in (np.cos(phase), np.sin(phase)):
-            felt = np.tensordot(found.answer, part, ((0,), (0,)))  # shape (6, u, waves)
-            meat += np.tensordot(felt * shares[:, None, None], felt, ((0, 2), (0, 2)))
+            response = np.tensordot(data.answer, part, ((0,), (0,)))  # shape (6, u, waves)
+            meat += np.tensordot(response * shares[:, None, None], response, ((0, 2), (0, 2)))
     return meat / len(waves)
 
 

@@ -75,19 +75,19 @@ class NoiseSources:
     @property
     def findings(self) -> list[Finding]:
         """What speaks against the statement of the case."""
-        found = []
+        sentences = []
         if self.accelerations is not None and self.bias is None:
-            found.append(
+            sentences.append(
                 "the stated noise of struts or accelerations would make up half or more of the information about a "
                 "parameter, whose attenuation is not reported: check sensors.encoder_resolution_um, strut_noise_um and "
                 "acceleration_noise_m_s2"
             )
         if self.explained > EXCESS:
-            found.append(
+            sentences.append(
                 f"the noise that the case states explains {100 * self.explained:.0f} % of s0^2: there is less of it; "
                 "check sensors.force_noise_N, encoder_resolution_um, strut_noise_um and acceleration_noise_m_s2"
             )
-        return [warning(Kind.NOISE, told) for told in found]
+        return [warning(Kind.NOISE, sentence) for sentence in sentences]
 
     def to_json(self) -> dict[str, Any]:
         """All but the bias, which is told for physical parameters."""
@@ -162,8 +162,8 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
         for change in acceleration_effects(run.machine, run.model, motion):
             moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     if sensors.acceleration_noise is not None:
-        felt = sensors.acceleration_noise**2 * run.filtered.gain
-        for change, size in zip(twist_rate_effects(run.model, motion), felt, strict=True):
+        variances = sensors.acceleration_noise**2 * run.filtered.gain
+        for change, size in zip(twist_rate_effects(run.model, motion), variances, strict=True):
             moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     return moment, len(motion.pose), variance
 
@@ -178,10 +178,10 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     """
     nothing = np.zeros((len(u), len(u)))
     values = form.of(u, nothing)[0]
-    drawn = values - form.of(u - bias, nothing)[0]
+    reference = values - form.of(u - bias, nothing)[0]
     return {
         p.name: Attenuation(float(b), float(b / v) if v != 0.0 else None, float(b / s) if s > GIVEN * abs(v) else None)
-        for p, v, b, s in zip(form.parameters, values, drawn, std, strict=True)
+        for p, v, b, s in zip(form.parameters, values, reference, std, strict=True)
     }
 
 
@@ -199,9 +199,9 @@ def twist_rate_effects(model: Model, motion: Kinematics) -> list[Array]:
 
 def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
     """What a step of the twist rate along each column of `directions`, shape (n, 6, 6), changes A by."""
-    here = regressors(model, motion)
+    matrices = regressors(model, motion)
     return [
-        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - here
+        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - matrices
         for k in range(6)
     ]
 
@@ -224,10 +224,10 @@ def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w
     orders = np.arange(-run.struts.harmonics, run.struts.harmonics + 1)
     power = recorded / run.samples * (orders * run.struts.omega) ** 4.0
     shifts = np.arange(-run.harmonics - run.struts.harmonics, run.harmonics + run.struts.harmonics + 1)
-    passed = np.abs(orders + shifts[:, None]) <= run.harmonics
+    passband = np.abs(orders + shifts[:, None]) <= run.harmonics
     root = np.linalg.cholesky(w).T
     moment = np.zeros((len(run.model.parameters),) * 2)
     for change in acceleration_effects(run.hexapod, run.model, motion):
-        seen = fft(root @ change, axis=0)[shifts] / len(change)
-        moment += np.einsum("m,mku,mkv->uv", passed @ power, seen.conj(), seen, optimize=True).real
+        spectra = fft(root @ change, axis=0)[shifts] / len(change)
+        moment += np.einsum("m,mku,mkv->uv", passband @ power, spectra.conj(), spectra, optimize=True).real
     return run.points * moment, float(power.sum())

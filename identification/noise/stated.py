@@ -52,8 +52,8 @@ class StatedNoise:
         Args:
             values: u, shape (u,).
         """
-        felt = acceleration_to_force(self.model, values) * self.acceleration
-        return np.asarray(felt @ felt.T)
+        effects = acceleration_to_force(self.model, values) * self.acceleration
+        return np.asarray(effects @ effects.T)
 
     def covariance(self, values: Array) -> Array:
         """Covariance of a force sample, shape (6, 6) [N^2, N^2 m ..].
@@ -76,9 +76,9 @@ class StatedNoise:
         """
         whitening = np.diag(1.0 / self.force)
         for _ in range(TURNS):
-            left = (forces - regressors @ selection.offset) @ whitening.T
+            target = (forces - regressors @ selection.offset) @ whitening.T
             reduced = (whitening @ regressors @ selection.basis).reshape(-1, selection.basis.shape[1])
-            free = np.linalg.lstsq(reduced, left.ravel(), rcond=None)[0]
+            free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
             whitening = self.whitening(selection.offset + selection.basis @ free)
         return whitening
 
@@ -89,8 +89,8 @@ def acceleration_to_force(model: Model, values: Array) -> Array:
     Args:
         values: u, shape (u,).
     """
-    still, turned = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
-    matrices = model.matrices(still[:, :3], turned, still, np.vstack([np.zeros(6), np.eye(6)]))
+    still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
+    matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
     forces = matrices @ values
     return np.asarray((forces[1:] - forces[0]).T)
 

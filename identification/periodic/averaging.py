@@ -165,12 +165,12 @@ class PeriodicRun:
             return None
         root = matrices * np.sqrt(weights)[:, None]
         half = inverse_root(np.asarray(np.linalg.qr(root.reshape(-1, matrices.shape[2]), mode="r")))
-        seen = rfft((matrices * weights[:, None]) @ half, axis=0) / len(matrices)
+        response = rfft((matrices * weights[:, None]) @ half, axis=0) / len(matrices)
         spectra = self.scatter.smoothed(self.harmonics, len(matrices))
         if whitening is not None:
             spectra = whitening @ spectra @ whitening.T
         share = np.where(np.arange(len(spectra)) == 0, 1.0, 2.0)
-        meat = np.einsum("h,hki,hkl,hlj->ij", share, seen.conj(), spectra, seen).real
+        meat = np.einsum("h,hki,hkl,hlj->ij", share, response.conj(), spectra, response).real
         return Robust(np.asarray(half @ (meat + meat.T) / 2.0 @ half.T))
 
     def without(self, left_out: Rows) -> "PeriodicRun":
@@ -193,13 +193,13 @@ class PeriodicRun:
             if p.periods > 1
             else f"struts end within {p.misfit * 1e3:.2g} mm of where they began"
         )
-        how = "as given"
+        reason = "as given"
         if self.chosen:
-            how = "all below filter_cutoff_Hz" if self.limited else "as many as stand out of the struts' noise"
+            reason = "all below filter_cutoff_Hz" if self.limited else "as many as stand out of the struts' noise"
         averaged = (
             f"{count} periods of {series.period:.6g} s averaged" if count > 1 else f"1 period of {p.period:.6g} s"
         )
-        told = {
+        entries = {
             "period_s": series.period,
             "periods": count,
             "periods_found": p.periods,
@@ -215,11 +215,11 @@ class PeriodicRun:
         }
         return (
             *self.window,
-            note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=told),
+            note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=entries),
             note(
                 Kind.WINDOW,
                 f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / series.period:.3g} Hz, "
-                f"{how}; velocities and accelerations from the Fourier series of the struts",
+                f"{reason}; velocities and accelerations from the Fourier series of the struts",
             ),
             *self._beyond_noise(fit, w),
         )
@@ -281,19 +281,19 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
             f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}"
         )
     periods = each_period(t, recording.forces, part, most)
-    kept, warnings = kept_periods(recording, periods, long)
-    used = np.zeros(len(t), dtype=bool)
-    for k in kept:
-        used[periods.rows[k]] = True
-    rows = np.flatnonzero(used)
+    numbers, warnings = kept_periods(recording, periods, long)
+    mask = np.zeros(len(t), dtype=bool)
+    for k in numbers:
+        mask[periods.rows[k]] = True
+    rows = np.flatnonzero(mask)
     more = most + BESIDE
     motion = fit_series(t[rows], struts[rows], part.period, float(t[rows[0]]), more)
-    telling = telling_harmonics(motion, each_period(t, struts, part, more).only(kept), t, struts)
-    harmonics = wish.harmonics or min(telling, most)
+    count = telling_harmonics(motion, each_period(t, struts, part, more).only(numbers), t, struts)
+    harmonics = wish.harmonics or min(count, most)
     motion = motion.truncated(harmonics + BESIDE)
     forces = fit_series(t[rows], recording.forces[rows], part.period, motion.start, most)
-    scatter = periods.only(kept) if len(kept) > 1 else None
+    scatter = periods.only(numbers) if len(numbers) > 1 else None
     return PeriodicRun(
-        model, Hexapod.of(case), recording, part, used, motion, forces.truncated(harmonics),
+        model, Hexapod.of(case), recording, part, mask, motion, forces.truncated(harmonics),
         scatter, wish.harmonics is None, harmonics == most, warnings,
     )  # fmt: skip

@@ -47,8 +47,8 @@ class PeriodScatter(NamedTuple):
         coefficients = np.array([s.coefficients for s in self.series])
         values = points * (coefficients[:, 1::2] - 1j * coefficients[:, 2::2]) / 2.0
         values = np.concatenate([points * coefficients[:, :1].astype(complex), values], axis=1)
-        away = values - values.mean(axis=0)
-        raw = np.einsum("khi,khj->hij", away, away.conj()) / (count * (count - 1))
+        deviations = values - values.mean(axis=0)
+        raw = np.einsum("khi,khj->hij", deviations, deviations.conj()) / (count * (count - 1))
         beside = int(np.ceil((INDEPENDENT / (count - 1) - 1) / 2))
         total = np.concatenate([np.zeros((1, *raw.shape[1:])), np.cumsum(raw, axis=0)])
         h = np.arange(harmonics + 1)
@@ -93,10 +93,10 @@ def strangers(periods: PeriodScatter) -> dict[int, float]:
     # The median over the period of the variances between periods: a contact moves few of them.
     spread = np.median(values.var(axis=0, ddof=1), axis=0)
     spread *= (count - 1) / float(chdtri(count - 1, 0.5))
-    away = np.abs(values - np.median(values, axis=0))
+    deviations = np.abs(values - np.median(values, axis=0))
     least = np.maximum(np.sqrt(spread), 1e-9 * np.abs(values).max(axis=(0, 1)))
-    strange = np.flatnonzero((away > STRANGE * least).any(axis=(1, 2)))
-    return {int(k): float(away[k].max()) for k in strange}
+    strange = np.flatnonzero((deviations > STRANGE * least).any(axis=(1, 2)))
+    return {int(k): float(deviations[k].max()) for k in strange}
 
 
 Rows = NDArray[np.bool_]
@@ -133,8 +133,8 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
     sound = [k for k in range(count) if not bad[periods.rows[k]].any()]
     if not sound:
         raise RecordingError(recording.source, f"every one of the {count} periods has samples left out")
-    found = strangers(periods.only(sound))
-    strange = {sound[k]: size for k, size in found.items()}
+    outliers = strangers(periods.only(sound))
+    strange = {sound[k]: size for k, size in outliers.items()}
     warnings: tuple[Finding, ...] = ()
     if len(strange) > len(sound) / 2:
         most = max(strange.values())
@@ -146,11 +146,11 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
         strange = {}
     for k in range(count):
         if k in strange or k not in sound:
-            why = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
+            reason = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
             rows = np.zeros(len(bad), dtype=bool)
             rows[periods.rows[k]] = True
             warnings += (
-                warning(Kind.DAMAGE, f"period {k + 1} of {count} {why}; left out", places(recording.lines, rows)),
+                warning(Kind.DAMAGE, f"period {k + 1} of {count} {reason}; left out", places(recording.lines, rows)),
             )
     return [k for k in sound if k not in strange], warnings
 

@@ -71,8 +71,10 @@ def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> RepeatingPa
         if part.relative <= TOLERATED:
             rows = np.arange(part.first, part.end)
             period = refined_period(t[rows], struts[rows], part.period, min(SEARCHED, lag // 4))
-            away = _a_period_later(t, struts, rows, period)
-            return part._replace(period=period, misfit=float(np.sqrt(np.mean(away**2))) if len(away) else part.misfit)
+            deviations = _a_period_later(t, struts, rows, period)
+            return part._replace(
+                period=period, misfit=float(np.sqrt(np.mean(deviations**2))) if len(deviations) else part.misfit
+            )
         best = part if best is None or part.relative < best.relative else best
     raise RecordingError(_refusal(x, step, motion, best))
 
@@ -111,9 +113,9 @@ def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float
         best = f"; what repeats has a period of {find_part(t, struts, window).period:.6g} s"
     except RecordingError:
         best = ""
-    what = "a period later the struts are" if part.periods > 1 else "at its ends the struts are"
+    text = "a period later the struts are" if part.periods > 1 else "at its ends the struts are"
     raise RecordingError(
-        f"--period {period:g}: {what} {part.misfit * 1e3:.3g} mm rms from where they were, {100 * part.relative:.2g} % "
+        f"--period {period:g}: {text} {part.misfit * 1e3:.3g} mm rms from where they were, {100 * part.relative:.2g} % "
         f"of their motion, at most {100 * TOLERATED:g} % may be{best}; give another, or leave --period out"
     )
 
@@ -123,7 +125,7 @@ def _lags(x: Array, motion: float) -> list[int]:
     every = max(1, len(x) // MOST_ROWS)
     coarse = x[::every]
     tolerance = COARSE * motion + float(np.sqrt(np.mean(np.diff(coarse, axis=0) ** 2)))
-    found = []
+    candidates = []
     for lag in range(4, int(len(coarse) * (0.5 + SHORT)) + 1):
         first, end = _longest(coarse, lag, tolerance)
         if end - first < (1.0 - SHORT) * lag - 1:
@@ -131,9 +133,9 @@ def _lags(x: Array, motion: float) -> list[int]:
         part = coarse[first : end + lag]
         shifts = [max(1, round(share * lag)) for share in PARTS_OF_LAG]
         if max(_away(part, k) for k in shifts) > (RISEN * motion) ** 2:
-            found.append((lag, end + lag - first))
-    longest = max((length for _, length in found), default=0)
-    good = [lag for lag, length in found if length >= AS_LONG * longest]
+            candidates.append((lag, end + lag - first))
+    longest = max((length for _, length in candidates), default=0)
+    good = [lag for lag, length in candidates if length >= AS_LONG * longest]
     return [_finest(x, lag * every, every, COARSE * motion) for lag in _alone(good)]
 
 
@@ -155,8 +157,8 @@ def _away(x: Array, lag: int) -> float:
 
 def _longest(x: Array, lag: int, tolerance: float) -> tuple[int, int]:
     """The longest stretch of rows that are where they were a lag before: first row and the one behind the last."""
-    away = np.sqrt(np.mean((x[lag:] - x[: len(x) - lag]) ** 2, axis=1)) < tolerance
-    edges = np.flatnonzero(np.diff(np.r_[False, away, False].astype(np.int8)))
+    close = np.sqrt(np.mean((x[lag:] - x[: len(x) - lag]) ** 2, axis=1)) < tolerance
+    edges = np.flatnonzero(np.diff(np.r_[False, close, False].astype(np.int8)))
     if not len(edges):
         return 0, 0
     longest = int(np.argmax(edges[1::2] - edges[::2]))
@@ -166,17 +168,17 @@ def _longest(x: Array, lag: int, tolerance: float) -> tuple[int, int]:
 def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motion: float) -> RepeatingPart:
     """The last whole periods of rows; the first ones hold what dies out after the start."""
     step = float(t[-1] - t[0]) / (len(t) - 1)
-    away = _a_period_later(t, struts, rows, period)
-    if not len(away):
+    deviations = _a_period_later(t, struts, rows, period)
+    if not len(deviations):
         ends = struts[rows[-1]] - struts[rows[0]]
         return RepeatingPart(period, int(rows[0]), int(rows[-1]) + 1, 1, float(np.sqrt(np.mean(ends**2))), motion)
     # Rests before and after leave the motion slowly; what is out of the ordinary at the ends is none of it.
-    alike = np.flatnonzero(away <= max(USUAL * float(np.median(away)), LEAST * motion))
-    rows = rows[alike[0] : alike[-1] + 1 + len(rows) - len(away)]
+    alike = np.flatnonzero(deviations <= max(USUAL * float(np.median(deviations)), LEAST * motion))
+    rows = rows[alike[0] : alike[-1] + 1 + len(rows) - len(deviations)]
     periods = max(1, int((len(rows) + FEW) * step / period + WHOLE))
     rows = rows[len(rows) - min(round(periods * period / step), len(rows)) :]
-    away = _a_period_later(t, struts, rows, period)
-    misfit = float(np.sqrt(np.mean(away**2))) if len(away) else 0.0
+    deviations = _a_period_later(t, struts, rows, period)
+    misfit = float(np.sqrt(np.mean(deviations**2))) if len(deviations) else 0.0
     return RepeatingPart(period, int(rows[0]), int(rows[-1]) + 1, periods, misfit, motion)
 
 
@@ -188,8 +190,8 @@ def _a_period_later(t: Array, struts: Array, rows: NDArray[np.int64], period: fl
         return np.zeros(0)
     from scipy.interpolate import CubicSpline
 
-    away = CubicSpline(inside, struts[rows])(now + period) - struts[rows[: len(now)]]
-    return np.asarray(np.sqrt(np.mean(away**2, axis=1)))
+    deviations = CubicSpline(inside, struts[rows])(now + period) - struts[rows[: len(now)]]
+    return np.asarray(np.sqrt(np.mean(deviations**2, axis=1)))
 
 
 def _refusal(x: Array, step: float, motion: float, best: RepeatingPart | None) -> str:
@@ -198,12 +200,12 @@ def _refusal(x: Array, step: float, motion: float, best: RepeatingPart | None) -
         period, misfit = best.period, best.misfit
     else:
         every = max(1, len(x) // MOST_ROWS)
-        away = np.array([_away(x[::every], lag) for lag in range(1, len(x) // every // 2 + 1)])
-        risen = int(np.argmax(away > RISEN * motion**2)) if len(away) else 0
-        if not len(away) or away[risen] <= RISEN * motion**2:
+        deviations = np.array([_away(x[::every], lag) for lag in range(1, len(x) // every // 2 + 1)])
+        first_rise = int(np.argmax(deviations > RISEN * motion**2)) if len(deviations) else 0
+        if not len(deviations) or deviations[first_rise] <= RISEN * motion**2:
             return f"not periodic: no part of the motion comes again; {REMEDY}"
-        lag = risen + int(np.argmin(away[risen:]))
-        period, misfit = (lag + 1) * every * step, float(np.sqrt(away[lag]))
+        lag = first_rise + int(np.argmin(deviations[first_rise:]))
+        period, misfit = (lag + 1) * every * step, float(np.sqrt(deviations[lag]))
     return (
         f"not periodic: after the best period, {period:.4g} s, the struts are {misfit * 1e3:.3g} mm rms from where "
         f"they were, {100 * misfit / motion:.2g} % of their motion, at most {100 * TOLERATED:g} % may be; {REMEDY}"
@@ -310,11 +312,11 @@ def refined_period(t: Array, values: Array, period: float, harmonics: int) -> fl
     start, span = float(t[0]), float(t[-1] - t[0])
     for _ in range(REFINEMENTS):
         series = fit_series(t, values, period, start, harmonics)
-        left = values - series.at(t)
+        residuals = values - series.at(t)
         slope = -(t - start)[:, None] / period * series.at(t, 1)  # of the series, with the period
         slope -= fit_series(t, slope, period, start, harmonics).at(t)
         most = 0.02 * period**2 / span  # a fiftieth of a period over the run: no leap to another minimum
-        step = float(np.clip(np.sum(slope * left) / max(np.sum(slope**2), np.finfo(float).tiny), -most, most))
+        step = float(np.clip(np.sum(slope * residuals) / max(np.sum(slope**2), np.finfo(float).tiny), -most, most))
         period += step
         if abs(step) < SETTLED * period:
             break

@@ -61,8 +61,8 @@ class Run:
     @property
     def places(self) -> NDArray[np.int64]:
         """Of the evaluated samples in a series of equal steps, shape (n,): sections and gaps are not neighbours."""
-        lost = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
-        rows = self.rows + lost - lost[0]
+        offsets = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
+        rows = self.rows + offsets - offsets[0]
         return np.asarray(np.floor((rows - rows[0]) / self.filter.stride + 0.5), dtype=np.int64)
 
     @property
@@ -95,14 +95,16 @@ class Run:
         Derivatives are those of a shifted filter, not differences of neighbouring samples, between which the window may
         have a gap.
         """
-        late, room = inwards(delay), MOST_DELAY - SMOOTHING_STEP  # where the filter still reaches to both sides
+        other_delay, room = inwards(delay), MOST_DELAY - SMOOTHING_STEP  # where the filter still reaches to both sides
         middle, unknowns = float(np.clip(delay, -room, room)), len(values)
         around = (middle, middle - SMOOTHING_STEP, middle + SMOOTHING_STEP) if self.smoothing else ()
         columns = np.empty((len(self.rows), 6, unknowns + len(self.nuisances)))
-        for piece, (here, there, *others) in self._motions(delay, late, *around):
-            matrices, own = regressors(self.model, here), columns[piece]
+        for piece, (kinematics, other_kinematics, *others) in self._motions(delay, other_delay, *around):
+            matrices, own = regressors(self.model, kinematics), columns[piece]
             own[:, :, :unknowns] = matrices
-            own[:, :, -1] = (expected_forces(self.model, there, values) - matrices @ values) / (late - delay)
+            own[:, :, -1] = (expected_forces(self.model, other_kinematics, values) - matrices @ values) / (
+                other_delay - delay
+            )
             if others:
                 now, before, after = (expected_forces(self.model, motion, values) for motion in others)
                 own[:, :, unknowns] = (before + after - 2.0 * now) / SMOOTHING_STEP**2
@@ -117,19 +119,19 @@ class Run:
             StrutsDoNotClose: with the place in the file.
         """
         assert self.recording.struts is not None
-        wanted = [(order, delay) for delay in delays for order in range(3)]
-        struts = decimated(self.filter, self.recording.struts, self.rows, wanted)
+        requests = [(order, delay) for delay in delays for order in range(3)]
+        struts = decimated(self.filter, self.recording.struts, self.rows, requests)
         for begin in range(0, len(self.rows), PIECE):
-            piece, found = slice(begin, begin + PIECE), list[Kinematics]()
+            piece, motions = slice(begin, begin + PIECE), list[Kinematics]()
             try:
                 for k, delay in enumerate(delays):
-                    near = self.machine.earlier(found[0], delay - delays[0]) if found else None
+                    near = self.machine.earlier(motions[0], delay - delays[0]) if motions else None
                     lengths, velocities, accelerations = (s[piece] for s in struts[3 * k : 3 * k + 3])
-                    found.append(self.machine.kinematics(lengths, velocities, accelerations, near))
+                    motions.append(self.machine.kinematics(lengths, velocities, accelerations, near))
             except StrutsDoNotClose as error:  # say where in the file it is
                 row = int(self.filter.margin + self.rows[begin + error.sample])
                 raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
-            yield piece, found
+            yield piece, motions
 
     @property
     def consecutive(self) -> bool:
@@ -164,23 +166,23 @@ class Run:
             share, matrices, residuals = len(part) / len(residuals), matrices[part], residuals[part]
             top = joint_triangle(matrices, residuals, np.sqrt(weights))
             residuals = residuals - matrices @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=None)[0]
-        found = turned(matrices, residuals, weights, self._places_of(part))._replace(share=share)
+        data = turned(matrices, residuals, weights, self._places_of(part))._replace(share=share)
         assert self.recording.struts is not None
         placed = None
         if self.machine.of_pose:  # the field is one over the lengths of struts
-            placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows[part]])
+            placed = covariance_by_pose(data, self.recording.struts[self.filter.margin + self.rows[part]])
         if placed is not None:
             field = placed.field(residuals) if whitening is None else None
             return Robust(placed.covariance, (placed.finding,), field)
-        coloured = coloured_covariance(found)
+        coloured = coloured_covariance(data)
         return None if coloured is None else Robust(coloured)
 
     def _places_of(self, part: NDArray[np.int64]) -> NDArray[np.int64]:
         """Places of a part of the samples; its stretches follow each other, so far apart that noise forgets."""
         places = self.places[part]
-        apart = np.flatnonzero(np.diff(part) > 1)
+        breaks = np.flatnonzero(np.diff(part) > 1)
         shift = np.zeros(len(part), dtype=np.int64)
-        shift[apart + 1] = np.maximum(np.diff(places)[apart] - FORGOTTEN, 0)
+        shift[breaks + 1] = np.maximum(np.diff(places)[breaks] - FORGOTTEN, 0)
         return np.asarray(places - np.cumsum(shift))
 
     def excerpt(self, times: int = 1) -> "Run":

@@ -36,22 +36,22 @@ def standstills(recording: Recording, case: Case, model: Model, found: Scan | No
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
     """
     require_position(recording, model)
-    used = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
-    still = np.zeros((int(used.sum()), 6))
+    valid = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
+    still = np.zeros((int(valid.sum()), 6))
     if recording.struts is not None:
-        none = np.zeros_like(recording.struts[used])
+        none = np.zeros_like(recording.struts[valid])
         try:
-            standing = machine_of(case).kinematics(recording.struts[used], none, none)
+            standing = machine_of(case).kinematics(recording.struts[valid], none, none)
         except StrutsDoNotClose as error:
-            row = int(np.flatnonzero(used)[error.sample])
+            row = int(np.flatnonzero(valid)[error.sample])
             raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
         matrices = regressors(model, standing)
     else:
         assert recording.rotations is not None  # the reader admits no recording without a pose
-        matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[used], still, still)
-    t = np.arange(1.0, len(used) + 1.0) if recording.t is None else recording.t
-    scale = np.ones(len(used)) if recording.weights is None else recording.weights
-    return Standstills(model, t[used], recording.forces[used], matrices, scale[used], recording.t is not None)
+        matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)
+    t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
+    scale = np.ones(len(valid)) if recording.weights is None else recording.weights
+    return Standstills(model, t[valid], recording.forces[valid], matrices, scale[valid], recording.t is not None)
 
 
 def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
@@ -77,7 +77,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     count = len(recording.struts) - 2 * low_pass.margin
     warnings: tuple[Finding, ...] = ()
     bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
-    spoilt = spoilt_by(bad, recording.lost, low_pass)
+    invalid = spoilt_by(bad, recording.lost, low_pass)
     if bad.any():
         recording = replace(recording, struts=bridged(recording.struts, bad), forces=bridged(recording.forces, bad))
     assert recording.struts is not None
@@ -87,17 +87,17 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     else:
         window, warnings = _window(recording, low_pass, *case.drive_words)
     together = np.flatnonzero(np.diff(window) == 1)
-    lost = int(recording.lost[low_pass.margin + window[together]].sum())
-    share = 1.0 - float(np.sum(~spoilt[window])) / (len(window) + lost)
+    missing = int(recording.lost[low_pass.margin + window[together]].sum())
+    share = 1.0 - float(np.sum(~invalid[window])) / (len(window) + missing)
     warnings += about_left_out(recording.source, share, low_pass)
-    window = window[~spoilt[window]]
+    window = window[~invalid[window]]
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
         raise IdentificationError(
             f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a "
             f"{low_pass.cutoff:g} Hz filter; record longer"
         )
-    return Run(recording, model, machine_of(case), low_pass, rows, len(window), warnings, spoilt=spoilt)
+    return Run(recording, model, machine_of(case), low_pass, rows, len(window), warnings, spoilt=invalid)
 
 
 def checked_filter(recording: Recording, case: Case) -> Filter:
@@ -150,8 +150,8 @@ def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter)
         if end - first > MOST_BRIDGED or first in ends or end in ends:
             change[max(first - margin, 0)] += 1
             change[min(end + margin, count)] -= 1
-    spoilt = np.cumsum(change)[:-1] > 0
-    return np.asarray(spoilt[margin : count - margin])
+    invalid = np.cumsum(change)[:-1] > 0
+    return np.asarray(invalid[margin : count - margin])
 
 
 def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding, ...]:
@@ -189,7 +189,7 @@ def require_position(recording: Recording, model: Model) -> None:
 
 
 def _window(
-    recording: Recording, low_pass: Filter, what: str, unit: str
+    recording: Recording, low_pass: Filter, drives: str, unit: str
 ) -> tuple[NDArray[np.int64], tuple[Finding, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
@@ -210,14 +210,14 @@ def _window(
             warnings = (
                 warning(
                     Kind.WINDOW,
-                    f"the {what} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
+                    f"the {drives} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
                     "evaluated; record a trigger where only a part is meant",
                 ),
             )
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     if travel < LEAST_TRAVEL:
         raise IdentificationError(
-            f"{recording.source}: the pose is constant ({what} move by {travel * 1e3:.3g} {unit}, at least "
+            f"{recording.source}: the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
             f"{LEAST_TRAVEL * 1e3:g} {unit} are needed); record the excitation, or remove t_s from averaged standstills"
         )
     return rows, warnings

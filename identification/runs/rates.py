@@ -53,10 +53,10 @@ def _motion(recording: Recording, case: Case) -> Stream | None:
     """The struts with their own clock; None where they have that of the forces."""
     if recording.struts is not None:
         return _released(recording)
-    found = recording.stream_with("struts") or recording.stream_with("poses")
-    if found is None or found.poses is None or found.struts is not None:
-        return found
-    return replace(found, struts=Hexapod.of(case).strut_lengths(found.poses))
+    stream = recording.stream_with("struts") or recording.stream_with("poses")
+    if stream is None or stream.poses is None or stream.struts is not None:
+        return stream
+    return replace(stream, struts=Hexapod.of(case).strut_lengths(stream.poses))
 
 
 def changes_of(struts: Array) -> NDArray[np.int64]:
@@ -92,11 +92,11 @@ def _require_one_rhythm(recording: Recording) -> None:
     if not len(cuts) or recording.struts is None:
         return
     longest = max(np.split(recording.struts, cuts), key=len)
-    held = rhythm_of(longest)
-    if held is not None:
+    rhythm = rhythm_of(longest)
+    if rhythm is not None:
         raise RecordingError(
             f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
-            f"the struts are held for {held[0]} rows each, and a gap breaks their rhythm",
+            f"the struts are held for {rhythm[0]} rows each, and a gap breaks their rhythm",
             "cut the run there, or export struts and forces as files of their own",
         )
 
@@ -180,23 +180,27 @@ def interval_means(t: Array, values: Array, centres: Array, interval: float) -> 
     """
     mean = values.mean(axis=0)  # keeps rounding small against what changes
     steps = np.diff(t)[:, None]
-    away = values - mean
-    total = np.vstack([np.zeros((1, values.shape[1])), np.cumsum(steps * (away[1:] + away[:-1]) / 2.0, axis=0)])
+    deviations = values - mean
+    total = np.vstack(
+        [np.zeros((1, values.shape[1])), np.cumsum(steps * (deviations[1:] + deviations[:-1]) / 2.0, axis=0)]
+    )
 
     def integral(at: Array) -> Array:
         k = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
-        late = (at - t[k])[:, None]
-        return np.asarray(total[k] + late * away[k] + late**2 / 2.0 * (away[k + 1] - away[k]) / steps[k])
+        offset = (at - t[k])[:, None]
+        return np.asarray(
+            total[k] + offset * deviations[k] + offset**2 / 2.0 * (deviations[k + 1] - deviations[k]) / steps[k]
+        )
 
     return np.asarray((integral(centres + interval / 2.0) - integral(centres - interval / 2.0)) / interval + mean)
 
 
 def _latest(recording: Recording, name: Channel, at: Array) -> Any:
     """A channel that switches, or changes slowly, as last recorded at given instants; None where there is none."""
-    found = recording.stream_with(name)
-    if found is None or found.t is None:
+    stream = recording.stream_with(name)
+    if stream is None or stream.t is None:
         return None
-    return getattr(found, name)[np.maximum(np.searchsorted(found.t, at, side="right") - 1, 0)]
+    return getattr(stream, name)[np.maximum(np.searchsorted(stream.t, at, side="right") - 1, 0)]
 
 
 def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: float, case: Case) -> Array:

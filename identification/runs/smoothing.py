@@ -41,13 +41,13 @@ class Smoothing(NamedTuple):
     @property
     def finding(self) -> Finding:
         """What is to be told of it; people only where it is clear."""
-        told = (
+        sentence = (
             f"forces are {'smoothed' if self.value > 0.0 else 'sharpened'} against the motion by "
             f"{self.value * 1e6:+.3g} +- {self.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
             "averaging or a low-pass of the channels): estimated and compensated"
         )
         clear = abs(self.value) >= CLEAR * self.std
-        return note(Kind.CLOCK, told if clear else "", smoothing_s2=self._asdict())
+        return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=self._asdict())
 
 
 def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
@@ -94,13 +94,13 @@ def mode_found(found: Smoothing, case: Case) -> list[Finding]:
     """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
     entries = {"smoothing_s2": found._asdict()}
     if -found.value < CLEAR * found.std:
-        told = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
-        return [note(Kind.MODEL, told, **entries)]
+        sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
+        return [note(Kind.MODEL, sentence, **entries)]
     frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-found.value)))
     std = frequency * found.std / (2.0 * -found.value)
-    told = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
-    told += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
-    return [note(Kind.MODEL, told, **entries, structural_mode_Hz={"value": frequency, "std": std})]
+    sentence = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
+    sentence += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
+    return [note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})]
 
 
 def below(case: Case, told: Any) -> Case | None:

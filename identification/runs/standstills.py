@@ -51,8 +51,8 @@ def stands_only(recording: Recording) -> bool:
     runs = _runs(recording.trigger)
     if len(runs) < 2:
         return False
-    moved = [np.ptp(recording.struts[w.start : w.end], axis=0).max() for w in runs if w.end > w.start + 1]
-    return bool(len(moved) > 0 and max(moved) < SAME_POSITION / 4)
+    ranges = [np.ptp(recording.struts[w.start : w.end], axis=0).max() for w in runs if w.end > w.start + 1]
+    return bool(len(ranges) > 0 and max(ranges) < SAME_POSITION / 4)
 
 
 def delimited(trigger: Flags | None) -> bool:
@@ -78,8 +78,8 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     moving = _moving(recording.struts, step)
     trigger = recording.trigger
     if trigger is not None and delimited(trigger):
-        found = _runs(trigger)
-        for k, w in enumerate(found, 1):
+        stretches = _runs(trigger)
+        for k, w in enumerate(stretches, 1):
             if moving[w.start : w.end].mean() > 0.5:
                 raise RecordingError(
                     f"{recording.source}, {recording.lines.place(w.start)}",
@@ -87,10 +87,10 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
                     "this is not a measurement at poses, identify it as a motion",
                 )
     else:
-        late = round(settle / step)
+        settling = round(settle / step)
         standing = ~moving if trigger is None or not trigger.any() else ~moving & trigger
-        found = tuple(Window(w.start + late, w.end) for w in _runs(standing))
-    windows = tuple(w for w in found if (w.end - w.start) * step >= SHORTEST)
+        stretches = tuple(Window(w.start + settling, w.end) for w in _runs(standing))
+    windows = tuple(w for w in stretches if (w.end - w.start) * step >= SHORTEST)
     if len(windows) < 2:
         raise RecordingError(
             recording.source,
@@ -147,23 +147,27 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     assert standing.averages.struts is not None
     home, limits = case.need_motion("the match of poses")
     poses, turns = machine_of(case).coordinates(standing.averages.struts), limits.turns
-    kept = list(range(len(poses)))
-    while len(kept) > len(expected) and _same(poses[kept[0]], home, turns) and not _same(expected[0], home, turns):
-        kept.pop(0)
-    while len(kept) > len(expected) and _same(poses[kept[-1]], home, turns) and not _same(expected[-1], home, turns):
-        kept.pop()
+    indices = list(range(len(poses)))
+    while (
+        len(indices) > len(expected) and _same(poses[indices[0]], home, turns) and not _same(expected[0], home, turns)
+    ):
+        indices.pop(0)
+    while (
+        len(indices) > len(expected) and _same(poses[indices[-1]], home, turns) and not _same(expected[-1], home, turns)
+    ):
+        indices.pop()
     for k, pose in enumerate(expected):
-        if k >= len(kept):
+        if k >= len(indices):
             raise StandstillMismatch(
                 names,
                 f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, the recording ends "
-                f"with standstill {len(kept)}",
+                f"with standstill {len(indices)}",
                 "record the whole program",
             )
-        found = poses[kept[k]]
-        if _same(found, pose, turns):
+        actual = poses[indices[k]]
+        if _same(actual, pose, turns):
             continue
-        if k + 1 < len(expected) and _same(found, expected[k + 1], turns):
+        if k + 1 < len(expected) and _same(actual, expected[k + 1], turns):
             raise StandstillMismatch(
                 names,
                 f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, pose {k + 2} follows pose {k}",
@@ -171,17 +175,17 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
             )
         raise StandstillMismatch(
             names,
-            f"standstill {k + 1} is at {case.words(found)}, pose {k + 1} of the program at {case.words(pose)}",
+            f"standstill {k + 1} is at {case.words(actual)}, pose {k + 1} of the program at {case.words(pose)}",
             "is the recording of this program?",
         )
-    if len(kept) > len(expected):
+    if len(indices) > len(expected):
         raise StandstillMismatch(
             names,
-            f"standstill {len(expected) + 1} at {case.words(poses[kept[len(expected)]])} is none of the "
+            f"standstill {len(expected) + 1} at {case.words(poses[indices[len(expected)]])} is none of the "
             f"program's {len(expected)} poses",
             "cut the recording at its end, or name the right plan",
         )
-    rows = np.array(kept)
+    rows = np.array(indices)
     averages = standing.averages
     assert averages.struts is not None
     scatter = standing.scatter[rows]
@@ -189,7 +193,7 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     averages = replace(
         averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=1.0 / scatter, temperature=degrees
     )
-    return Standing(averages, tuple(standing.windows[k] for k in kept), scatter)
+    return Standing(averages, tuple(standing.windows[k] for k in indices), scatter)
 
 
 def _same(pose: Array, other: Array, turns: Flags) -> bool:

@@ -100,18 +100,18 @@ class WristRun:
         expected = matrices @ values
         columns = []
         for axis in np.eye(3):
-            turned = specific + DELAY_STEP * np.cross(axis, specific)
-            columns.append((self._matrices(delay, turned) @ values - expected) / DELAY_STEP)
+            variation = specific + DELAY_STEP * np.cross(axis, specific)
+            columns.append((self._matrices(delay, variation) @ values - expected) / DELAY_STEP)
         step = DELAY_STEP if delay < 0.0 else -DELAY_STEP
         columns.append((self.regressors(delay + step) @ values - expected) / step)
         return np.stack(columns, axis=2)
 
     def known_columns(self, delay: float, matrices: Array, values: Array) -> Array:
         """How A u changes with the delay and with biases of the accelerometer, shape (n, 6, 4)."""
-        late = self.nuisance_columns(delay, matrices, values)[:, :, -1:]
+        delay_effect = self.nuisance_columns(delay, matrices, values)[:, :, -1:]
         specific = self.specific_force(self.t - delay)
-        felt = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
-        return np.concatenate([late, np.stack(felt, axis=2)], axis=2)
+        effects = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
+        return np.concatenate([delay_effect, np.stack(effects, axis=2)], axis=2)
 
     @property
     def noise_correlation(self) -> float:
@@ -133,10 +133,10 @@ class WristRun:
 
     def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""
-        keep = ~left_out
+        mask = ~left_out
         return replace(
-            self, t=self.t[keep], forces=self.forces[keep], recorded_forces=self.recorded_forces[keep],
-            samples=round(self.samples * float(keep.mean())),
+            self, t=self.t[mask], forces=self.forces[mask], recorded_forces=self.recorded_forces[mask],
+            samples=round(self.samples * float(mask.mean())),
         )  # fmt: skip
 
 
@@ -162,8 +162,8 @@ def wrist_run(
         RecordingError: a stream or the filter is missing, or too slow or too short for it.
         IdentificationError: the sensor does not turn, or the model needs the position.
     """
-    turning, felt = recording.stream_with("rotations"), recording.stream_with("specific_forces")
-    if turning is None or felt is None or turning.rotations is None or felt.specific_forces is None:
+    turning, accelerometer = recording.stream_with("rotations"), recording.stream_with("specific_forces")
+    if turning is None or accelerometer is None or turning.rotations is None or accelerometer.specific_forces is None:
         raise RecordingError(
             recording.source,
             "a moving run without struts needs rotation matrices and an accelerometer",
@@ -180,34 +180,42 @@ def wrist_run(
     beside = np.zeros(3) if biases is None else biases.require_accelerometer().values
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
-    turned = _smooth(turning, quaternions * flips[:, None], band, reach)
-    pushed = _smooth(felt, felt.specific_forces - beside, cutoff, reach)
-    quaternion, specific = turned.signal, pushed.signal
+    orientation = _smooth(turning, quaternions * flips[:, None], band, reach)
+    specific_force = _smooth(accelerometer, accelerometer.specific_forces - beside, cutoff, reach)
+    quaternion, specific = orientation.signal, specific_force.signal
     t, step = _equal_steps(force_stream)
     low_pass = _filter(force_stream, cutoff, step, reach)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
     bad = np.zeros(len(t), dtype=bool) if bad is None else bad
-    spoilt = spoilt_by(bad, _lost(force_stream), low_pass)
+    invalid = spoilt_by(bad, _lost(force_stream), low_pass)
     recorded = bridged(recording.forces, bad)
     smooth, t = low_pass.apply(recorded), t[inner]
-    spoilt |= turned.spoilt_at(t) | pushed.spoilt_at(t)
+    invalid |= orientation.spoilt_at(t) | specific_force.spoilt_at(t)
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
-    speed[spoilt] = 0.0
+    speed[invalid] = 0.0
     moving = np.flatnonzero(speed > TURNING)
     if not len(moving):
         raise IdentificationError("the sensor does not turn; record a motion, or remove t_s from averaged standstills")
     inside = (t >= max(quaternion.x[0], specific.x[0]) + reach) & (t <= min(quaternion.x[-1], specific.x[-1]) - reach)
     inside[: moving[0]] = inside[moving[-1] + 1 :] = False
     window = np.flatnonzero(inside)
-    lost = _lost(force_stream)[low_pass.margin + window[:-1]].sum() if len(window) else 0
-    share = float(np.sum(spoilt[window])) + float(lost)
-    rows = window[~spoilt[window]]
-    warnings = about_left_out(recording.source, share / max(len(window) + int(lost), 1), low_pass)
-    kept = rows[:: low_pass.stride]
-    if len(kept) < LEAST_ROWS:
+    missing = _lost(force_stream)[low_pass.margin + window[:-1]].sum() if len(window) else 0
+    share = float(np.sum(invalid[window])) + float(missing)
+    rows = window[~invalid[window]]
+    warnings = about_left_out(recording.source, share / max(len(window) + int(missing), 1), low_pass)
+    samples = rows[:: low_pass.stride]
+    if len(samples) < LEAST_ROWS:
         raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
     return WristRun(
-        model, low_pass, t[kept], smooth[kept], recorded[inner][kept], quaternion, specific, len(rows), warnings
+        model,
+        low_pass,
+        t[samples],
+        smooth[samples],
+        recorded[inner][samples],
+        quaternion,
+        specific,
+        len(rows),
+        warnings,
     )
 
 

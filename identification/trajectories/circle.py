@@ -77,8 +77,8 @@ class CircularMove:
         first, second, _ = self.plane.axes
         arm = np.array([self.start[first] - self.centre[0], self.start[second] - self.centre[1]])
         cosine, sine = np.cos(share * self.angle), np.sin(share * self.angle)
-        turned = [cosine * arm[0] - sine * arm[1], sine * arm[0] + cosine * arm[1]]
-        return np.asarray(self.centre + np.column_stack(turned))
+        coordinates = [cosine * arm[0] - sine * arm[1], sine * arm[0] + cosine * arm[1]]
+        return np.asarray(self.centre + np.column_stack(coordinates))
 
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
@@ -133,15 +133,15 @@ def fastest_circle(
     for _ in range(60):
         move = CircularMove(pose, pose[3:], plane, np.asarray(centre, dtype=float), angle, profile)
         motion = move.at(np.linspace(0.0, move.duration, 4001))
-        used = [
+        shares = [
             float(np.max(np.abs(values) / limit)) ** (1 / order)
             for order, (values, limit) in enumerate(
                 zip((motion.rates, motion.accelerations, motion.jerks), limits, strict=True), start=1
             )
         ]
-        if max(used) <= 1.0:
+        if max(shares) <= 1.0:
             return move
-        profile = profile.slowed(1.0 / (max(used) * (1 + 1e-9)))
+        profile = profile.slowed(1.0 / (max(shares) * (1 + 1e-9)))
     raise ValueError("an arc cannot be slowed into its limits")
 
 

@@ -71,8 +71,8 @@ class DriveExecution:
 
         It begins and ends standing still, and accelerates no more than the set points do from cycle to cycle.
         """
-        held = np.vstack([drives[:1], drives, drives[-1:]])
-        return cls.of_log(machine, period, (held[:-2] + 4.0 * held[1:-1] + held[2:]) / 6.0)
+        points = np.vstack([drives[:1], drives, drives[-1:]])
+        return cls.of_log(machine, period, (points[:-2] + 4.0 * points[1:-1] + points[2:]) / 6.0)
 
     @property
     def duration(self) -> float:
@@ -134,16 +134,16 @@ def executed_peaks(execution: Execution, case: Case) -> dict[str, float]:
         drives = execution.struts(t, 1), execution.struts(t, 2)
         rates, accelerations = coordinate_rates(execution.kinematics(t)) if execution.machine.of_pose else drives
         velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
-        found = {
+        ratios = {
             "velocity": velocity[:, ~limits.turns],
             "angular velocity": velocity[:, limits.turns],
             "acceleration": acceleration[:, ~limits.turns],
             "angular acceleration": acceleration[:, limits.turns],
         }
         if isinstance(limits, MotionLimits):  # the struts of a hexapod have limits of their own
-            found["strut velocity"] = np.abs(drives[0]) / limits.strut_velocity_m_s
-            found["strut acceleration"] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
-        for name, shares in found.items():
+            ratios["strut velocity"] = np.abs(drives[0]) / limits.strut_velocity_m_s
+            ratios["strut acceleration"] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
+        for name, shares in ratios.items():
             if shares.size:
                 worst[name] = max(worst.get(name, 0.0), float(shares.max()))
     return worst
@@ -168,10 +168,10 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
     """
     positions = execution.machine.positions(sample(planned, PLAN_RATE).pose)
     # Where the machine stands or only turns, a query would look at thousands of places that are all as near.
-    passed = positions[np.r_[True, np.any(np.diff(positions, axis=0) != 0.0, axis=1)]]
+    points = positions[np.r_[True, np.any(np.diff(positions, axis=0) != 0.0, axis=1)]]
     from scipy.spatial import cKDTree  # loads slowly, and plans that look at a mode do without
 
-    tree = cKDTree(passed)
+    tree = cKDTree(points)
     executed = execution.kinematics(np.clip(instants(windows), 0.0, execution.duration)).pose[:, :3]
     return float(tree.query(executed)[0].max())
 

@@ -121,8 +121,8 @@ def online_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     if result != Result.Working:
         raise UntimedMove(f"no time law within these limits (ruckig: {result.name})")
     phases = answer.profiles[0][0]
-    kept = np.array(phases.t) > 0.0
-    profile = OnlineProfile(np.array(phases.t)[kept], np.array(phases.j)[kept], float(answer.duration))
+    valid = np.array(phases.t) > 0.0
+    profile = OnlineProfile(np.array(phases.t)[valid], np.array(phases.j)[valid], float(answer.duration))
     if abs(profile._knots()[1][-1] - 1.0) > SAME or profile.duration < profile.lengths.sum() * (1.0 - SAME):
         raise UntimedMove("ruckig's time law does not cover the way: change the limits or the cycle slightly")
     return profile

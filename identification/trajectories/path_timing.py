@@ -120,9 +120,9 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
     lengths = 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
     if not np.isfinite(lengths).all():
         raise UntimedPath(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
-    found = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
-    slower = _stretch(found, case)
-    return RetimedMotion(path, shares, found.times * slower, paces / slower)
+    motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
+    slower = _stretch(motion, case)
+    return RetimedMotion(path, shares, motion.times * slower, paces / slower)
 
 
 def keeps_pace(path: Trajectory, case: Case) -> bool:
@@ -221,8 +221,8 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
 
         def __call__(self, share: Any, order: int = 0) -> Array:
             """Pose or its derivatives with respect to s."""
-            here = path.at(np.atleast_1d(share) * path.duration)
-            values = (here.pose, here.rates * path.duration, here.accelerations * path.duration**2)
+            state = path.at(np.atleast_1d(share) * path.duration)
+            values = (state.pose, state.rates * path.duration, state.accelerations * path.duration**2)
             return np.asarray(values[order])
 
     return PathLimits(), Path()

@@ -89,13 +89,13 @@ class PolynomialMotion:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
         starts = self.times
-        which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
-        local = np.clip(time - starts[which], 0.0, np.diff(starts)[which])[:, None]
+        indices = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
+        local = np.clip(time - starts[indices], 0.0, np.diff(starts)[indices])[:, None]
         table = self.table
         values = np.zeros((4, len(time), self.pieces[0].coefficients.shape[1]))
         for order in range(4):
             for coefficient in table[::-1]:  # Horner's rule
-                values[order] = values[order] * local + coefficient[which]
+                values[order] = values[order] * local + coefficient[indices]
             table = table[1:] * np.arange(1, len(table))[:, None, None]
         return Motion(time, *values)
 

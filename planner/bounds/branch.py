@@ -70,24 +70,24 @@ def maximise(
         deadline: `time.process_time()` at which to stop [s].
     """
     heap: list[tuple[float, int, Array, Array, int]] = []
-    met: list[tuple[float, Array]] = []
-    lower, cells, told = -np.inf, 0, monotonic()
+    candidates: list[tuple[float, Array]] = []
+    lower, cells, last_report = -np.inf, 0, monotonic()
 
     def bound(lows: Array, highs: Array, parents: Array) -> None:
         nonlocal lower, cells
-        found = bounding(lows, highs)
-        upper = np.minimum(found.upper, parents)
+        bounds = bounding(lows, highs)
+        upper = np.minimum(bounds.upper, parents)
         for k in range(len(lows)):
             cells += 1
-            heapq.heappush(heap, (-float(upper[k]), cells, lows[k], highs[k], int(found.split[k])))
-            lower = max(lower, float(found.lower[k]))
-            if found.lower[k] > tolerable:
-                met.append((float(found.lower[k]), found.point[k]))
+            heapq.heappush(heap, (-float(upper[k]), cells, lows[k], highs[k], int(bounds.split[k])))
+            lower = max(lower, float(bounds.lower[k]))
+            if bounds.lower[k] > tolerable:
+                candidates.append((float(bounds.lower[k]), bounds.point[k]))
 
     bound(low, high, np.full(len(low), np.inf))
-    while -heap[0][0] > (wanted := max(enough, lower + enough - tolerable)) and process_time() < deadline:
+    while -heap[0][0] > (target := max(enough, lower + enough - tolerable)) and process_time() < deadline:
         batch = [heapq.heappop(heap)]
-        while heap and len(batch) < BATCH and -heap[0][0] > wanted:
+        while heap and len(batch) < BATCH and -heap[0][0] > target:
             batch.append(heapq.heappop(heap))
         lows, highs, parents = [], [], []
         for upper, _, cell_low, cell_high, split in batch:
@@ -98,11 +98,11 @@ def maximise(
             highs += [left, cell_high]
             parents += [-upper, -upper]
         bound(np.array(lows), np.array(highs), np.array(parents))
-        if monotonic() - told > REPORT:
-            told = monotonic()
+        if monotonic() - last_report > REPORT:
+            last_report = monotonic()
             progress(f"largest value between {lower:.4f} and {-heap[0][0]:.4f}, {len(heap)} cells open")
-    met.sort(key=lambda m: -m[0])
-    points = np.array([p for _, p in met]) if met else np.empty((0, 0))
+    candidates.sort(key=lambda m: -m[0])
+    points = np.array([p for _, p in candidates]) if candidates else np.empty((0, 0))
     return Maximum(-heap[0][0], lower, points, cells)
 
 
@@ -150,13 +150,13 @@ def enclose(features: Features, low: Array, high: Array) -> Enclosure:
     tables = features.tables(nodes.reshape(-1, 3)).reshape(count, 3, 3, 3, -1)
     for axis in range(3):
         tables = np.moveaxis(_to_control(np.moveaxis(tables, 1 + axis, 1), half[:, axis]), 1, 1 + axis)
-    missed = _missed(half[:, :3])
+    interpolation_error = _missed(half[:, :3])
     return Enclosure(
         tables.reshape(count, 27, 21, 15),
         rate_products(low[:, 3:], high[:, 3:]),
-        _gibbs_error(low[:, :3], high[:, :3], missed),
-        _product_error(low[:, 3:], high[:, 3:], missed),
-        missed,
+        _gibbs_error(low[:, :3], high[:, :3], interpolation_error),
+        _product_error(low[:, 3:], high[:, 3:], interpolation_error),
+        interpolation_error,
     )
 
 
@@ -186,15 +186,15 @@ def _missed(half: Array) -> Array:
     return np.abs(t - np.sin(t) / ratio)
 
 
-def _gibbs_error(low: Array, high: Array, missed: Array) -> Array:
+def _gibbs_error(low: Array, high: Array, interpolation_error: Array) -> Array:
     largest = np.maximum(np.abs(low), np.abs(high)) / 2
     q = np.prod(np.cos(largest), axis=1) - np.prod(np.sin(largest), axis=1)  # real part of the quaternion, at least
-    chain = missed @ _INTERPOLATION ** np.arange(3)
+    chain = interpolation_error @ _INTERPOLATION ** np.arange(3)
     with np.errstate(divide="ignore"):
         return np.asarray(np.where((q > 0.0) & (largest.max(axis=1) < np.pi / 2), 0.75 / q**4 * chain, np.inf))
 
 
-def _product_error(low: Array, high: Array, missed: Array) -> Array:
+def _product_error(low: Array, high: Array, interpolation_error: Array) -> Array:
     square = np.maximum(low**2, high**2)
     along_roll, along_pitch = 3.0 * (square[:, 1] + square[:, 2]), 3.0 * square[:, 2]
-    return np.asarray(along_roll * missed[:, 0] + _INTERPOLATION * along_pitch * missed[:, 1])
+    return np.asarray(along_roll * interpolation_error[:, 0] + _INTERPOLATION * along_pitch * interpolation_error[:, 1])

@@ -69,9 +69,9 @@ class BoxDerivative:
         count = len(low)
         place = values.reshape(count, -1).argmax(axis=1)
         control_point, corner = np.divmod(place, values.shape[2])
-        missed = self.error(control.gibbs_error, control.product_error)
+        error = self.error(control.gibbs_error, control.product_error)
         largest = values[np.arange(count), control_point, corner]
-        upper = (np.sqrt(np.maximum(largest, 0.0)) + missed) ** 2
+        upper = (np.sqrt(np.maximum(largest, 0.0)) + error) ** 2
         grid = values.reshape(count, *[3] * 6, -1)
         split = np.array(
             [
@@ -106,13 +106,13 @@ class BoxDerivative:
         return np.clip(shares, -1.0, 1.0)
 
 
-def _split(values: Array, place: int, missed: float, width: Array) -> int:
+def _split(values: Array, place: int, error: float, width: Array) -> int:
     """The coordinate to halve: the one whose control point stands out most, or the widest angle if more is missed."""
     index = np.array(np.unravel_index(place, values.shape))
     excess = np.zeros(6)
     for k in np.flatnonzero(index == 1):
         ends = [values[tuple(np.where(np.arange(6) == k, end, index))] for end in (0, 2)]
         excess[k] = values.flat[place] - sum(ends) / 2
-    if excess.max() <= 0.0 or not excess.max() >= missed / 3:
+    if excess.max() <= 0.0 or not excess.max() >= error / 3:
         return int(width[:3].argmax())
     return int(excess.argmax())

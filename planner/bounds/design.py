@@ -55,9 +55,9 @@ def optimal_design(
     while True:
         products = _products(features.matrices(states))
         weights = improved_weights(products, weights, size, gap / 3)
-        used = weights > NEGLIGIBLE
-        states, weights = states[used], weights[used] / weights[used].sum()
-        information = (weights @ products[used]).reshape(size, size)
+        support = weights > NEGLIGIBLE
+        states, weights = states[support], weights[support] / weights[support].sum()
+        information = (weights @ products[support]).reshape(size, size)
         logdet = float(np.linalg.slogdet(information)[1])
         derivative = BoxDerivative(features, features.form(np.linalg.inv(information)))
         maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
@@ -100,11 +100,11 @@ def improved_weights(products: Array, weights: Array, size: int, gap: float, ste
         if derivative.max() <= size * (1.0 + gap):
             break
         if step % 100 == 99:  # what has no weight left costs time only
-            used = weights > NEGLIGIBLE * weights.max()
-            if used.mean() < 0.8:
-                left = improved_weights(products[used], weights[used], size, gap, steps - step - 1)
+            support = weights > NEGLIGIBLE * weights.max()
+            if support.mean() < 0.8:
+                support_weights = improved_weights(products[support], weights[support], size, gap, steps - step - 1)
                 weights = np.zeros(len(weights))
-                weights[used] = left
+                weights[support] = support_weights
                 break
     return np.asarray(weights / weights.sum())
 
@@ -163,9 +163,9 @@ def searched_design(
         matrices = box.matrices(states)
         products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(states), -1)
         weights = improved_weights(products, weights, size, gap / 3)
-        used = weights > NEGLIGIBLE
-        states, weights = states[used], weights[used] / weights[used].sum()
-        information = (weights @ products[used]).reshape(size, size)
+        support = weights > NEGLIGIBLE
+        states, weights = states[support], weights[support] / weights[support].sum()
+        information = (weights @ products[support]).reshape(size, size)
         logdet = float(np.linalg.slogdet(information)[1])
         climbed, values = _climbed(box, np.linalg.inv(information), states, draw)
         dmax = float(values.max())
@@ -179,7 +179,7 @@ def searched_design(
     return Design(states, weights, logdet, Maximum(np.inf, dmax, climbed, 0))
 
 
-def _climbed(box: _Box, inverse: Array, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
+def _climbed(box: _Box, inverse: Array, starts: Array, draw: np.random.Generator) -> tuple[Array, Array]:
     """Distinct local maxima of d = trace(A F^-1 A^T) and their values, from random and known states."""
     root = np.linalg.cholesky((inverse + inverse.T) / 2)
 
@@ -187,15 +187,15 @@ def _climbed(box: _Box, inverse: Array, known: Array, draw: np.random.Generator)
         return np.asarray(np.square(box.matrices(shares) @ root).sum(axis=(1, 2)))
 
     random = box.drawn(draw, RANDOM)
-    states = np.vstack([random[np.argsort(-value(random))[:CLIMBERS]], known])
+    states = np.vstack([random[np.argsort(-value(random))[:CLIMBERS]], starts])
     values = value(states)
 
     def attempt(k: int, level: Array | float) -> None:
-        moved = states.copy()
-        moved[:, k] = np.clip(level, -1.0, 1.0)
-        new = value(moved)
+        trial = states.copy()
+        trial[:, k] = np.clip(level, -1.0, 1.0)
+        new = value(trial)
         better = new > values + 1e-9
-        states[better], values[better] = moved[better], new[better]
+        states[better], values[better] = trial[better], new[better]
 
     for sweep in range(SWEEPS):
         for k in draw.permutation(3 * box.count):

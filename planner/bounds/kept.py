@@ -101,9 +101,9 @@ def box_bound(
         CaseError: the case has no machine or no limits.
     """
     file = _file("box", case, model, cache)
-    known = _known(file, model)
-    if known is not None and (known.certified or not renew):
-        return known
+    previous = _known(file, model)
+    if previous is not None and (previous.certified or not renew):
+        return previous
     return _kept(file, compute_bound(case, model, time_limit, progress))
 
 
@@ -138,18 +138,18 @@ def bound(
     """
     require_time(time_limit)
     case.need_motion("the information limit")
-    found = identification_model(case, full_model(case) if model is None else model)
-    require_identifiable(case, found)
+    effective_model = identification_model(case, full_model(case) if model is None else model)
+    require_identifiable(case, effective_model)
     if tight:
         case.need_machine("the tight information limit")
-        if found.struts is not None:
+        if effective_model.struts is not None:
             raise CaseError(
                 f"case {case.name}",
                 "sensor_frame.struts",
                 "the tight information limit is for sensors in a frame of their own; use bound without --tight",
             )
-        return tight_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
-    return box_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
+        return tight_bound(case, effective_model, time_limit=time_limit, renew=renew, progress=progress)
+    return box_bound(case, effective_model, time_limit=time_limit, renew=renew, progress=progress)
 
 
 def tight_bound(
@@ -169,13 +169,13 @@ def tight_bound(
         HexciteError: the convex optimisation failed.
     """
     file = _file("tight", case, model, cache)
-    known = _known(file, model)
-    if known is not None and known.certified and not renew:
-        return known
-    found = compute_tight_bound(case, model, time_limit, progress)
-    if known is not None and (known.certified, -known.logdet) >= (found.certified, -found.logdet):
-        return known
-    return _kept(file, found)
+    previous = _known(file, model)
+    if previous is not None and previous.certified and not renew:
+        return previous
+    result = compute_tight_bound(case, model, time_limit, progress)
+    if previous is not None and (previous.certified, -previous.logdet) >= (result.certified, -result.logdet):
+        return previous
+    return _kept(file, result)
 
 
 def known_tight_bound(case: Case, model: Model, cache: Path | None = None) -> Bound | None:

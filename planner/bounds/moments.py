@@ -90,15 +90,15 @@ def motion_moments(case: Case, features: Features) -> Moments:
     equal += [row(**{f"_{i}": 1.0}) for i in range(6)]
     for i in range(6):
         for j in range(6):
-            here, there = 6 + 6 * i + j, 6 + 6 * j + i
+            first, second = 6 + 6 * i + j, 6 + 6 * j + i
             if i in ANGLES and j in ANGLES:
                 rate = half[6 + i] * half[6 + j] / product[i, j]
-                equal.append(row(**{f"_{here}": 1.0, f"_{42 + 3 * (i - 3) + j - 3}": rate}))
+                equal.append(row(**{f"_{first}": 1.0, f"_{42 + 3 * (i - 3) + j - 3}": rate}))
             elif i < j:
                 size = np.sqrt(product[i, j] * product[j, i])
-                equal.append(row(**{f"_{here}": product[i, j] / size, f"_{there}": -product[j, i] / size}))
+                equal.append(row(**{f"_{first}": product[i, j] / size, f"_{second}": -product[j, i] / size}))
             elif i == j:
-                at_most += [row(**{f"_{here}": 1.0}), row(**{f"_{here}": -1.0})]
+                at_most += [row(**{f"_{first}": 1.0}), row(**{f"_{first}": -1.0})]
                 constant += [0.0, limits.rate[i] ** 2 / product[i, i]]
     share = mean_square_share(limits.rate, limits.acceleration, limits.jerk)
     at_most += [row(**{f"_{51 + i}": 1.0}) for i in range(6)]

@@ -82,30 +82,32 @@ def tight_design(
         information = np.einsum("n,nki,nkj->ij", weights, matrices, matrices, optimize=True)
         attained = max(attained, float(np.linalg.slogdet(information)[1]))
         inverse = np.linalg.inv(information)
-        here = TightDerivative(features, features.form(inverse), multipliers)
+        gradient = TightDerivative(features, features.form(inverse), multipliers)
         if best is not None:
             inverse = KEPT * best[1] + (1.0 - KEPT) * inverse
             multipliers = mixed(best[2], multipliers, KEPT)
         derivative = TightDerivative(features, features.form(inverse), multipliers)
-        used = weights > NEGLIGIBLE
-        climbed, values = climb(derivative, states[used], draw)
+        support = weights > NEGLIGIBLE
+        climbed, values = climb(derivative, states[support], draw)
         largest = float(values.max())
         bound = size * float(np.log(largest / size)) - float(np.linalg.slogdet(inverse)[1])
         if best is None or bound < best[0]:
             best = (bound, inverse, multipliers, largest)
-        progress(f"log det between {attained:.4f} and about {best[0]:.4f}; {int(used.sum())} states")
+        progress(f"log det between {attained:.4f} and about {best[0]:.4f}; {int(support.sum())} states")
         if best[0] - attained <= size * aim / 2 or process_time() > enough:
             break
-        value = np.where(used, np.inf, here.at(states))
-        kept = np.argsort(-value)[:MOST_KEPT]
-        states = np.vstack([states[kept], climbed[here.at(climbed) > size]])
+        value = np.where(support, np.inf, gradient.at(states))
+        indices = np.argsort(-value)[:MOST_KEPT]
+        states = np.vstack([states[indices], climbed[gradient.at(climbed) > size]])
     assert best is not None
     _, inverse, multipliers, largest = best
     derivative = TightDerivative(features, features.form(inverse), multipliers)
     logdet = -float(np.linalg.slogdet(inverse)[1])
-    known = max(size, largest)
-    maximum = maximise(derivative, *first_tight_cells(features), known * (1.0 + aim), known, deadline, progress)
-    certified = maximum.upper <= max(known, maximum.lower) * (1.0 + gap) * (1.0 + 1e-9)
+    lower_bound = max(size, largest)
+    maximum = maximise(
+        derivative, *first_tight_cells(features), lower_bound * (1.0 + aim), lower_bound, deadline, progress
+    )
+    certified = maximum.upper <= max(lower_bound, maximum.lower) * (1.0 + gap) * (1.0 + 1e-9)
     dmax = maximum.upper if certified else max(largest, maximum.lower)
     return TightDesign(logdet, attained, max(dmax, size), max(maximum.upper, size), certified)
 
@@ -143,8 +145,8 @@ def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[
         raise HexciteError(f"the tight information limit was not found (Clarabel: {error})") from error
     if weights.value is None:
         raise HexciteError(f"the tight information limit was not found (Clarabel: {problem.status})")
-    found = np.maximum(weights.value, 0.0)
-    return found / found.sum(), combined(moments, equal.dual_value, at_most.dual_value)
+    solution = np.maximum(weights.value, 0.0)
+    return solution / solution.sum(), combined(moments, equal.dual_value, at_most.dual_value)
 
 
 def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
@@ -158,16 +160,16 @@ def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) 
         States, shape (n, 18), and values, shape (n,).
     """
     random = _candidates(RANDOM, draw)
-    chosen = np.argsort(-derivative.at(random))[:CLIMBERS]
-    states = np.vstack([random[chosen], known])
+    best = np.argsort(-derivative.at(random))[:CLIMBERS]
+    states = np.vstack([random[best], known])
     values = derivative.at(states)
 
     def attempt(k: int, level: Array | float) -> None:
-        moved = states.copy()
-        moved[:, k] = np.clip(level, -1.0, 1.0)
-        new = derivative.at(moved)
+        trial = states.copy()
+        trial[:, k] = np.clip(level, -1.0, 1.0)
+        new = derivative.at(trial)
         better = new > values + 1e-9
-        states[better], values[better] = moved[better], new[better]
+        states[better], values[better] = trial[better], new[better]
 
     for _ in range(SWEEPS):
         for k in draw.permutation(_ACTIVE):
@@ -188,6 +190,6 @@ def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) 
 
 
 def _with(states: Array, k: int, value: float) -> Array:
-    moved = states.copy()
-    moved[:, k] = value
-    return moved
+    result = states.copy()
+    result[:, k] = value
+    return result

@@ -67,15 +67,15 @@ class TightDerivative:
         index = np.arange(len(low))
         place = values.reshape(len(low), -1).argmax(axis=1)
         angle, rate, corner = np.unravel_index(place, values.shape[1:])
-        missed = self._missed(control, square, curvature, np.abs(middle) + wide)
+        error = self._missed(control, square, curvature, np.abs(middle) + wide)
         states = self._states(low, high, (angle, rate, corner), middle + step[index, angle, rate, corner])
         slack = (mixed[index, angle] * wide[:, :, None] * wide[:, None, :]).sum(axis=-1)
         grid = values.max(axis=-1).reshape(len(low), *[3] * 6)
         split = [
-            _split(grid[k], np.r_[CONTROL[angle[k]], CONTROL[rate[k]]], slack[k], missed[k], high[k] - low[k])
+            _split(grid[k], np.r_[CONTROL[angle[k]], CONTROL[rate[k]]], slack[k], error[k], high[k] - low[k])
             for k in index
         ]
-        return Bounded(values[index, angle, rate, corner] + missed, self.at(states), states, np.array(split))
+        return Bounded(values[index, angle, rate, corner] + error, self.at(states), states, np.array(split))
 
     def _at_middle(
         self,
@@ -93,12 +93,12 @@ class TightDerivative:
         both = (m.rates + m.rates.T) / np.outer(half, half)
         both[range(3), range(3)] /= 2
         of_rates = control.products @ both[np.triu_indices(3)]  # (n, 27)
-        bent = (curvature @ middle[:, None, :, None])[..., 0]  # (n, 27, 6)
-        own = (bent * middle[:, None]).sum(axis=-1) - (m.squares * middle**2).sum(axis=-1)[:, None]
+        products = (curvature @ middle[:, None, :, None])[..., 0]  # (n, 27, 6)
+        own = (products * middle[:, None]).sum(axis=-1) - (m.squares * middle**2).sum(axis=-1)[:, None]
         value = square - of_rates[:, None, :, None] - m.constant + own[:, :, None, None]
         value = value + 2.0 * np.einsum("narwi,ni->narw", coupled, middle, optimize=True)
         value = value - np.einsum("nawi,ni->naw", slope, middle, optimize=True)[:, :, None]
-        steep = coupled + (bent - (m.squares * middle)[:, None])[:, :, None, None] - slope[:, :, None] / 2
+        steep = coupled + (products - (m.squares * middle)[:, None])[:, :, None, None] - slope[:, :, None] / 2
         return value, steep
 
     def _places(self, low: Array, high: Array) -> Array:
@@ -151,13 +151,13 @@ def _largest(bend: Array, steep: Array, wide: Array) -> tuple[Array, Array]:
     return bend * step**2 + 2.0 * steep * step, step
 
 
-def _split(values: Array, place: Array, slack: Array, missed: float, width: Array) -> int:
+def _split(values: Array, place: Array, slack: Array, error: float, width: Array) -> int:
     """The coordinate to halve: where the control point stands out most, or the bound of mixed terms is loosest."""
     excess = np.zeros(12)
     for k in np.flatnonzero(place == 1):
         ends = [values[tuple(np.where(np.arange(6) == k, end, place))] for end in (0, 2)]
         excess[k] = values[tuple(place)] - sum(ends) / 2
     excess[6:] = slack
-    if not excess.max() >= missed / 3:
+    if not excess.max() >= error / 3:
         return int(width[:3].argmax())
     return int(excess.argmax())

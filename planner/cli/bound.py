@@ -41,10 +41,12 @@ def bound(
     if output is not None:
         check_file(output, [".json"], overwrite=overwrite)
     loaded = load_case(case)
-    began = perf_counter()
+    start = perf_counter()
     model = full_model(loaded) if model is None else model
-    with status_text(f"information limit of {loaded.name}, model {model}", json) as tell:
-        found = information_limit(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=tell)
+    with status_text(f"information limit of {loaded.name}, model {model}", json) as report:
+        limit = information_limit(
+            loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report
+        )
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
@@ -53,12 +55,12 @@ def bound(
         "tight": tight,
         "weights": "equal",
         "pose_errors": None if (field := PoseField.of(loaded.sensors)) is None else field.keys,
-        "logdet_bound": found.logdet,
-        "logdet_design": found.design_logdet,
-        "logdet_proven": found.proven_logdet,
-        "certified": found.certified,
-        "certificate": {"dmax": found.dmax, "p": found.parameters, "method": found.method},
-        "solve_s": perf_counter() - began,
+        "logdet_bound": limit.logdet,
+        "logdet_design": limit.design_logdet,
+        "logdet_proven": limit.proven_logdet,
+        "certified": limit.certified,
+        "certificate": {"dmax": limit.dmax, "p": limit.parameters, "method": limit.method},
+        "solve_s": perf_counter() - start,
     }
     if output is not None:
         write_text(output, json_text(answer))

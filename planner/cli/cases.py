@@ -59,13 +59,13 @@ def check(
             print(problem)
         raise
     loaded = load_case(case)
-    lacks, remarks = readiness(loaded), leftovers(loaded)
+    requirements, remarks = readiness(loaded), leftovers(loaded)
     with status("searching the largest reachable box", json or not propose):
         proposal = proposed_box(case) if propose else None
     reach = reach_figures(case)
     if json:
         parts = {"reach": reach, "proposal": proposal}
-        ready = {command: list(missing) for command, missing in lacks.items()}
+        ready = {command: list(missing) for command, missing in requirements.items()}
         answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
         print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
         return
@@ -82,8 +82,8 @@ def check(
             (*LIMIT_COLUMNS[:-1], "satisfied"),
             rows,
         )
-    print(f"ready for: {'; '.join(c for c, missing in lacks.items() if not missing) or 'no command'}")
-    for command, missing in lacks.items():
+    print(f"ready for: {'; '.join(c for c, missing in requirements.items() if not missing) or 'no command'}")
+    for command, missing in requirements.items():
         if missing:
             print(f"not ready for {command}: misses {', '.join(missing)}")
     for remark in remarks:

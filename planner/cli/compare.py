@@ -36,24 +36,24 @@ def compare(
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with status("comparing", json):
-        found = compared(folders, None if case is None else load_case(case), stale)
-        save_with_page(found, COMPARISON, place, overwrite)
-    answer = {"report": str(place / "report.html")} | found.to_json()
+        comparison = compared(folders, None if case is None else load_case(case), stale)
+        save_with_page(comparison, COMPARISON, place, overwrite)
+    answer = {"report": str(place / "report.html")} | comparison.to_json()
     if json:
         print_json(answer)
     else:
-        _show(answer, found)
+        _show(answer, comparison)
 
 
-def _show(answer: dict[str, Any], found: "Comparison") -> None:
+def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
     from planner.reports.compare import EXECUTION, execution_rows, figure_rows, parameter_columns, parameter_rows
 
-    entries = found.entries
+    entries = comparison.entries
     names = [e.name for e in entries]
     print_table("Figures; criteria of the mean information, reference scaling", ("", *names), figure_rows(entries))
     title = "Parameters side by side; std of plans and runs is predicted"
     print_table(title, parameter_columns(entries), parameter_rows(entries))
-    if rows := execution_rows(found.groups):
+    if rows := execution_rows(comparison.groups):
         print_table("Planned and executed", EXECUTION, rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
@@ -118,37 +118,37 @@ def validate(
         _only_recordings(
             {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         )
-    wanted = chosen(methods) if recordings is None else []
+    selection = chosen(methods) if recordings is None else []
     if loaded.payloads is None:
         loaded.missing("payloads", "a validation with payloads")
     mounted = mounted_weights(loaded, weights)
     place = output_place(output, Path("hexcite-validation"), overwrite)
     check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
-        named = None if methods is None else [name.strip() for name in methods.split(",")]
-        found = validate_recordings(loaded, recordings, named)
-        save_with_page(found, VALIDATION, place, overwrite)
+        names = None if methods is None else [name.strip() for name in methods.split(",")]
+        validation = validate_recordings(loaded, recordings, names)
+        save_with_page(validation, VALIDATION, place, overwrite)
     else:
         loaded.need_machine("a validation")  # before anything is made
         disturbances_of(loaded, settings, undisturbed)
         with unfinished(place, loaded, settings, overwrite) as work:
-            with progress("validating", len(wanted) * len(mounted), json) as count:
-                found = carried_out(
-                    loaded, wanted, mounted, settings, undisturbed=undisturbed, folder=work, count=count
+            with progress("validating", len(selection) * len(mounted), json) as count:
+                validation = carried_out(
+                    loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
                 )
-            save_with_page(found, VALIDATION, place, overwrite)
-    answer = {"report": str(place / "report.html")} | found.to_json()
+            save_with_page(validation, VALIDATION, place, overwrite)
+    answer = {"report": str(place / "report.html")} | validation.to_json()
     if json:
         print_json(answer)
     else:
-        _show_validation(answer, found)
+        _show_validation(answer, validation)
 
 
-def _only_recordings(given: dict[str, Any]) -> None:
+def _only_recordings(options: dict[str, Any]) -> None:
     """Refuses what says how to simulate beside recordings of a machine."""
     from cases.errors import HexciteError
 
-    for option in (name for name, wanted in given.items() if wanted):
+    for option in (name for name, value in options.items() if value):
         raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
 
 
@@ -156,16 +156,16 @@ def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     from planner.reports.validation import TABLE_7, table_7
     from planner.validation.verdict import OFF_COLUMNS, off_rows
 
-    found = list(validation.steps)
+    steps = list(validation.steps)
     print(f"machine: {validation.machine}")
-    for method, told in validation.executed.items():
-        if ";" in told:
-            print(f"{method}: executed on {told}")
-    for method, why in validation.failed.items():
-        print(f"NOT RUN: {method}: {why}")
-    for method in dict.fromkeys(s.method for s in found):
-        print_table(f"{method}", TABLE_7, table_7([s for s in found if s.method == method]))
-    if rows := off_rows(found):
+    for method, text in validation.executed.items():
+        if ";" in text:
+            print(f"{method}: executed on {text}")
+    for method, reason in validation.failed.items():
+        print(f"NOT RUN: {method}: {reason}")
+    for method in dict.fromkeys(s.method for s in steps):
+        print_table(f"{method}", TABLE_7, table_7([s for s in steps if s.method == method]))
+    if rows := off_rows(steps):
         title = "Off by more than 3 reported standard deviations; parts of the error in these"
         print_table(title, OFF_COLUMNS, rows)
         print("where the structural mode is the cause, identify --flexible estimates it too")

@@ -103,18 +103,18 @@ def read_uncertain(texts: Sequence[str], units: Mapping[str, str], option: str) 
 
 
 def _read(text: str, units: Mapping[str, str], option: str, example: str) -> tuple[str, float, float | None]:
-    found = _VALUE.fullmatch(text.strip())
-    if found is None:
+    match = _VALUE.fullmatch(text.strip())
+    if match is None:
         raise HexciteError(f"{option} {text}: is not understood; write {example}")
-    name = found["name"]
+    name = match["name"]
     if name not in units:
         raise HexciteError(f"{option} {text}: {name} is not a parameter here; choose from {', '.join(units)}")
-    known = _UNITS[units[name]]
-    if found["unit"] not in known:
-        problem = "has no unit" if found["unit"] is None else f"unit {found['unit']} does not fit {name}"
-        raise HexciteError(f"{option} {text}: {problem}; give {' or '.join(known)}")
-    factor = known[found["unit"]]
-    return name, float(found["value"]) * factor, None if found["std"] is None else float(found["std"]) * factor
+    factors = _UNITS[units[name]]
+    if match["unit"] not in factors:
+        problem = "has no unit" if match["unit"] is None else f"unit {match['unit']} does not fit {name}"
+        raise HexciteError(f"{option} {text}: {problem}; give {' or '.join(factors)}")
+    factor = factors[match["unit"]]
+    return name, float(match["value"]) * factor, None if match["std"] is None else float(match["std"]) * factor
 
 
 class Typed(NamedTuple):
@@ -138,9 +138,9 @@ def method_of(wish: Typed, model: Model, case: Case) -> Method:
             result that is none or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
-    known = read_values(wish.fix, units, "--fix")
+    constants = read_values(wish.fix, units, "--fix")
     if wish.symmetric:
-        known = symmetric_platform(model) | known
+        constants = symmetric_platform(model) | constants
     priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
     biases = None if wish.biases is None else biases_of(wish.biases, case, wish.stale)
-    return method(wish.estimator, known, wish.drop, priors, wish.weights, biases)
+    return method(wish.estimator, constants, wish.drop, priors, wish.weights, biases)

@@ -117,12 +117,12 @@ def remarks(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
         with console.status(text) as spinner:
             yield lambda remark: spinner.update(f"{text}: {remark}")
         return
-    said = time.monotonic()
+    last_report = time.monotonic()
 
     def say(remark: str) -> None:
-        nonlocal said
-        if time.monotonic() - said >= EVERY:
-            said = time.monotonic()
+        nonlocal last_report
+        if time.monotonic() - last_report >= EVERY:
+            last_report = time.monotonic()
             print(f"{text}: {remark}", file=sys.stderr, flush=True)
 
     yield say

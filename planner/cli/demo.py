@@ -58,7 +58,7 @@ def demo(
         if not json:
             print("\n" if verbose else "", f"[{len(answer) + 1}/6] {text}", sep="", flush=True)
 
-    def told(line: str, at_length: Callable[[], None]) -> None:
+    def print_step(line: str, at_length: Callable[[], None]) -> None:
         if verbose and not json:
             at_length()
         elif not json:
@@ -66,39 +66,37 @@ def demo(
 
     def done(value: "Plan | Program | RunOutcome | Result") -> None:
         if isinstance(value, Plan):
-            made = answer["plan"] = answer_of_plan(value, place / "plan")
+            plan = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
-            what = f"{made['settings']['moves']} moves" if "moves" in made["settings"] else "a spline"
-            moves = f"{what}, {made['duration_s']:.3g} s"
-            bound = "certified" if made["bound"]["certified"] else "estimated"
-            line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} against the {bound} bound, "
-            line += f"found in {made['solve_s']:.0f} s"
-            told(line, lambda: show_plan(made, value))
+            kind = f"{plan['settings']['moves']} moves" if "moves" in plan["settings"] else "a spline"
+            moves = f"{kind}, {plan['duration_s']:.3g} s"
+            bound = "certified" if plan["bound"]["certified"] else "estimated"
+            line = f"{moves}, D-efficiency {plan['d_efficiency']:.3f} against the {bound} bound, "
+            line += f"found in {plan['solve_s']:.0f} s"
+            print_step(line, lambda: show_plan(plan, value))
             own = f"for {controller}; what it does not enforce of {', '.join(accepted(value))} is accepted here by name"
             step(f"post: {'a table of set points, one row a cycle' if table else own}")
         elif isinstance(value, Program):
             written = answer["post"] = answer_of_program(value)
             unit = "rows" if table else "blocks"
             line = f"{written['blocks']} {unit}, {written['duration_s']:.2f} s with the way to the first pose and home"
-            told(line, lambda: show_program(written))
+            print_step(line, lambda: show_program(written))
             step("check: the text read back, independently of its writer")
             checked = answer["check"] = answer_of_proof(value)
-            told(checked["verdict"], lambda: show_check(checked))
-            name, why = (on, "as asked") if on else best_controller(dialect.name)
-            step(f"run: on {name} ({why})")
+            print_step(checked["verdict"], lambda: show_check(checked))
+            name, reason = (on, "as asked") if on else best_controller(dialect.name)
+            step(f"run: on {name} ({reason})")
         elif isinstance(value, RunOutcome):
-            ran = answer["run"] = answer_of_run(value, place / "recording")
-            line = f"{ran['controller']}: {ran['duration_s']:.3f} s of {ran['planned_s']:.3f} s planned, "
-            line += f"{ran['path_error_mm']:.3f} mm from the path, D-efficiency {ran['d_efficiency']:.3f} as executed"
-            told(line, lambda: show_run(ran, value))
+            run = answer["run"] = answer_of_run(value, place / "recording")
+            line = f"{run['controller']}: {run['duration_s']:.3f} s of {run['planned_s']:.3f} s planned, "
+            line += f"{run['path_error_mm']:.3f} mm from the path, D-efficiency {run['d_efficiency']:.3f} as executed"
+            print_step(line, lambda: show_run(run, value))
             step(f"identify: model {full_model(loaded)} from the recording alone")
         else:
-            found = answer["identify"] = answer_of_result(value, place / "result")
+            data = answer["identify"] = answer_of_result(value, place / "result")
             report(value, place / "result" / "report.html")
-            line = (
-                f"{len(found['parameters'])} parameters from {found['samples']} samples, residuals {found['s0']:.3g} N"
-            )
-            told(line, lambda: show_result(found))
+            line = f"{len(data['parameters'])} parameters from {data['samples']} samples, residuals {data['s0']:.3g} N"
+            print_step(line, lambda: show_result(data))
 
     law = " of limited jerk" if table else f" of {controller}"
     step(f"plan: the most informative moves inside the limits, with the time law{law}")
@@ -124,5 +122,5 @@ def _show_truth(rows: list[dict[str, Any]]) -> None:
     print_table(
         "Identified, beside the truth",
         ("parameter", "identified", "+-", "unit", "truth", "error / +-"),
-        [(name, found, std, unit, truth, ratio) for name, truth, found, std, _, ratio, unit in cells],
+        [(name, estimate, std, unit, truth, ratio) for name, truth, estimate, std, _, ratio, unit in cells],
     )

@@ -89,36 +89,36 @@ def force(
     loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
     remarks += saved.remarks(loaded, stale)
-    found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
+    result = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     with atomic_file(file) as part:
-        _write(part, found)
+        _write(part, result)
     answer: dict[str, Any] = {
         "force": str(file),
-        "samples": len(found.t),
-        "rms": {name: float(v) for name, v in zip(WRENCH, found.rms, strict=True)},
-        "peak": {name: float(v) for name, v in zip(WRENCH, found.peak, strict=True)},
-        "warnings": [*found.warnings, *remarks],
+        "samples": len(result.t),
+        "rms": {name: float(v) for name, v in zip(WRENCH, result.rms, strict=True)},
+        "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
+        "warnings": [*result.warnings, *remarks],
     }
     if json:
         print_json(answer)
         return
     rows = [
-        [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, found.rms, found.peak, strict=True)
+        [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, result.rms, result.peak, strict=True)
     ]  # fmt: skip
     print_table("External force and moment in {P}", ("component", "rms", "peak", "unit"), rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
-    print(f"written: {file} ({len(found.t)} samples, behind the filter of the case)")
+    print(f"written: {file} ({len(result.t)} samples, behind the filter of the case)")
 
 
-def _write(file: Path, found: Any) -> None:
+def _write(file: Path, result: Any) -> None:
     import numpy as np
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
     from cases.recording_format import WRENCH
 
-    table = {"t_s": found.t} | {name: np.ascontiguousarray(found.wrench[:, k]) for k, name in enumerate(WRENCH)}
+    table = {"t_s": result.t} | {name: np.ascontiguousarray(result.wrench[:, k]) for k, name in enumerate(WRENCH)}
     pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
 
 
@@ -149,8 +149,8 @@ def tare(
     loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
     remarks += saved.remarks(loaded, stale)
-    found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
-    content = with_tare(saved, loaded, found.values, found.covariance, str(recording), found.notes)
+    offsets = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
+    content = with_tare(saved, loaded, offsets.values, offsets.covariance, str(recording), offsets.notes)
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
     with atomic_folder(folder, RESULT, overwrite) as part:
@@ -159,9 +159,9 @@ def tare(
         print_json({"result": str(folder)} | content)
         return
     rows = [
-        [f"f_q0_{k + 1}", f"{found.change[k]:+.4g}", f"{found.std[k]:.2g}"] for k in range(6)
+        [f"f_q0_{k + 1}", f"{offsets.change[k]:+.4g}", f"{offsets.std[k]:.2g}"] for k in range(6)
     ]  # fmt: skip
-    for remark in (*remarks, *found.notes):
+    for remark in (*remarks, *offsets.notes):
         print(f"warning: {remark}")
     print_table("Offsets", ("offset", "change", "std"), rows)
     print(f"result written: {folder}")

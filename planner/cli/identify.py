@@ -151,39 +151,39 @@ def look(
     file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with status("looking", json):
-        found = look_at(recording, None if case is None else load_case(case))
+        report = look_at(recording, None if case is None else load_case(case))
         from planner.reports.look_plot import look_figure
 
         with atomic_file(file) as part:
-            look_figure(found).savefig(part, format=file.suffix[1:].lower())
+            look_figure(report).savefig(part, format=file.suffix[1:].lower())
     if json:
-        print_json(_answer(found) | {"picture": str(file)})
+        print_json(_answer(report) | {"picture": str(file)})
     else:
-        _show(found, file)
+        _show(report, file)
 
 
-def _answer(found: "Look") -> dict[str, Any]:
-    columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in found.columns]
+def _answer(report: "Look") -> dict[str, Any]:
+    columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
     return {
-        "recording": str(found.file),
-        "reads": found.reads,
-        "rows": found.rows,
-        "rate_Hz": found.rate,
+        "recording": str(report.file),
+        "reads": report.reads,
+        "rows": report.rows,
+        "rate_Hz": report.rate,
         "columns": columns,
-        "settings": dict(found.settings),
-        "odd": list(found.odd),
+        "settings": dict(report.settings),
+        "odd": list(report.odd),
     }
 
 
-def _show(found: "Look", file: Path) -> None:
+def _show(report: "Look", file: Path) -> None:
     head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
-    print_table(f"{found.file.name}: {found.rows} rows", head, [_row(column) for column in found.columns], False)
-    print(f"rows per second: {'not known' if found.rate is None else f'{found.rate:.5g}'}")
-    for odd in found.odd:
+    print_table(f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns], False)
+    print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
+    for odd in report.odd:
         print(f"look at: {odd}")
-    print(f"\n{found.toml}\n")
+    print(f"\n{report.toml}\n")
     print(f"picture written: {file}")
-    if found.reads:
+    if report.reads:
         print("the file is read with this table; paste it into case.toml in place of its [recording]")
     else:
         print("the file is not read with this table yet: complete it as said above, then identify, or look again")

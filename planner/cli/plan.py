@@ -116,7 +116,7 @@ def plan(
 
     kind, options = family_class(family), context.params
     sources = {option: context.get_parameter_source(option) for option in BELONGS}
-    chosen = context.get_parameter_source("family")
+    family_source = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     loaded = load_case(case)
@@ -131,26 +131,26 @@ def plan(
         starts=starts,
         seconds=seconds,
         seed=seed,
-        may_be_smooth=not (chosen and chosen.name != "DEFAULT") and moves is None,
+        may_be_smooth=not (family_source and family_source.name != "DEFAULT") and moves is None,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)
     if not json:
-        what = f"{duration:g} s, criterion {criterion}, " if optimised else ""
-        print(f"Planning for {loaded.name}: {family}, {what}model {request.model}", flush=True)
+        text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
+        print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
     with remarks("searching" if optimised else "timing", json) as remark:
-        found = planned(request, loaded, remark)
-    if output is None and found.family != family:  # by itself
-        folder = output_place(output, Path(f"{loaded.name}-{found.family}"), overwrite)
+        result = planned(request, loaded, remark)
+    if output is None and result.family != family:  # by itself
+        folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_with_page(found, PLAN, folder, overwrite)
-    answer = answer_of_plan(found, folder)
+        save_with_page(result, PLAN, folder, overwrite)
+    answer = answer_of_plan(result, folder)
     if json:
         print_json(answer)
     else:
-        show_plan(answer, found)
+        show_plan(answer, result)
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:
@@ -186,10 +186,10 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         print(f"start {failed['seed']} led nowhere: {failed['reason']}")
     if answer["interrupted"]:
         print("stopped by Ctrl-C: this is the best of what was found until then")
-    shown = {name: v for name, v in answer["limits"].items() if v["ratio"] >= MOST_USED or v["status"] != "proven"}
-    fewer = len(answer["limits"]) - len(shown)
+    limits = {name: v for name, v in answer["limits"].items() if v["ratio"] >= MOST_USED or v["status"] != "proven"}
+    fewer = len(answer["limits"]) - len(limits)
     title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
-    print_table(title, LIMIT_COLUMNS, limit_rows(shown))
+    print_table(title, LIMIT_COLUMNS, limit_rows(limits))
     for note in answer["notes"]:
         print(f"note: {note}")
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
@@ -201,7 +201,7 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
     for line in plan.deviations():
         print(f"  {line}")
-    first, last = (plan.case.words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
+    first, last = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
     starts = f"; {len(answer['starts'])} start{'s' * (len(answer['starts']) > 1)}" if answer["starts"] else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")

@@ -57,8 +57,8 @@ def poses(
     check_folder(folder, PLAN, [find_case(case)], overwrite)
     grid = loaded.poses if isinstance(loaded.poses, Poses) else None
     steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
-    with progress("choosing poses", steps, json) as counted:
-        plan = poses_planned(request, loaded, lambda left: counted(f"{left} poses"), own)
+    with progress("choosing poses", steps, json) as report:
+        plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses"), own)
     with status("writing", json):
         save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()

@@ -52,25 +52,25 @@ def retime(
     if len(plan.poses):
         raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
     request = replace(plan.of_motion[0], model=plan.model if model is None else model, targets=())
-    chosen = method_of(method, plan.motion, fastest)
-    began = perf_counter()
-    with status_text(f"re-timing with {chosen}", json) as told:
-        wanted = identification_model(plan.case, request.model)
-        found = retimed(plan.motion, plan.case, wanted, chosen, fastest, told)
-        seconds = perf_counter() - began
+    retiming_method = method_of(method, plan.motion, fastest)
+    start = perf_counter()
+    with status_text(f"re-timing with {retiming_method}", json) as report:
+        effective_model = identification_model(plan.case, request.model)
+        result = retimed(plan.motion, plan.case, effective_model, retiming_method, fastest, report)
+        seconds = perf_counter() - start
         if output is not None:
-            told("writing")
-            made = retimed_plan(found, request, plan.case, source, seconds, plan.stale)
-            save_with_page(made, PLAN, output, overwrite)
+            report("writing")
+            new_plan = retimed_plan(result, request, plan.case, source, seconds, plan.stale)
+            save_with_page(new_plan, PLAN, output, overwrite)
     answer = {
         "source": str(source),
-        "method": str(found.method),
+        "method": str(result.method),
         "model": request.model,
-        "before": _rating(found.before),
-        "after": _rating(found.after),
-        "off_path_mm": found.off_path[0] / MM,
-        "off_path_deg": found.off_path[1] / DEG,
-        "remarks": [*found.remarks, *plan.stale],
+        "before": _rating(result.before),
+        "after": _rating(result.after),
+        "off_path_mm": result.off_path[0] / MM,
+        "off_path_deg": result.off_path[1] / DEG,
+        "remarks": [*result.remarks, *plan.stale],
         "solve_s": seconds,
         "plan": str(output) if output is not None else None,
     }
@@ -97,9 +97,9 @@ def _show(answer: dict[str, Any]) -> None:
     rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
     rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
     print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
-    for when, rating in (("before", before), ("after", after)):
+    for label, rating in (("before", before), ("after", after)):
         for sentence in rating["violations"]:
-            print(f"{when}: {sentence}")
+            print(f"{label}: {sentence}")
     print_table("Limits after re-timing", LIMIT_COLUMNS, limit_rows(after["limits"]))
     for remark in answer["remarks"]:
         print(f"note: {remark}")

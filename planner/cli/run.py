@@ -95,16 +95,16 @@ def _exceeded(peaks: dict[str, float], outcome: "RunOutcome") -> Iterator[str]:
     """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
     exceeded = {name for name, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
-    kept = {name for name in exceeded if name.removeprefix("angular ") in enforced}
-    if exceeded - kept:
+    safe = {name for name in exceeded if name.removeprefix("angular ") in enforced}
+    if exceeded - safe:
         yield (
-            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - kept))}; know what "
+            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - safe))}; know what "
             "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
             "estimate)"
         )
-    if kept:
+    if safe:
         yield (
-            f"exceeded by the built-in controller only: {', '.join(sorted(kept))}; {outcome.guarantees.controller} "
+            f"exceeded by the built-in controller only: {', '.join(sorted(safe))}; {outcome.guarantees.controller} "
             "keeps it itself, as the case says (controller_keeps), and will take longer there"
         )
 

@@ -25,16 +25,16 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
 
 def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:
     """How well the parameters predict another run: what is left of force and moment, and of each channel."""
-    found = external_force(on_one_clock(read_recording(path, case), case), case, load_result(result), whole=False)
-    deviation = found.wrench.std(axis=0)
+    forces = external_force(on_one_clock(read_recording(path, case), case), case, load_result(result), whole=False)
+    deviation = forces.wrench.std(axis=0)
     answer = {
         "recording": str(path),
-        "samples": len(found.t),
+        "samples": len(forces.t),
         "force_3s_N": (3 * deviation[:3]).tolist(),
         "moment_3s_Nm": (3 * deviation[3:]).tolist(),
-        "mean_force_N": found.wrench[:, :3].mean(axis=0).tolist(),
-        "mean_moment_Nm": found.wrench[:, 3:].mean(axis=0).tolist(),
-        "channel_rms": ((found.residuals**2).mean(axis=0) ** 0.5).tolist(),
+        "mean_force_N": forces.wrench[:, :3].mean(axis=0).tolist(),
+        "mean_moment_Nm": forces.wrench[:, 3:].mean(axis=0).tolist(),
+        "channel_rms": ((forces.residuals**2).mean(axis=0) ** 0.5).tolist(),
     }
     if not quiet:
         force, moment = (
@@ -50,22 +50,22 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
     rows, rods = [], carries_rods(parameters)
     for name, p in parameters.items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
-        known = Value(p["value"], p["std"], p["std_robust"], p["unit"])
-        deviations = (known.reported, known.std, known.std_robust)
+        estimate = Value(p["value"], p["std"], p["std_robust"], p["unit"])
+        deviations = (estimate.reported, estimate.std, estimate.std_robust)
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
-        shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
+        texts = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
         value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
-        rows.append([parameter_words(name, rods), value, *shown, unit])
+        rows.append([parameter_words(name, rods), value, *texts, unit])
     return rows
 
 
 def show_residuals(answer: dict[str, Any]) -> None:
     """Prints s0 and what the model leaves of the recorded forces; a filter lets s0 see the smaller part only."""
     equal = answer["weights"] == "equal"
-    left = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
+    sentence = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
     if equal and answer["delay_s"] is not None and answer["s0_N"] > 2.0 * answer["s0"]:
-        left += ", most of it above the evaluation's filter, where the estimate does not look"
-    print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {left}")
+        sentence += ", most of it above the evaluation's filter, where the estimate does not look"
+    print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {sentence}")
 
 
 def show_noise(answer: dict[str, Any]) -> None:
@@ -73,14 +73,14 @@ def show_noise(answer: dict[str, Any]) -> None:
     sources = answer["noise_sources"]
     if sources is None:
         return
-    stated = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
-    parts = [f"{name} {100 * share:.3g} %" for name, share in stated.items() if share is not None]
-    left = "unexplained" if len(parts) == 2 else "anything else"
-    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {left} {100 * sources['unexplained']:.3g} %")
-    drawn = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
-    if drawn:
-        worst = max(drawn, key=lambda name: abs(drawn[name]["of_std"]))
-        bias, unit = drawn[worst], answer["parameters"][worst]["unit"]
+    shares = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
+    parts = [f"{name} {100 * share:.3g} %" for name, share in shares.items() if share is not None]
+    rest = "unexplained" if len(parts) == 2 else "anything else"
+    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {rest} {100 * sources['unexplained']:.3g} %")
+    attenuations = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
+    if attenuations:
+        worst = max(attenuations, key=lambda name: abs(attenuations[name]["of_std"]))
+        bias, unit = attenuations[worst], answer["parameters"][worst]["unit"]
         scale, unit = (1e3, "mm") if unit == "m" else (1.0, unit)
         print(
             f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
@@ -112,20 +112,22 @@ def show_result(answer: dict[str, Any]) -> None:
     show_noise(answer)
     for note in answer["notes"]:
         print(note)
-    felt = answer["accelerometer"]
-    if felt is not None:
-        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(felt["bias_m_s2"], felt["std_m_s2"], strict=True))
-        turn = ", ".join(f"{1e3 * t:.1f}" for t in felt["turn_rad"])
-        print(f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; {felt['rms_m_s2']:.2g} m/s^2 rms are left")
+    sensor = answer["accelerometer"]
+    if sensor is not None:
+        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(sensor["bias_m_s2"], sensor["std_m_s2"], strict=True))
+        turn = ", ".join(f"{1e3 * t:.1f}" for t in sensor["turn_rad"])
+        print(
+            f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; {sensor['rms_m_s2']:.2g} m/s^2 rms are left"
+        )
     if answer["biases"] is not None:
         also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""
         print(f"offsets of the forces{also} are those of {answer['biases']['result']}, with their uncertainty")
     if "standstills" in answer:
-        found = answer["standstills"]
-        which = "the poses of the program" if found["matched_to_poses"] else "found where the machine stands"
-        print(f"{found['count']} averaged standstills, {which}, by the {found['found_by']}; weighted by their scatter")
-        if found["restless"]:
-            print(f"restless, and weighted less: {', '.join(map(str, found['restless']))}")
+        stops = answer["standstills"]
+        source = "the poses of the program" if stops["matched_to_poses"] else "found where the machine stands"
+        print(f"{stops['count']} averaged standstills, {source}, by the {stops['found_by']}; weighted by their scatter")
+        if stops["restless"]:
+            print(f"restless, and weighted less: {', '.join(map(str, stops['restless']))}")
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"result written: {answer['result']}, with its report {answer['report']}")

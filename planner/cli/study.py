@@ -46,42 +46,42 @@ def run(
     from planner.study.study_run import about_study, cells_of, missing, run_study
     from planner.study.summary import best_groups, groups
 
-    loaded, wanted = load_case(case), load_spec(spec)
+    loaded, study = load_case(case), load_spec(spec)
     loaded.need_motion("a study")
-    if wanted.execute is not None:
+    if study.execute is not None:
         loaded.need_simulation("a study that executes its plans")
     if scheduler is not None and workers is not None:
         raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
     if workers is not None and not 1 <= workers <= 1000:
         raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
     require_dask()
-    folder = output if output is not None else Path(f"{loaded.name}-{wanted.name}-study")
-    cells = cells_of(wanted, loaded)
-    check_study(folder, about_study(wanted, loaded, len(cells)))
-    left = len(missing(cells, wanted, folder))
-    began, busy = time.perf_counter(), 0.0
+    folder = output if output is not None else Path(f"{loaded.name}-{study.name}-study")
+    cells = cells_of(study, loaded)
+    check_study(folder, about_study(study, loaded, len(cells)))
+    number = len(missing(cells, study, folder))
+    start, busy = time.perf_counter(), 0.0
     threads = workers or os.cpu_count() or 1
     computed = 0
-    if left or not (folder / ABOUT).exists():
-        context = local_client(workers, wanted.cells.memory_GB) if scheduler is None else remote_client(scheduler)
+    if number or not (folder / ABOUT).exists():
+        context = local_client(workers, study.cells.memory_GB) if scheduler is None else remote_client(scheduler)
         try:
-            with context as client, progress("cells", left, quiet) as count:
-                began = time.perf_counter()
+            with context as client, progress("cells", number, quiet) as count:
+                start = time.perf_counter()
                 threads = sum(client.nthreads().values())
                 if not quiet:
-                    print(f"Study {wanted.name} of {loaded.name}: {left} of {len(cells)} cells to do, in {folder}")
+                    print(f"Study {study.name} of {loaded.name}: {number} of {len(cells)} cells to do, in {folder}")
 
-                def done(end: Any) -> None:
+                def on_end(end: Any) -> None:
                     nonlocal busy
                     busy += end.seconds
                     count("" if end.reason is None else "(the last one failed)")
 
-                computed = run_study(client, wanted, loaded, folder, done)
+                computed = run_study(client, study, loaded, folder, on_end)
         except Interrupted:
             raise Interrupted(f"what is done is kept in {folder}, the same command goes on") from None
-    seconds = time.perf_counter() - began
+    seconds = time.perf_counter() - start
     table = read_rows(folder)
-    found = groups(table)
+    settings_groups = groups(table)
     report = folder / "report.html"
     write_text(report, _page(read_json(folder / ABOUT, "hexcite study"), table))
     plans = [
@@ -96,11 +96,13 @@ def run(
         "rows": len(table),
         "seconds": seconds,
         "overhead": seconds * threads / busy if busy else None,
-        "best": {letter: group.settings | {"score": group.best} for letter, group in best_groups(found).items()},
+        "best": {
+            letter: group.settings | {"score": group.best} for letter, group in best_groups(settings_groups).items()
+        },
         "report": str(report),
     }
     if not quiet:
-        _show(answer, best_groups(found), case)
+        _show(answer, best_groups(settings_groups), case)
     return answer
 
 

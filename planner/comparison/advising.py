@@ -27,26 +27,28 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     A run belongs to the plan whose fingerprint it carries, a result without its run to the plan of that run. A result
     takes what its run knows of time and machine.
     """
-    found = [[e] for e in entries if e.level is Level.PLANNED]
+    entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
-        plans = [g for g in found if g[0].level is Level.PLANNED and run.plan is not None and run.plan == g[0].plan]
+        plans = [
+            g for g in entry_groups if g[0].level is Level.PLANNED and run.plan is not None and run.plan == g[0].plan
+        ]
         if plans:
             plans[0].append(run)
         else:
-            found.append([run])
+            entry_groups.append([run])
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        runs = [(g, e) for g in found for e in g if e.level is Level.EXECUTED and e.hashes & result.hashes]
-        plans = [g for g in found if result.plan is not None and g[0].plan == result.plan]
+        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.hashes & result.hashes]
+        plans = [g for g in entry_groups if result.plan is not None and g[0].plan == result.plan]
         if runs:
             home, run = runs[0]
-            known = replace(result, duration=run.duration, load=run.load, machine=run.machine)
+            entry = replace(result, duration=run.duration, load=run.load, machine=run.machine)
             after = [k for k, e in enumerate(home) if e.hashes & run.hashes]
-            home.insert(max(after) + 1, known)
+            home.insert(max(after) + 1, entry)
         elif plans:
             plans[0].append(result)
         else:
-            found.append([result])
-    return found
+            entry_groups.append([result])
+    return entry_groups
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -58,23 +60,23 @@ def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
         warnings.append("cases differ: the machines are not the same, or the case was changed between")
     noises = [(e.noise, e) for e in entries if e.noise is not None]
     if noises and max(n for n, _ in noises) > ONE_NOISE * min(n for n, _ in noises):
-        told = _listed((f"{noise:.3g} N", e) for noise, e in noises)
-        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {told}")
+        text = _listed((f"{noise:.3g} N", e) for noise, e in noises)
+        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {text}")
     if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
-        told = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
-        warnings.append(f"different weights are mounted, with which errors of the machine grow: {told}")
+        text = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+        warnings.append(f"different weights are mounted, with which errors of the machine grow: {text}")
     if len({e.machine for e in entries if e.machine is not None}) > 1:
-        told = _listed((e.machine, e) for e in entries if e.machine is not None)
-        warnings.append(f"not the same was measured, so that residuals do not compare: {told}")
+        text = _listed((e.machine, e) for e in entries if e.machine is not None)
+        warnings.append(f"not the same was measured, so that residuals do not compare: {text}")
     return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
 
 
-def _listed(told: Iterable[tuple[str, Entry]]) -> str:
+def _listed(pairs: Iterable[tuple[str, Entry]]) -> str:
     """Values with the names of the entries that have them."""
-    having: dict[str, list[str]] = {}
-    for value, entry in told:
-        having.setdefault(value, []).append(entry.name)
-    return "; ".join(f"{value} ({', '.join(names)})" for value, names in having.items())
+    owners: dict[str, list[str]] = {}
+    for value, entry in pairs:
+        owners.setdefault(value, []).append(entry.name)
+    return "; ".join(f"{value} ({', '.join(names)})" for value, names in owners.items())
 
 
 class Recommendation(NamedTuple):
@@ -91,36 +93,36 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
     common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in found)]
     remarks = []
     if common:
-        chosen = [e for g in found for e in g if e.level is common[0]]
+        selection = [e for g in found for e in g if e.level is common[0]]
         level = common[0].name.lower()
     else:
-        chosen = [max(g, key=lambda e: e.level) for g in found]
+        selection = [max(g, key=lambda e: e.level) for g in found]
         level = "mixed"
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
-    alike = under_equal_conditions(chosen)
+    alike = under_equal_conditions(selection)
     if len(alike) == 1:
-        found_best = _among(chosen, level, remarks)
-        return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(chosen)))
-    told = "; ".join(f"{', '.join(e.name for e in some)} ({_conditions(some)})" for some in alike)
-    parts = [_among(some, level, remarks) for some in alike if len(some) > 1]
+        found_best = _among(selection, level, remarks)
+        return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(selection)))
+    text = "; ".join(f"{', '.join(e.name for e in group)} ({_conditions(group)})" for group in alike)
+    parts = [_among(group, level, remarks) for group in alike if len(group) > 1]
     return Recommendation(
         parts[0].best if len(parts) == 1 else None,
         level,
         {name: ratio for part in parts for name, ratio in part.ratios.items()},
         (
-            f"these were planned or measured under different conditions, and none is preferred across them: {told}",
+            f"these were planned or measured under different conditions, and none is preferred across them: {text}",
             *(sentence for part in parts for sentence in part.sentences),
         ),
     )
 
 
-def _where_it_vibrates(chosen: Sequence[Entry]) -> Iterator[str]:
+def _where_it_vibrates(entries: Sequence[Entry]) -> Iterator[str]:
     """Which planned motion to prefer on a machine with a structural mode, by the errors to be expected there."""
-    known = [(e.name, e.vibration) for e in chosen if e.vibration is not None]
-    if len(known) < 2 or len({frozenset(v.errors) for _, v in known}) > 1:
+    vibrations = [(e.name, e.vibration) for e in entries if e.vibration is not None]
+    if len(vibrations) < 2 or len({frozenset(v.errors) for _, v in vibrations}) > 1:
         return
-    best, least = min(known, key=lambda pair: pair[1].over(known[0][1]))
-    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in known if name != best)
+    best, least = min(vibrations, key=lambda pair: pair[1].over(vibrations[0][1]))
+    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in vibrations if name != best)
     yield (
         f"on a machine with a structural mode at {least.frequency:.3g} Hz (simulation.disturbances) {best} is expected "
         f"to err least: {others}"
@@ -129,14 +131,14 @@ def _where_it_vibrates(chosen: Sequence[Entry]) -> Iterator[str]:
 
 def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries of one machine, one load and one noise each; what nothing tells of an entry agrees with everything."""
-    found: list[list[Entry]] = []
+    result: list[list[Entry]] = []
     for entry in entries:
-        home = next((some for some in found if all(_comparable(entry, other) for other in some)), None)
+        home = next((group for group in result if all(_comparable(entry, other) for other in group)), None)
         if home is None:
-            found.append([entry])
+            result.append([entry])
         else:
             home.append(entry)
-    return found
+    return result
 
 
 def _comparable(one: Entry, other: Entry) -> bool:
@@ -166,40 +168,42 @@ def _by_pose(entry: Entry) -> str:
     return "" if field is None else f" and {field.words} that depends on the pose"
 
 
-def _among(chosen: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:
+def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:
     """The best of entries that can be compared."""
     remarks = list(remarks)
-    if len(chosen) < 2:
+    if len(entries) < 2:
         return Recommendation(None, "", {}, ("there is nothing to choose from: name two excitations or more",))
-    names = [n for n in chosen[0].parameters if all(n in e.parameters for e in chosen)]
+    names = [n for n in entries[0].parameters if all(n in e.parameters for e in entries)]
     if not names:
         return Recommendation(None, level, {}, ("they have no parameter in common",))
-    for entry in chosen:
-        missing = sorted({n for e in chosen for n in e.parameters} - set(entry.parameters))
+    for entry in entries:
+        missing = sorted({n for e in entries for n in e.parameters} - set(entry.parameters))
         if missing:
             remarks.append(f"{entry.name} does not determine {', '.join(missing)}: not compared")
-    sizes = np.array([_size(e, names) for e in chosen])
+    sizes = np.array([_size(e, names) for e in entries])
     order = np.argsort(sizes, kind="stable")
-    best, second = chosen[order[0]], chosen[order[1]]
+    best, second = entries[order[0]], entries[order[1]]
     ratio = float(np.exp(sizes[order[1]] - sizes[order[0]]))
-    times = [e.duration for e in chosen]
+    times = [e.duration for e in entries]
     if ratio < NO_DIFFERENCE and best.duration and second.duration and second.duration < best.duration:
         best, second = second, best
-        why = f"standard deviations of {second.name} are as small within {100 * (ratio - 1):.0f} %, but it takes longer"
+        reason = (
+            f"standard deviations of {second.name} are as small within {100 * (ratio - 1):.0f} %, but it takes longer"
+        )
     else:
-        why = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
-    why += f" (geometric mean over {len(names)} parameters)"
-    sentences = [f"{best.name}: {why}{_times(best, second)}", *remarks]
+        reason = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
+    reason += f" (geometric mean over {len(names)} parameters)"
+    sentences = [f"{best.name}: {reason}{_times(best, second)}", *remarks]
     if best.warnings:
-        others = [chosen[k].name for k in order if not chosen[k].warnings]
+        others = [entries[k].name for k in order if not entries[k].warnings]
         instead = f"; without warnings the best is {others[0]}" if others else ""
         sentences.insert(1, f"see to the warnings of {best.name} before you rely on it{instead}")
     if all(times):
         rates = sizes + 0.5 * np.log([float(t or 1.0) for t in times])
-        fastest = chosen[int(np.argmin(rates))].name
+        fastest = entries[int(np.argmin(rates))].name
         if fastest != best.name:
             sentences.append(f"per second of measuring time {fastest} carries most information")
-    ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(chosen, sizes, strict=True)}
+    ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(entries, sizes, strict=True)}
     return Recommendation(best.name, level, ratios, tuple(sentences))
 
 
@@ -279,5 +283,5 @@ def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale
         entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)
         for thing in things
     ]
-    found = groups(entries)
-    return Comparison(tuple(tuple(group) for group in found), recommend(found))
+    entry_groups = groups(entries)
+    return Comparison(tuple(tuple(group) for group in entry_groups), recommend(entry_groups))

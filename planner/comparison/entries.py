@@ -112,13 +112,13 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     for file, reader in readers.items():
         if (path / file).is_file():
             return reader(path, case, stale)
-    wanted = "name folders that plan, poses, run or identify wrote"
+    remedy = "name folders that plan, poses, run or identify wrote"
     if not path.exists():
-        raise FileProblem(path, "does not exist", wanted)
+        raise FileProblem(path, "does not exist", remedy)
     if not path.is_dir():
-        raise FileProblem(path, "is a file", wanted)
+        raise FileProblem(path, "is a file", remedy)
     other = another_kind(path, "plan.json")
-    raise FileProblem(path, f"{other or 'holds no plan, run or result'}", wanted)
+    raise FileProblem(path, f"{other or 'holds no plan, run or result'}", remedy)
 
 
 def _plan(path: Path, case: Case | None, stale: bool) -> Entry:
@@ -143,10 +143,10 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
-    told = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
+    deviations = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
         name, Level.PLANNED, saved.case, model.number, saved.family, saved.duration, samples,
-        _criteria(information, model), told, None, {}, frozenset(),
+        _criteria(information, model), deviations, None, {}, frozenset(),
         fingerprint(saved), noise, float(load), warnings=saved.stale, vibration=vibrating,
     )  # fmt: skip
 
@@ -162,12 +162,12 @@ def _criteria(information: Array, model: Model) -> dict[str, float]:
     return {letter: c.of(mu) for letter, c in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
 
 
-def _run(path: Path, given: Case | None, stale: bool) -> Entry:
+def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     file = path / "recording.json"
     about = read_json(file, "hexcite run")
-    named = Artefact(file, about, "run the program again")
-    case = named.case() if given is None else given
-    stale_in = () if given is not None else named.require_unchanged(recording_basis(case), case, stale)
+    artefact = Artefact(file, about, "run the program again")
+    case = artefact.case() if user_case is None else user_case
+    stale_in = () if user_case is not None else artefact.require_unchanged(recording_basis(case), case, stale)
     recorded = replace(on_one_clock(read(path, case), case), record=about)
     recording, _ = standing_of(recorded, case)
     model = identification_model(case, default_model(recording, case))
@@ -183,9 +183,9 @@ def _run(path: Path, given: Case | None, stale: bool) -> Entry:
     scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
     errors = PoseErrors.of(case, noise)
     if errors is not None and struts is not None:
-        seen = matrices if noise.whitening is None else noise.whitening @ matrices
+        rows = matrices if noise.whitening is None else noise.whitening @ matrices
         scattered = weighted if scattered is None else scattered
-        scattered = scattered + errors.scatter(seen * scaling, struts, seconds)
+        scattered = scattered + errors.scatter(rows * scaling, struts, seconds)
     units = _units(model)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
@@ -218,28 +218,28 @@ def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
 
 def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:
     """Regressors that are evaluated, strut lengths there, and the number of samples that they stand for."""
-    found = scan(recording, case)
+    checks = scan(recording, case)
     if recording.t is None:
-        struts = None if recording.struts is None else recording.struts[~found.bad]
-        return standstills(recording, case, model, found).matrices, struts, int(np.sum(~found.bad))
-    run = moving_run(recording, case, model, found=found)
+        struts = None if recording.struts is None else recording.struts[~checks.bad]
+        return standstills(recording, case, model, checks).matrices, struts, int(np.sum(~checks.bad))
+    run = moving_run(recording, case, model, found=checks)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
     return run.regressors(0.0), struts, run.samples
 
 
 def _fingerprints(path: Path) -> frozenset[str]:
-    found = set()
+    hashes = set()
     for file in files_of([path]):
         with file.open("rb") as stream:
-            found.add(hashlib.file_digest(stream, "sha256").hexdigest())
-    return frozenset(found)
+            hashes.add(hashlib.file_digest(stream, "sha256").hexdigest())
+    return frozenset(hashes)
 
 
-def _result(path: Path, given: Case | None, stale: bool) -> Entry:
+def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     saved = load_result(path)
     file = path / "result.json"
     data = read_json(file, "hexcite identify")
-    case = saved.artefact.case() if given is None else given
+    case = saved.artefact.case() if user_case is None else user_case
     stale_in = saved.remarks(case, stale)
     model = identification_model(case, saved.model)
     samples, s0 = int(data["samples"]), float(data["s0"])
@@ -251,7 +251,7 @@ def _result(path: Path, given: Case | None, stale: bool) -> Entry:
             criteria = _criteria(mean * np.outer(scaling, scaling), model)
         except (np.linalg.LinAlgError, IdentificationError):
             criteria = {}
-    told = {
+    deviations = {
         n: Told(v.value, v.reported, v.unit)
         for n, p in data["parameters"].items()
         for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
@@ -259,7 +259,7 @@ def _result(path: Path, given: Case | None, stale: bool) -> Entry:
     seconds = data.get("measuring_s")
     return Entry(
         str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
-        None if seconds is None else float(seconds), samples, criteria, told,
+        None if seconds is None else float(seconds), samples, criteria, deviations,
         float(data["s0_N"]), {}, saved.recordings, data.get("plan_hash"),
         warnings=tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

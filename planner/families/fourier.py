@@ -62,8 +62,8 @@ class FourierFamily:
         cls, order: int, period: float, periods: int, middle: Array, half: Array, centred: bool = False
     ) -> "FourierFamily":
         """The family whose motions last a number of periods; of order 1 two halves of one are run-in and run-out."""
-        led = order == 1
-        return cls(order, period, periods - led, middle, half, centred, period / 2 if led else 0.0)
+        lead = order == 1
+        return cls(order, period, periods - lead, middle, half, centred, period / 2 if lead else 0.0)
 
     iterations: ClassVar[int] = 30
 
@@ -134,8 +134,8 @@ class FourierFamily:
         They cover one period, and before and after it the run-in and the run-out. Between two of them a limit of the
         series slips by at most 1 - cos(pi / 24), 0.9 %, which the final scaling takes back.
         """
-        led, series = self._led, self._period
-        return np.concatenate([led, self.run_in + series, self.run_in + self.period * self.repeats + led])
+        lead, series = self._led, self._period
+        return np.concatenate([lead, self.run_in + series, self.run_in + self.period * self.repeats + lead])
 
     @property
     def _period(self) -> Array:
@@ -150,9 +150,9 @@ class FourierFamily:
 
     def weights(self) -> Array:
         """Share of the duration that each sample of `maps` stands for."""
-        led = np.full(len(self._led), self.run_in / max(len(self._led), 1))
+        lead = np.full(len(self._led), self.run_in / max(len(self._led), 1))
         series = np.full(len(self._period), self.period * self.repeats / len(self._period))
-        weights = np.concatenate([led, series, led])[self._first]
+        weights = np.concatenate([lead, series, lead])[self._first]
         return np.asarray(weights / weights.sum())
 
     @property
@@ -214,9 +214,9 @@ class FourierFamily:
             begin = np.vstack([matrix[:1] for matrix in self._series_maps(np.zeros(1))[:3]])
             centre = self._basis[:1]  # of coordinate x0: it is where the run-in begins
             begin[:1] -= centre
-            led = [m @ begin for m in run_in(self._led, self.run_in)]
+            lead = [m @ begin for m in run_in(self._led, self.run_in)]
             back = [m @ begin for m in run_out(self._led, self.run_in)]
-            series = tuple(np.vstack(parts) for parts in zip(led, series, back, strict=True))
+            series = tuple(np.vstack(parts) for parts in zip(lead, series, back, strict=True))
             outside = np.r_[0 : len(self._led), len(series[0]) - len(self._led) : len(series[0])]
             series[0][outside] += centre
         value, rate, acceleration, jerk = series

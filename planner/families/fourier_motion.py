@@ -40,7 +40,7 @@ class FourierMotion:
         if self.run_in == 0.0:
             return series
         begin = self._series(np.zeros(1))
-        reached = np.vstack([begin.pose - self.centre, begin.rates, begin.accelerations])
+        state = np.vstack([begin.pose - self.centre, begin.rates, begin.accelerations])
         fields = [v.copy() for v in (series.pose, series.rates, series.accelerations, series.jerks)]
         last = self.duration - self.run_in
         for rows, matrices in (
@@ -48,7 +48,7 @@ class FourierMotion:
             (time > last, run_out(time[time > last] - last, self.run_in)),
         ):
             for order, matrix in enumerate(matrices):
-                fields[order][rows] = matrix @ reached + (self.centre if order == 0 else 0.0)
+                fields[order][rows] = matrix @ state + (self.centre if order == 0 else 0.0)
         return Motion(time, *fields)
 
     def _series(self, time: Array) -> Motion:

@@ -71,24 +71,24 @@ def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
     box = case.need_motion("planning")[1]
     critical = family.critical_maps()
     rows, first, orders = [], [], []
-    reached = np.ones(len(half))  # what is known to bound the derivative before, in half widths
+    bounds = np.ones(len(half))  # what is known to bound the derivative before, in half widths
     for order, (matrix, limit) in enumerate(
         zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
     ):
         own = limit / half if order > 1 else limit / half - family.slips()[order]
-        needed = np.ones(len(half), dtype=bool) if order == 0 else family.growth() * reached > own
-        reached = own if order == 0 else np.minimum(family.growth() * reached, own)
+        needed = np.ones(len(half), dtype=bool) if order == 0 else family.growth() * bounds > own
+        bounds = own if order == 0 else np.minimum(family.growth() * bounds, own)
         if needed.any():
             rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
             first.append(np.repeat(family.first_rows()[order], needed.sum()))
             orders.append(np.full(rows[-1].shape[0], order))
-    table, chosen = csr_array(vstack(rows, format="csr")), np.concatenate(first)
+    table, starts = csr_array(vstack(rows, format="csr")), np.concatenate(first)
     free = np.full(family.unknowns * len(half), np.inf)
     return Layout(
         states=linear_states(family.maps(), middle, half, family.weights(), family.blocks),
         critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), family.blocks),
         peaks=family.peaks(),
-        rows=(LinearRows(table, np.concatenate(orders), chosen, np.full(len(chosen), 1.0 - margin)),),
+        rows=(LinearRows(table, np.concatenate(orders), starts, np.full(len(starts), 1.0 - margin)),),
         lower=-free,
         upper=free,
     )

@@ -174,10 +174,10 @@ class PointToPointFamily:
         tj, th, tc = ca.vertsplit(own[2 * n :])
         velocity = (own[n : 2 * n] - own[:n]) / (2 * tj + th + tc)
         acceleration = velocity / (tj + th)
-        reached = (velocity, acceleration) if self.steps else (velocity, acceleration, acceleration / tj)
+        maxima = (velocity, acceleration) if self.steps else (velocity, acceleration, acceleration / tj)
         peaks = [
             ca.DM(self.half / limit / self.unit**order) * peak
-            for order, (peak, limit) in enumerate(zip(reached, self.limits, strict=True), start=1)
+            for order, (peak, limit) in enumerate(zip(maxima, self.limits, strict=True), start=1)
         ]
         total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count
         edge = np.full(places, 1.0 - margin)

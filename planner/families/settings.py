@@ -190,23 +190,23 @@ class Fourier(FamilySettings):
         box = case.need_motion("planning")[1]
         meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
         cutoff = case.recording.filter_cutoff_Hz
-        passed = np.inf if cutoff is None else cutoff / 2
-        found = []
+        limit = np.inf if cutoff is None else cutoff / 2
+        choices = []
         for order in ORDERS if self.free_order else (self.order,):
             fewest = 2 if order == 1 else 1
             most = max(fewest, int(HIGHEST * meets * duration / order))
             for periods in range(fewest, most + 1) if self.free_period else (self.periods(duration),):
                 period = duration / periods
                 inside = LOWEST * meets <= order / period <= HIGHEST * meets or not self.free_period
-                if inside and order / period <= passed:
-                    found.append(Fourier(order, period, self.centred))
-        if not found:
+                if inside and order / period <= limit:
+                    choices.append(Fourier(order, period, self.centred))
+        if not choices:
             shortest = min(ORDERS if self.free_order else (self.order,)) * LOWEST / meets
             raise HexciteError(
                 f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose "
                 f"--duration {max(2.0, np.ceil(shortest)):g} or more, or fix --period"
             )
-        return tuple(found)
+        return tuple(choices)
 
     def refinements(self, criterion: str) -> int:
         """Criteria other than D have more local optima."""
@@ -242,10 +242,10 @@ class PointToPoint(FamilySettings):
 
     def controlled(self, case: Case) -> Controlled:
         """With the time law of the controller that is named here, else of the one that the case plans for."""
-        named = self.controller
-        if named is None and case.controller is not None:
-            named = case.controller.plan_for
-        return controlled(case, named)
+        name = self.controller
+        if name is None and case.controller is not None:
+            name = case.controller.plan_for
+        return controlled(case, name)
 
     def count(self, case: Case, duration: float) -> int:
         """Number of moves; where it is not stated, of any duration one that can be had.
@@ -274,15 +274,15 @@ class PointToPoint(FamilySettings):
         least = max(phases, rise)
         if duration >= count * least * (1.0 - ROUNDING):
             return
-        why = f"{number} phases of {ptp.SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
+        reason = f"{number} phases of {ptp.SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
         if rise > phases:
-            why = (
+            reason = (
                 f"at the limits of jerk it takes {least:g} s to reach half of a limit of acceleration and come to rest"
             )
         fewer = int(duration / least * (1.0 + ROUNDING))
         remedy = f", or --moves {fewer} or fewer" if fewer >= ptp.FEWEST else ""
         raise HexciteError(
-            f"duration {duration:g} s is too short for {count} moves: {why}; choose at least "
+            f"duration {duration:g} s is too short for {count} moves: {reason}; choose at least "
             f"{count * least:g} s{remedy}"
         )
 

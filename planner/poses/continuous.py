@@ -67,9 +67,9 @@ def approximate_design(regressors: Array, gap: float = GAP) -> ApproximateDesign
         active = np.flatnonzero((weights > NEGLIGIBLE) | (derivative > size))
         # What has no weight but would help gets a small share, so that it can grow.
         weights[active] = np.maximum(weights[active], 1e-3 / len(active))
-        some, share = products[active], weights[active] / weights[active].sum()
+        active_products, share = products[active], weights[active] / weights[active].sum()
         for _ in range(STEPS):
-            share = share * _derivatives(some, share, size)[1] / size
+            share = share * _derivatives(active_products, share, size)[1] / size
         share[share < NEGLIGIBLE] = 0.0
         weights = np.zeros(count)
         weights[active] = share / share.sum()
@@ -106,16 +106,16 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
         inverse: Array = np.asarray(np.linalg.inv(design.information), dtype=np.float64)
         derivative = np.einsum("nki,ij,nkj->n", regressors, inverse, regressors, optimize=True)
         starts = pool[np.argsort(-derivative)[:STARTS]]
-        found, values = _maximise(function, space, starts, inverse)
+        maxima, values = _maximise(function, space, starts, inverse)
         dmax = max(float(values.max()), design.dmax)
         if dmax <= size * (1.0 + SPACE_GAP):
             break
-        pool = np.vstack([pool[design.weights > 0.0], starts, found[values > size]])
+        pool = np.vstack([pool[design.weights > 0.0], starts, maxima[values > size]])
     return float(np.linalg.slogdet(design.information)[1] + size * np.log(dmax / size))
 
 
-def _regressors(model: Model, scaling: Array, space: PoseSpace | JointSpace, shares: Array, like: Array) -> Array:
-    return pose_regressors(model, space.poses(shares, np.tile(like, (len(shares), 1)))) * scaling
+def _regressors(model: Model, scaling: Array, space: PoseSpace | JointSpace, shares: Array, reference: Array) -> Array:
+    return pose_regressors(model, space.poses(shares, np.tile(reference, (len(shares), 1)))) * scaling
 
 
 def _derivative_function(model: Model, scaling: Array, space: PoseSpace | JointSpace) -> ca.Function:

@@ -67,8 +67,8 @@ class JointSpace:
         """Whether the machine can stand at each pose, by the proof of limits, shape (k,)."""
         if not len(poses):
             return np.zeros(0, dtype=bool)
-        used = shares_at(StandingPoses(poses), self.case, np.arange(len(poses), dtype=float), True, everything)
-        return np.asarray(used.max(axis=1) <= 1.0 + TOLERANCE)
+        shares = shares_at(StandingPoses(poses), self.case, np.arange(len(poses), dtype=float), True, everything)
+        return np.asarray(shares.max(axis=1) <= 1.0 + TOLERANCE)
 
     def _pose(self, share: ca.SX) -> ca.SX:
         return ca.DM(self.middle) + ca.DM(self.half) * share

@@ -64,7 +64,7 @@ def poses_planned(
         IdentificationError: poses cannot determine the model.
         CaseError: the case lacks machine, limits or poses.
     """
-    began = perf_counter()
+    start = perf_counter()
     case.need_motion("a plan of poses")
     setting = case.need_standing("a plan of poses")
     model = standing_model(case, request.model)
@@ -75,15 +75,15 @@ def poses_planned(
     request.wanted(len(candidates.poses), regressors.shape[2])
     require_full_rank(regressors, model)
     chosen_poses, remark = choose(request, case, model, candidates.poses, regressors, scaling, done)
-    selected = perf_counter() - began
+    selected = perf_counter() - start
     order, unordered = _ordered(case, chosen_poses)
     poses = chosen_poses[order]
     motion, limits = _motion(case, poses)
     travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
-    chosen = pose_regressors(model, poses) * scaling
+    selection = pose_regressors(model, poses) * scaling
     seeds = np.vstack([candidates.poses[:: max(1, len(candidates.poses) // SEEDS)], poses])
     space = continuous_bound(case, model, scaling, seeds)
-    information = total_information(chosen)
+    information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     noise = request.noise if request.noise is not None else _noise(case)
     worth = PoseWorth(
@@ -99,14 +99,14 @@ def poses_planned(
         travel_unordered=unordered,
         value=criterion_value(model, scaling, poses, request.criterion),
         condition=float(np.sqrt(np.linalg.cond(information))),
-        efficiency=approximate_design(regressors).efficiency(chosen),
+        efficiency=approximate_design(regressors).efficiency(selection),
         efficiency_space=float(np.exp((logdet - space) / len(scaling))),
         fewest=smallest_set(model, scaling, poses, request.criterion),
         std_of_all=predicted_std_at_poses(case, model, scaling, regressors, candidates.poses, noise),
         select_seconds=selected,
-        solve_seconds=perf_counter() - began,
+        solve_seconds=perf_counter() - start,
     )
-    predicted = predicted_std_at_poses(case, model, scaling, chosen, poses, noise)
+    predicted = predicted_std_at_poses(case, model, scaling, selection, poses, noise)
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)
 
 
@@ -126,18 +126,18 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
             raise HexciteError("method given needs poses: name a CSV file of them with --at")
         for number, valid in enumerate(space_of(case).valid(given), 1):
             if not valid:
-                where = case.words(given[number - 1])
-                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({where}); take another one")
+                place = case.words(given[number - 1])
+                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}); take another one")
         return Candidates(given, len(given), "poses of one's own")
     if request.candidates is None:
         return grid_candidates(case)
     return sampled_candidates(case, request.candidates, request.seed)
 
 
-def _ordered(case: Case, chosen: Array) -> tuple[NDArray[np.int64], float]:
+def _ordered(case: Case, poses: Array) -> tuple[NDArray[np.int64], float]:
     """Order of visit, and travel in the order of choice [s], both from home to home."""
     home = case.need_motion("a plan of poses")[0]
-    stations = np.vstack([home, chosen])
+    stations = np.vstack([home, poses])
     times = travel_times(case, stations)
     order = shortest_order(times)
     require_ways(times, order)
@@ -150,17 +150,17 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
     setting = case.need_standing("a plan of poses")
     parts: list[Trajectory] = []
     reports: list[LimitReport] = []
-    clock, here = 0.0, home
+    clock, last_pose = 0.0, home
     for pose in [*poses, home]:
-        if np.max(np.abs(pose - here)) > 0.0:
-            move = fastest_move(case, here, pose)
+        if np.max(np.abs(pose - last_pose)) > 0.0:
+            move = fastest_move(case, last_pose, pose)
             reports.append(prove(move, case, PROOF_RATE_OF_MOVES, clock, in_box=False))
             parts.append(move)
             clock += move.duration
         if pose is not home:
             parts.append(Measurement(np.array(pose), setting.settle_s, setting.average_s))
             clock += parts[-1].duration
-        here = pose
+        last_pose = pose
     report = worst_of(reports)
     if not report.kept:
         worst = report.violations[0]
@@ -207,15 +207,15 @@ def choose(
                 f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
                 f"most, here are {len(candidates)}; choose backward"
             )
-        kept = reduce_smallest_change(regressors, criterion, count, done).kept
+        indices = reduce_smallest_change(regressors, criterion, count, done).kept
     else:
-        kept = reduce_best(regressors, criterion, count, done).kept
-    if len(kept) > count:
+        indices = reduce_best(regressors, criterion, count, done).kept
+    if len(indices) > count:
         raise InfeasiblePlan(
-            f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(kept)}, every further "
-            f"removal loses rank; ask for {len(kept)} or more"
+            f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(indices)}, every further "
+            f"removal loses rank; ask for {len(indices)} or more"
         )
     if request.method in (PoseMethod.BACKWARD, PoseMethod.BACKWARD_CHANGE):
-        return candidates[kept], "as many as asked for"
-    refined, status = refine(case, model, scaling, criterion, candidates[kept])
+        return candidates[indices], "as many as asked for"
+    refined, status = refine(case, model, scaling, criterion, candidates[indices])
     return refined, f"refined: {status}"

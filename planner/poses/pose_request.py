@@ -48,8 +48,8 @@ class PoseRequest:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
-        asked = {"count": self.count, "candidates": self.candidates, "noise": self.noise}
-        return {"method": str(self.method), "seed": self.seed, "asked": asked}
+        entries = {"count": self.count, "candidates": self.candidates, "noise": self.noise}
+        return {"method": str(self.method), "seed": self.seed, "asked": entries}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":

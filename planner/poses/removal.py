@@ -66,18 +66,18 @@ def reduce_best(
     present, screen = regressors, criterion.screen(regressors, information)
     removed, values, summed = [], [], EXACT
     for size in range(len(regressors), count, -1):
-        found = None
+        removal = None
         if size > FEW:
-            found = _best_removal(present, criterion, screen, information, alive, REFRESH)
-        if found is None:  # the bounds have become loose, or the sum wants to be exact
+            removal = _best_removal(present, criterion, screen, information, alive, REFRESH)
+        if removal is None:  # the bounds have become loose, or the sum wants to be exact
             members = members[alive]
             present, alive = regressors[members], np.ones(size, dtype=bool)
             if size <= FEW or size < len(regressors) - summed:
                 information, summed = total_information(present), len(regressors) - size + EXACT
             screen = criterion.screen(present, information)
-            found = _best_removal(present, criterion, screen, information, alive, size)
-        assert found is not None
-        position, value = found
+            removal = _best_removal(present, criterion, screen, information, alive, size)
+        assert removal is not None
+        position, value = removal
         alive[position] = False
         if not np.isfinite(value) or (size <= FEW and not full_rank(present[alive])):
             alive[position] = True
@@ -140,23 +140,23 @@ def reduce_smallest_change(
     """
     if len(regressors) > MOST_EXHAUSTIVE:
         raise ValueError(f"{len(regressors)} poses; at most {MOST_EXHAUSTIVE}")
-    left: Index = np.arange(len(regressors))
+    rest: Index = np.arange(len(regressors))
     products = regressors.transpose(0, 2, 1) @ regressors
     removed, values = [], []
-    while len(left) > count:
-        information = products[left].sum(axis=0)
-        now, after = float(criterion.value(information)), criterion.value(information - products[left])
+    while len(rest) > count:
+        information = products[rest].sum(axis=0)
+        now, after = float(criterion.value(information)), criterion.value(information - products[rest])
         change = np.abs(after - now)
         position = int(np.argmax(change <= change.min() + TIE * abs(now)))
         if not np.isfinite(after[position]) or (
-            len(left) <= FEW and not full_rank(regressors[np.delete(left, position)])
+            len(rest) <= FEW and not full_rank(regressors[np.delete(rest, position)])
         ):
             break
-        removed.append(left[position])
+        removed.append(rest[position])
         values.append(float(after[position]))
-        left = np.delete(left, position)
-        done(len(left))
-    return Reduction(np.array(removed, dtype=np.int64), np.array(values), left)
+        rest = np.delete(rest, position)
+        done(len(rest))
+    return Reduction(np.array(removed, dtype=np.int64), np.array(values), rest)
 
 
 STEPS = 300
@@ -192,9 +192,9 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
         "print_time": False,
     }
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective, "g": margins}, options)
-    found = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
+    solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
     status = last_words(solver.stats()["return_status"])
-    refined = space.poses(space.project(found["x"].full().reshape(count, space.size)), poses)
+    refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and space.valid(refined).all()):
         return poses, f"{status}; nothing better found"
@@ -211,14 +211,14 @@ def _pose_functions(
     model: Model, scaling: Array, space: PoseSpace | JointSpace, coordinates: int
 ) -> tuple[ca.Function, ca.Function]:
     """Of one pose: lower triangle of its information; what must not be below 0."""
-    share, like, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(6)
+    share, reference, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(6)
     position, turn = space.expression(share)
     matrix = model.expression(position, turn, none, none) @ ca.diag(ca.DM(scaling))
     product = ca.densify(matrix.T @ matrix)
     triangle = product[ca.Sparsity.lower(len(scaling)).find()]
     return (
         ca.Function("information", [share], [triangle], {"cse": True}),
-        ca.Function("limits", [share, like], [ca.densify(space.margins(share, like))], {"cse": True}),
+        ca.Function("limits", [share, reference], [ca.densify(space.margins(share, reference))], {"cse": True}),
     )
 
 

@@ -70,9 +70,9 @@ class PoseSpace:
         normal = turn[:, :, 2]
         tilt = np.column_stack([-normal[:, 1], normal[:, 0]]) / (1.0 + normal[:, 2])[:, None]
         tilted = Rotation.from_quat(np.column_stack([tilt, np.zeros(len(poses)), np.ones(len(poses))])).as_matrix()
-        left = tilted.transpose(0, 2, 1) @ turn
+        rotation = tilted.transpose(0, 2, 1) @ turn
         middle, half = self._torsion_middle
-        torsion = (np.arctan2(left[:, 1, 0], left[:, 0, 0]) - middle) / half
+        torsion = (np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]) - middle) / half
         return np.column_stack([(poses[:, :2] - self.home[:2]) / self.radius, tilt / self.tilt, torsion])
 
     def project(self, shares: Array) -> Array:
@@ -156,14 +156,14 @@ def validity_margins(case: Case) -> ca.Function:
     at_platform = directions @ normal - float(np.cos(workspace.platform_joint_angle_deg * DEG))
     shortest, longest = workspace.strut_length
     home = np.linalg.det(hexapod.inverse_jacobian(machine.home.vector)[1].full())
-    apart = ca.det(jacobian) / float(home) - case.need_poses("the validity of poses").singularity_distance
+    singularity = ca.det(jacobian) / float(home) - case.need_poses("the validity of poses").singularity_distance
     in_range = []
     for axis, (low, high) in enumerate((workspace.x_mm, workspace.y_mm)):
         value = (pose[axis] - machine.home.vector[axis]) / 1e-3
         in_range += [(value - low) / (high - low), (high - value) / (high - low)]
     width = longest - shortest
     margins = ca.vertcat(
-        (lengths - shortest) / width, (longest - lengths) / width, at_base, at_platform, apart, *in_range
+        (lengths - shortest) / width, (longest - lengths) / width, at_base, at_platform, singularity, *in_range
     )
     return ca.Function("validity_margins", [pose], [ca.densify(margins)], {"cse": True})
 
@@ -283,8 +283,8 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
 
     if case.chain is not None:
         joints = JointSpace.of(case)
-        drawn = qmc.Sobol(joints.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-        every = joints.poses(2.0 * drawn - 1.0, drawn)
+        points = qmc.Sobol(joints.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
+        every = joints.poses(2.0 * points - 1.0, points)
         if not (valid := joints.valid(every)).any():
             worst = prove(StandingPoses(every), case, 1.0).violations[0].sentence(timed=False)
             raise InfeasiblePlan(f"none of {count} poses is valid: {worst}; narrow limits.motion.joints or move home")
@@ -298,8 +298,8 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     position[:, 2] = low[2] + share[:, 2] * (high[2] - low[2])
     inside = np.all((position >= low - ROUNDING) & (position <= high + ROUNDING), axis=1)
     tilt, torsion = grid.angles[0][-1] * np.sqrt(share[:, 3]), grid.angles[2]
-    turned = torsion[0] + share[:, 5] * (torsion[-1] - torsion[0])
-    poses = pose_of_tilt(machine.home.vector[:3] + position, tilt, 2 * np.pi * share[:, 4], turned)
+    angles = torsion[0] + share[:, 5] * (torsion[-1] - torsion[0])
+    poses = pose_of_tilt(machine.home.vector[:3] + position, tilt, 2 * np.pi * share[:, 4], angles)
     return _valid(case, poses[inside], f"{count} quasi-random points")
 
 
@@ -313,18 +313,18 @@ def _valid(case: Case, poses: Array, origin: str) -> Candidates:
             raise InfeasiblePlan(
                 f"none of {len(poses)} poses is valid: all within reach lie in workspace.keep_out; narrow it"
             )
-        often = int(np.argmax((margins < -ROUNDING).sum(axis=0)))
-        share = float((margins[:, often] < -ROUNDING).mean())
+        worst = int(np.argmax((margins < -ROUNDING).sum(axis=0)))
+        share = float((margins[:, worst] < -ROUNDING).mean())
         raise InfeasiblePlan(
-            f"none of {len(poses)} poses is valid: {REASONS[often]} at {100 * share:.0f} % of them; widen the "
+            f"none of {len(poses)} poses is valid: {REASONS[worst]} at {100 * share:.0f} % of them; widen the "
             "workspace or narrow the ranges of [poses]"
         )
     return Candidates(poses[valid], len(poses), origin)
 
 
-def _too_many(count: int, what: str) -> str:
+def _too_many(count: int, name: str) -> str:
     gigabytes, hours = count * BYTES_EACH / 1e9, count**2 * SECONDS_SQUARED / 3600
     return (
-        f"{what} has {count} poses, at most {MOST} are searched: it would need about {gigabytes:.3g} GB and "
+        f"{name} has {count} poses, at most {MOST} are searched: it would need about {gigabytes:.3g} GB and "
         f"{hours:.3g} h; take larger steps in [poses], or sample with --candidates 20000"
     )

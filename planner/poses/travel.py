@@ -41,9 +41,9 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     move = StraightMove.fastest(start, end, *box)
     if case.chain is not None and case.chain.limits_effort:
         for _ in range(SLOWINGS):
-            if (used := mechanical_pace(move, case, TORQUE_RATE)) <= 1.0:
+            if (share := mechanical_pace(move, case, TORQUE_RATE)) <= 1.0:
                 break
-            move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / used)))
+            move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / share)))
         return move
     assert isinstance(move.profile, Profile)
     slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
@@ -65,15 +65,15 @@ def travel_times(case: Case, poses: Array) -> Array:
     box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
     rows = np.column_stack([(limit / way).min(axis=1) for limit in box])
     # Poses of a grid are the same ways apart: 115 440 pairs of the paper's 480 need 91 time laws.
-    _, chosen, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
-    profiles = [fastest_profile(1.0, *map(float, row)) for row in rows[chosen]]
-    durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in rows[chosen]])[law]
+    _, indices, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
+    profiles = [fastest_profile(1.0, *map(float, row)) for row in rows[indices]]
+    durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in rows[indices]])[law]
     instants = INSTANTS if len(pairs) <= MANY_PAIRS else COARSE
     laws = _laws(profiles, instants)
     for first in range(0, len(pairs), CHUNK):
-        some = slice(first, first + CHUNK)
-        durations[some] *= np.maximum(_slowness(case, start[some], end[some], laws[law[some]]), 1.0)
-        durations[some][~_passable(case, start[some], end[some], instants)] = np.inf
+        block = slice(first, first + CHUNK)
+        durations[block] *= np.maximum(_slowness(case, start[block], end[block], laws[law[block]]), 1.0)
+        durations[block][~_passable(case, start[block], end[block], instants)] = np.inf
     times = np.zeros((len(poses), len(poses)))
     times[pairs[:, 0], pairs[:, 1]] = times[pairs[:, 1], pairs[:, 0]] = durations
     return times
@@ -154,11 +154,11 @@ def duration(order: Index | list[int], times: Array) -> float:
 
 
 def _nearest(times: Array, first: int) -> list[int]:
-    tour, left = [0, first], set(range(1, len(times))) - {first}
-    while left:
-        following = min(left, key=lambda k: (times[tour[-1], k], k))
+    tour, rest = [0, first], set(range(1, len(times))) - {first}
+    while rest:
+        following = min(rest, key=lambda k: (times[tour[-1], k], k))
         tour.append(following)
-        left.remove(following)
+        rest.remove(following)
     return [*tour, 0]
 
 
@@ -187,17 +187,17 @@ def _reversed(way: Index, times: Array) -> Index | None:
 
 def _moved(way: Index, times: Array) -> Index | None:
     """The best move of a stretch of up to three poses to another place, either way round; None where none helps."""
-    best, found = GAIN, None
+    best, result = GAIN, None
     for length in range(1, min(LONGEST_STRETCH, len(way) - 2) + 1):
         for i in range(1, len(way) - length):
             stretch = way[i : i + length]
             rest = np.concatenate([way[:i], way[i + length :]])
-            freed = times[way[i - 1], stretch[0]] + times[stretch[-1], way[i + length]]
-            freed -= times[way[i - 1], way[i + length]]
+            gain = times[way[i - 1], stretch[0]] + times[stretch[-1], way[i + length]]
+            gain -= times[way[i - 1], way[i + length]]
             for piece in (stretch, stretch[::-1]):
                 cost = times[rest[:-1], piece[0]] + times[piece[-1], rest[1:]] - times[rest[:-1], rest[1:]]
                 place = int(np.argmin(cost))
-                if freed - cost[place] > best:
-                    best = float(freed - cost[place])
-                    found = np.concatenate([rest[: place + 1], piece, rest[place + 1 :]])
-    return found
+                if gain - cost[place] > best:
+                    best = float(gain - cost[place])
+                    result = np.concatenate([rest[: place + 1], piece, rest[place + 1 :]])
+    return result

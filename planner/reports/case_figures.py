@@ -64,9 +64,9 @@ def _joints_in_box(case: Case, file: str) -> dict[str, Any]:
     if at_home.violations:
         problem = at_home.violations[0].sentence(timed=False)
         raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
-    found = prove(StandingPoses(poses), case, 1.0).to_json()
-    told = {k: v for k, v in found.items() if k.startswith(("distance", "joint torque", "joint force"))}
-    return {"poses": len(poses), "limits_in_box": told} if told else {}
+    checks = prove(StandingPoses(poses), case, 1.0).to_json()
+    entries = {k: v for k, v in checks.items() if k.startswith(("distance", "joint torque", "joint force"))}
+    return {"poses": len(poses), "limits_in_box": entries} if entries else {}
 
 
 def has_motion_box(case: Case) -> bool:
@@ -150,9 +150,9 @@ def share_sentences(reach: Reach) -> str:
 
 def coordinate_rows(reach: Reach) -> list[list[str]]:
     """Rows of `COLUMNS`: key of the case file, both ranges in its unit, what limits the lower and the upper end."""
-    stated, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
+    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
     rows = []
-    for key, outer, inner, names in zip(reach.keys, stated, reachable, reach.limited_by, strict=True):
+    for key, outer, inner, names in zip(reach.keys, case_ranges, reachable, reach.limited_by, strict=True):
         sides = [f"{side}: {name}" for side, name in zip(("below", "above"), names, strict=True) if name is not None]
         ranges = [f"[{low:.4g}, {high:.4g}]" for low, high in (outer, inner)]
         rows.append([key, *ranges, "; ".join(sides) or "the stated range"])

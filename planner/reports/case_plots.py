@@ -80,14 +80,14 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
     owners += [
         (frame, joint.bodies, "tab:blue", "links") for frame, joint in zip(frames[1:], chain.joints, strict=False)
     ]
-    shown, named = [origins], set[str]()
+    outlines, labels = [origins], set[str]()
     for frame, bodies, colour, label in owners:
         for line in tool_outlines(bodies):
             points = line @ frame[:3, :3].T + frame[:3, 3] / MM
-            axes.plot(*points.T, color=colour, linewidth=0.8, label=None if label in named else label)
-            named.add(label)
-            shown.append(points)
-    every = np.vstack(shown)
+            axes.plot(*points.T, color=colour, linewidth=0.8, label=None if label in labels else label)
+            labels.add(label)
+            outlines.append(points)
+    every = np.vstack(outlines)
     for k, line in enumerate(box_outlines(chain.keep_out, *room(every.min(axis=0), every.max(axis=0), chain.keep_out))):
         axes.plot(*line.T, color="tab:orange", linewidth=1.0, label=None if k else "kept out")
     axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
@@ -98,17 +98,17 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
 
 
 def _map(
-    axes: Axes, case: Case, machine: HexapodMachine, which: tuple[int, int], sides: tuple[Array, Array], unit: float
+    axes: Axes, case: Case, machine: HexapodMachine, pair: tuple[int, int], sides: tuple[Array, Array], unit: float
 ) -> QuadContourSet:
     first, second = np.meshgrid(*sides, indexing="ij")
     poses = np.tile(machine.home.vector, (first.size, 1))
-    poses[:, which[0]] += first.ravel()
-    poses[:, which[1]] += second.ravel()
+    poses[:, pair[0]] += first.ravel()
+    poses[:, pair[1]] += second.ravel()
     shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
-    shown = np.clip(shares, 0.0, MOST)
-    colours = axes.contourf(first / unit, second / unit, shown, levels=np.linspace(0.0, MOST, 16), cmap="viridis")
+    values = np.clip(shares, 0.0, MOST)
+    colours = axes.contourf(first / unit, second / unit, values, levels=np.linspace(0.0, MOST, 16), cmap="viridis")
     if shares.min() < 1.0 < shares.max():
-        axes.contour(first / unit, second / unit, shown, levels=[1.0], colors="red", linewidths=2.0)
+        axes.contour(first / unit, second / unit, values, levels=[1.0], colors="red", linewidths=2.0)
         axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
     axes.set_aspect("equal")
     return colours
@@ -151,8 +151,8 @@ def _draw_around(axes: Axes3D, case: Case, points: Array) -> None:
     home = machine.home.vector
     turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
     tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
-    shown = np.vstack([points, *tools])
-    boxes = box_outlines(workspace.keep_out, *room(shown.min(axis=0), shown.max(axis=0), workspace.keep_out))
+    extent = np.vstack([points, *tools])
+    boxes = box_outlines(workspace.keep_out, *room(extent.min(axis=0), extent.max(axis=0), workspace.keep_out))
     for lines, colour, label in ((tools, "tab:purple", "tools"), (boxes, "tab:orange", "kept out")):
         for k, line in enumerate(lines):
             axes.plot(*line.T, color=colour, linewidth=1.0, label=None if k else label)
@@ -160,8 +160,8 @@ def _draw_around(axes: Axes3D, case: Case, points: Array) -> None:
 
 def draw_coordinates(axes: Axes, reach: Reach) -> None:
     """One bar a coordinate: what is stated, and what is reachable of it with the others at home."""
-    stated, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
-    for row, (outer, inner) in enumerate(zip(stated, reachable, strict=True)):
+    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
+    for row, (outer, inner) in enumerate(zip(case_ranges, reachable, strict=True)):
         size = max(-outer[0], outer[1])
         for (low, high), height, colour, label in (
             (outer, 0.5, "0.85", "stated"),

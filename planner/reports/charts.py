@@ -109,8 +109,8 @@ def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32
     size = -(-len(x) // (MOST_POINTS // 2))
     stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
     both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
-    kept = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
-    return x[kept].astype(np.float32), y[kept].astype(np.float32)
+    indices = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
+    return x[indices].astype(np.float32), y[indices].astype(np.float32)
 
 
 class Series(NamedTuple):
@@ -125,19 +125,19 @@ class Series(NamedTuple):
 def ratio_figure(series: Sequence[Series]) -> Chart:
     """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is left out."""
     names = list(dict.fromkeys(n for s in series for n in s.deviations))
-    known = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
-    best = {n: min(values) for n, values in known.items() if values}
+    deviations = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
+    best = {n: min(values) for n, values in deviations.items() if values}
     figure = Chart()
     for k, one in enumerate(series):
-        told = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
+        parameters = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
         aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
         figure.add_scatter(
-            x=[names.index(n) + aside for n in told],
-            y=[one.deviations[n] / best[n] for n in told],
+            x=[names.index(n) + aside for n in parameters],
+            y=[one.deviations[n] / best[n] for n in parameters],
             name=plain(one.name),
             mode="markers",
             marker={"size": 8, "color": one.colour, "symbol": one.symbol},
-            text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in told],
+            text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in parameters],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
     figure.update_xaxes(

@@ -32,22 +32,22 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
 
 def _vibration_rows(entries: Sequence[Entry]) -> Iterator[list[str]]:
     """What a structural mode makes of planned motions."""
-    found = [e.vibration for e in entries]
-    if any(v is not None for v in found):
-        mode = next(v.frequency for v in found if v is not None)
+    vibrations = [e.vibration for e in entries]
+    if any(v is not None for v in vibrations):
+        mode = next(v.frequency for v in vibrations if v is not None)
         yield [
             f"errors with a mode at {mode:.3g} Hz over std",
-            *("-" if v is None else f"{v.times:.2f}" for v in found),
+            *("-" if v is None else f"{v.times:.2f}" for v in vibrations),
         ]
-        yield ["force residual with it [N rms]", *("-" if v is None else f"{v.s0:.3g}" for v in found)]
+        yield ["force residual with it [N rms]", *("-" if v is None else f"{v.s0:.3g}" for v in vibrations)]
 
 
 def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Told | None]]]:
     """Of every parameter: name, factor to the unit shown, that unit, and what each entry tells of it."""
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
-        told = [e.parameters.get(name) for e in entries]
-        unit = next(t.unit for t in told if t is not None)
-        yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), told
+        values = [e.parameters.get(name) for e in entries]
+        unit = next(t.unit for t in values if t is not None)
+        yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), values
 
 
 def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -59,9 +59,9 @@ def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
 def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Table 6's layout: a row a parameter, of each entry the standard deviation, before it what was identified."""
     rows = []
-    for name, scale, shown, told in _each_parameter(entries):
-        row = [f"{parameter_words(name)} [{shown}]"]
-        for entry, t in zip(entries, told, strict=True):
+    for name, scale, unit, values in _each_parameter(entries):
+        row = [f"{parameter_words(name)} [{unit}]"]
+        for entry, t in zip(entries, values, strict=True):
             if entry.level is Level.IDENTIFIED:
                 row.append("-" if t is None or t.value is None else value_text(t.value * scale, t.std * scale))
             row.append("-" if t is None else std_text(t.std * scale))
@@ -72,9 +72,9 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
 def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Standard deviations for one second of measuring: times the square root of the measuring time."""
     rows = []
-    for name, scale, shown, told in _each_parameter(entries):
-        row = [f"{parameter_words(name)} [{shown} √s]"]
-        for entry, t in zip(entries, told, strict=True):
+    for name, scale, unit, values in _each_parameter(entries):
+        row = [f"{parameter_words(name)} [{unit} √s]"]
+        for entry, t in zip(entries, values, strict=True):
             known = t is not None and entry.duration is not None
             row.append(std_text(t.std * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-")
         rows.append(row)

@@ -62,8 +62,8 @@ def settings_text(settings: dict[str, Any]) -> str:
 
 
 def _headline(answer: dict[str, Any], chain: Demo) -> Tiles:
-    run, plan, known = answer["run"], answer["plan"], chain.result.parameters
-    m, z = known["m"].std_robust, known["zC"].std_robust
+    run, plan, parameters = answer["run"], answer["plan"], chain.result.parameters
+    m, z = parameters["m"].std_robust, parameters["zC"].std_robust
     return Tiles(
         (
             (f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
@@ -94,8 +94,8 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     """Name, truth, estimate, standard deviation, error, error / std and unit of one row of `truth_rows`."""
     scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
     std = row["std"] * scale
-    known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
-    estimate, error = known
+    texts = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
+    estimate, error = texts
     truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
     return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
@@ -109,9 +109,9 @@ def _proof(answer: dict[str, Any]) -> tuple[Item, ...]:
     limits = answer["check"]["limits"]
     words = f"{answer['post']['blocks']} blocks, {answer['check']['duration_s']:.2f} s, read back by code that shares "
     items: list[Item] = [Note(words + "nothing with the writer; paths checked at 10 kHz."), limits_plot(limits)]
-    left = [f"{v['at'].split(' (')[0]}: {v['status']}" for v in limits.values() if v["status"] != "proven"]
-    if left:
-        items.append(Note("What the program does not determine and its text cannot prove: " + "; ".join(left) + "."))
+    remarks = [f"{v['at'].split(' (')[0]}: {v['status']}" for v in limits.values() if v["status"] != "proven"]
+    if remarks:
+        items.append(Note("What the program does not determine and its text cannot prove: " + "; ".join(remarks) + "."))
     return tuple(items)
 
 

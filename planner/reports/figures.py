@@ -86,16 +86,16 @@ def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
         ("kept by the controller", COLOURS[2]),
         ("kept by nobody", COLOURS[1]),
     ):
-        chosen = [v for v in limits.values() if _keeper(v) == label][::-1]
-        if not chosen:
+        checks = [v for v in limits.values() if _keeper(v) == label][::-1]
+        if not checks:
             continue
         figure.add(
             "bar",
-            x=[min(100 * v["ratio"], MOST_SHARE) for v in chosen],
-            y=[plain(v["at"]) for v in chosen],
+            x=[min(100 * v["ratio"], MOST_SHARE) for v in checks],
+            y=[plain(v["at"]) for v in checks],
             name=label,
             orientation="h",
-            text=[f"{v['worst']:.4g} of {bounds_text(v)} {v['unit']}" for v in chosen],
+            text=[f"{v['worst']:.4g} of {bounds_text(v)} {v['unit']}" for v in checks],
             textposition="inside",
             insidetextanchor="start",
             marker={"color": colour},
@@ -130,8 +130,8 @@ def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
         figure.add_scatter(x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
     _over_samples(figure, residuals)
     figure.update_yaxes(title=f"force [{_unit(channels)}]")
-    how = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
-    return Plot("forces", figure.update_layout(height=340), f"Lines: {how}. Dotted: the identified model.")
+    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    return Plot("forces", figure.update_layout(height=340), f"Lines: {source}. Dotted: the identified model.")
 
 
 def residuals_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:

@@ -23,7 +23,7 @@ ALIKE = 1.3  # times that robust deviations may be larger than those by (28) whe
 def identify_page(result: Result) -> Page:
     """The page of a result; residuals are shown where it was not loaded from a folder."""
     case, record, residuals = result.case, result.record, result.residuals
-    what = "averaged standstills" if record["delay_s"] is None else "samples"
+    samples = "averaged standstills" if record["delay_s"] is None else "samples"
     source = record["recording"]
     sections = [
         Section("Parameters with standard deviations", (_headline(result), _verdicts(result), *parameter_items(result)))
@@ -34,7 +34,7 @@ def identify_page(result: Result) -> Page:
         sections.append(Section("Forces and residuals", residual_items(case, residuals)))
     return Page(
         title=f"Identification: {case.title}",
-        lead=f"Model {record['model']} identified from {record['samples']} {what} of {source}.",
+        lead=f"Model {record['model']} identified from {record['samples']} {samples} of {source}.",
         inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", source), *about_inputs(result)),
         warnings=result.warnings,
         sections=tuple(sections),
@@ -43,11 +43,11 @@ def identify_page(result: Result) -> Page:
 
 def _headline(result: Result) -> Tiles:
     body = (("m", 1.0, "kg", "mass, with its standard deviation"), ("zC", 1e3, "mm", "centre of gravity, z"))
-    known = result.parameters
+    parameters = result.parameters
     tiles = [
-        (f"{with_deviation(known[name].value * scale, known[name].reported * scale)} {unit}", text)
+        (f"{with_deviation(parameters[name].value * scale, parameters[name].reported * scale)} {unit}", text)
         for name, scale, unit, text in body
-        if name in known  # a frame that does not move tells offsets alone
+        if name in parameters  # a frame that does not move tells offsets alone
     ]
     condition, rank = result.record["condition"], result.record["rank"]
     tiles += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
@@ -56,8 +56,8 @@ def _headline(result: Result) -> Tiles:
 
 def _verdicts(result: Result) -> Answers:
     """Whether the parameters are determined, and which deviation counts."""
-    record, known = result.record, [p for p in result.parameters.values() if p.std > 0.0]
-    ratio = max((p.std_robust / p.std for p in known), default=1.0)
+    record, parameters = result.record, [p for p in result.parameters.values() if p.std > 0.0]
+    ratio = max((p.std_robust / p.std for p in parameters), default=1.0)
     rank, count = record["rank"], len(record["parameters"])
     warnings = len(result.warnings)
     return Answers(

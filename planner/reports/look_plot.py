@@ -44,14 +44,14 @@ def _legend(column: Column) -> str:
     return name.replace("$", r"\$") + (" ?" if column.guessed else "")
 
 
-def _time(found: Look) -> tuple[Array, str]:
-    clock = next((c for c in found.columns if c.ours == CLOCK), None)
+def _time(report: Look) -> tuple[Array, str]:
+    clock = next((c for c in report.columns if c.ours == CLOCK), None)
     if clock is not None:
         return (clock.values - clock.values[0]) * CLOCKS[clock.unit], "time from the first row [s]"
-    period = found.settings.get("clock", {}).get("period_ms")
+    period = report.settings.get("clock", {}).get("period_ms")
     if period is not None:
-        return np.arange(found.rows) * period / 1e3, "time from the first row [s]"
-    return np.arange(1.0, found.rows + 1.0), "row"
+        return np.arange(report.rows) * period / 1e3, "time from the first row [s]"
+    return np.arange(1.0, report.rows + 1.0), "row"
 
 
 def _panels(columns: Sequence[Column]) -> Iterator[tuple[str, list[Column]]]:

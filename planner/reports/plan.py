@@ -53,12 +53,12 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         ("seed", str(request.seed)),
         *provenance([])["versions"].items(),
     ]
-    made = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
+    origin = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
-        made += f", re-timed with {method}"
+        origin += f", re-timed with {method}"
     return Page(
         title=f"Plan: {case.title}",
-        lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {made}, to identify model {request.model} "
+        lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {origin}, to identify model {request.model} "
         f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {_ends(plan)}.",
         inputs=tuple(inputs),
         warnings=_warnings(plan),
@@ -146,10 +146,10 @@ def _verdicts(plan: Plan) -> Answers:
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     worth = plan.of_motion[1]
-    shaken = " and noise of the accelerations as the case states it" if worth.shaken else ""
+    noise_text = " and noise of the accelerations as the case states it" if worth.shaken else ""
     if (field := PoseField.of(plan.case.sensors)) is not None:
-        shaken += f" and errors of {field.words} that depend on the pose"
-    noise, rate = f"{plan.assumed_noise:g} N{shaken}", plan.case.recording.rate_Hz
+        noise_text += f" and errors of {field.words} that depend on the pose"
+    noise, rate = f"{plan.assumed_noise:g} N{noise_text}", plan.case.recording.rate_Hz
     note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
     columns = ["parameter", "predicted std"]
     other = None
@@ -306,8 +306,8 @@ def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
     words = f"Log det of the mean information in reference scaling; bound {bound['logdet']:.3f} ({bound['method']})."
     if not plan["starts"]:
         source = plan["settings"].get("retimed_from")
-        how = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
-        return (Note(f"{how}. {words}"),)
+        origin = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
+        return (Note(f"{origin}. {words}"),)
     columns = ("seed", "how far", "log det at start", "log det at end", "iterations", "time", "solver")
     rows = tuple(
         (str(s["seed"]), "refined" if s["refined"] else "explored", _logdet(s["start_logdet"]),

@@ -59,14 +59,14 @@ def validation_page(
     """
     payloads = case.payloads
     assert payloads is not None
-    warnings = tuple(f"{method} was not run: {why}" for method, why in failed.items())
+    warnings = tuple(f"{method} was not run: {reason}" for method, reason in failed.items())
     warnings += tuple(_warnings(steps))
     tables: list[Item] = []
     for method in _methods(steps):
         own = [s for s in steps if s.method == method]
-        took = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
+        text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [
-            Note(f"{method}{took}, model {own[0].estimate.model}"),
+            Note(f"{method}{text}, model {own[0].estimate.model}"),
             Table(TABLE_7, tuple(map(tuple, table_7(own)))),
         ]
     sections = [
@@ -112,13 +112,13 @@ def _findings(verdict: Sequence[Claim]) -> Answers:
 
 def _warnings(steps: Sequence[MethodStep]) -> list[str]:
     """Each warning once, with the runs that it was given for: those that differ by numbers alone count as one."""
-    given: dict[str, list[tuple[str, str]]] = {}
+    groups: dict[str, list[tuple[str, str]]] = {}
     for step in steps:
         for warning in step.estimate.warnings:
             run = f"{step.method} {step.load:.0f} kg"
-            given.setdefault(re.sub(r"[0-9.]+", "#", warning), []).append((run, warning))
+            groups.setdefault(re.sub(r"[0-9.]+", "#", warning), []).append((run, warning))
     sentences = []
-    for runs in given.values():
+    for runs in groups.values():
         first, warning = runs[0]
         others = ", ".join(run for run, _ in runs[1:])
         sentences.append(f"{first}: {warning}" + (f" (likewise: {others})" if others else ""))
@@ -176,9 +176,9 @@ def _std_table(steps: Sequence[MethodStep]) -> Table:
     rows.append(("s0", *(f"{s.s0:#.3g} N" for s in bare)))
     for name in names:
         scale, unit = SCALES.get(name, (1.0, ""))
-        found = [s.estimate.physical.get(name) for s in bare]
-        unit = unit or next(v.unit for v in found if v is not None)
-        rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in found)))
+        estimates = [s.estimate.physical.get(name) for s in bare]
+        unit = unit or next(v.unit for v in estimates if v is not None)
+        rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in estimates)))
     return Table(("without payload", *(s.method for s in bare)), tuple(rows))
 
 
@@ -193,9 +193,9 @@ def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
         drawn = False
         for k, method in enumerate(_methods(steps)):
             own = [(s.load, s.error(name)) for s in steps if s.method == method]
-            known = [(load, error) for load, error in own if error is not None]
-            if known:
-                x, y = zip(*known, strict=True)
+            errors = [(load, error) for load, error in own if error is not None]
+            if errors:
+                x, y = zip(*errors, strict=True)
                 line = {"color": (*COLOURS, GREY)[k % 7]}
                 figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line=line)
                 drawn = True
@@ -205,8 +205,8 @@ def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
             note = f"{parameter_words(name).capitalize()}: points inside the band may be chance."
             plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), note, half=True))
     if plots:
-        told = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
-        plots.insert(0, Note(told))
+        caption = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
+        plots.insert(0, Note(caption))
     return plots
 
 
@@ -233,20 +233,20 @@ def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:
         scale, unit = SCALES.get(name, (1.0, ""))
-        found = [e.physical.get(name) for e in columns.values()]
-        if not any(found):  # standing still tells no inertia
+        estimates = [e.physical.get(name) for e in columns.values()]
+        if not any(estimates):  # standing still tells no inertia
             continue
-        unit = unit or next(v.unit for v in found if v is not None)
-        told = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in found)
-        rows.append((f"{name} [{unit}]", *told))
+        unit = unit or next(v.unit for v in estimates if v is not None)
+        texts = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in estimates)
+        rows.append((f"{name} [{unit}]", *texts))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
     sources = {"Q5M": "the 480 poses", "D9M": "the hand-made motion"}
-    made = [
+    sentences = [
         f"Models {', '.join(map(str, numbers))}: {sources[method]}."
         for method, numbers in TABLE_3.items()
         if any(n in columns for n in numbers)
     ]
-    note = " ".join(made) + (
+    note = " ".join(sentences) + (
         " Models 0, 2, 6 and 7 have no orientation-dependent error terms (K5): standing still that makes their mass "
         "wrong, moving it does not."
     )

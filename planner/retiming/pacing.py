@@ -125,8 +125,8 @@ class PacedMotion:
         from scipy.interpolate import CubicHermiteSpline
 
         times, s = self._clock
-        found = CubicHermiteSpline(times, s, self.pace(s))(np.clip(np.asarray(t, dtype=float), 0.0, times[-1]))
-        return np.asarray(np.clip(found, 0.0, self.path.duration))
+        places = CubicHermiteSpline(times, s, self.pace(s))(np.clip(np.asarray(t, dtype=float), 0.0, times[-1]))
+        return np.asarray(np.clip(places, 0.0, self.path.duration))
 
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
@@ -177,11 +177,11 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     low = np.concatenate([np.zeros(count), -np.ones((len(rows) - 1) * count)])
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
     stats = solver.stats()
-    found = answer["x"].full()[:, 0]
-    said = last_words(stats["return_status"])
-    if not np.isfinite(found).all():
-        found, said = np.full(len(found), begin), f"{said}; one pace all along"
-    return PacedMotion(path, _with(basis, found), f"ipopt: {said}, {int(stats['iter_count'])} iterations")
+    solution = answer["x"].full()[:, 0]
+    status = last_words(stats["return_status"])
+    if not np.isfinite(solution).all():
+        solution, status = np.full(len(solution), begin), f"{status}; one pace all along"
+    return PacedMotion(path, _with(basis, solution), f"ipopt: {status}, {int(stats['iter_count'])} iterations")
 
 
 def _with(basis: "BSpline", coefficients: Array) -> "BSpline":

@@ -78,24 +78,24 @@ class _Round(NamedTuple):
         return self.spline.duration * self.slower
 
 
-def _search(path: Trajectory, case: Case, most: float, told: Callable[[str], None]) -> tuple[_Round, str]:
+def _search(path: Trajectory, case: Case, most: float, report: Callable[[str], None]) -> tuple[_Round, str]:
     course = Course.of(path, case, MARGIN)
-    held = (np.ones(len(course.s)), np.ones(len(course.s)))
+    factors = (np.ones(len(course.s)), np.ones(len(course.s)))
     best: _Round | None = None
     for number in range(ROUNDS):
-        motion = paced(path, course, most, held)
+        motion = paced(path, course, most, factors)
         spline = fitted_spline(motion, STEP)
         t = np.linspace(0.0, spline.duration, int(spline.duration * WATCHED) + 2)
         shares = kinetic_shares(spline, case, t)
         roots = [float(s.max()) ** (1.0 / order) for order, s in enumerate(shares, start=1)]
-        found = _Round(motion, spline, max(1.0, *roots) / (1.0 - MARGIN) if max(roots) > 1.0 - MARGIN else 1.0)
-        told(f"round {number + 1}: {found.duration:.3f} s")
-        gained = best is None or found.duration < best.duration * (1.0 - SETTLED)
-        best = found if best is None or found.duration < best.duration else best
-        if not gained or found.slower == 1.0:
+        candidate = _Round(motion, spline, max(1.0, *roots) / (1.0 - MARGIN) if max(roots) > 1.0 - MARGIN else 1.0)
+        report(f"round {number + 1}: {candidate.duration:.3f} s")
+        gained = best is None or candidate.duration < best.duration * (1.0 - SETTLED)
+        best = candidate if best is None or candidate.duration < best.duration else best
+        if not gained or candidate.slower == 1.0:
             break
         places = motion.places(t)
-        held = (held[0] / _passed(shares[1], places, course), held[1] / _passed(shares[2], places, course))
+        factors = (factors[0] / _passed(shares[1], places, course), factors[1] / _passed(shares[2], places, course))
     assert best is not None
     return best, best.motion.solver
 
@@ -111,15 +111,15 @@ def _passed(shares: Array, places: Array, course: Course) -> Array:
     return np.asarray(maximum_filter1d(over, 2 * POINTS + 1))
 
 
-def _inside(found: _Round, case: Case) -> PolynomialMotion:
+def _inside(candidate: _Round, case: Case) -> PolynomialMotion:
     """The spline as much slower as the proof at 10 kHz and the sensors' forces need.
 
     Raises:
         InfeasiblePlan: a limit is passed that no pace helps against.
     """
-    slower = found.slower
+    slower = candidate.slower
     for _ in range(STRETCHES):
-        motion = found.spline.slowed(1.0 / slower)
+        motion = candidate.spline.slowed(1.0 / slower)
         report = prove(motion, case)
         if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
             return motion
@@ -132,9 +132,11 @@ def _inside(found: _Round, case: Case) -> PolynomialMotion:
     raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst, case)}")
 
 
-def _off(motion: PolynomialMotion, found: _Round, path: Trajectory, turns: NDArray[np.bool_]) -> tuple[float, float]:
+def _off(
+    motion: PolynomialMotion, candidate: _Round, path: Trajectory, turns: NDArray[np.bool_]
+) -> tuple[float, float]:
     t = np.linspace(0.0, motion.duration, int(motion.duration * WATCHED) + 2)
-    off = motion.at(t).pose - path.at(found.motion.places(t / motion.duration * found.spline.duration)).pose
+    off = motion.at(t).pose - path.at(candidate.motion.places(t / motion.duration * candidate.spline.duration)).pose
     return float(np.linalg.norm(off[:, ~turns], axis=1).max()), float(np.abs(off[:, turns]).max(initial=0.0))
 
 
@@ -142,8 +144,8 @@ def _require_rest(path: Trajectory, case: Case) -> None:
     ends = path.at([0.0, path.duration])
     share = np.abs(ends.rates) / case.need_motion("re-timing")[1].rate
     if not share.max() <= 1e-6:
-        which = "begins" if not share[0].max() <= 1e-6 else "ends"
-        raise InfeasiblePlan(f"the path {which} at {100 * share.max():.3g} % of a rate limit; it must be at rest there")
+        end = "begins" if not share[0].max() <= 1e-6 else "ends"
+        raise InfeasiblePlan(f"the path {end} at {100 * share.max():.3g} % of a rate limit; it must be at rest there")
 
 
 SAMPLES = 8  # of each interval, by whose poses the spline is fitted

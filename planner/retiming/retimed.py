@@ -171,8 +171,8 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     """A move under a controller's own law, with its limits at a share of their pace."""
     v, a, j = pace, pace**2, pace**3
     if isinstance(part, StraightMove):
-        box, kept = case.need_motion("re-timing")[1], 1.0 - MARGIN
-        rate, acceleration, jerk = box.rate * kept * v, box.acceleration * kept * a, box.jerk * kept * j
+        box, share = case.need_motion("re-timing")[1], 1.0 - MARGIN
+        rate, acceleration, jerk = box.rate * share * v, box.acceleration * share * a, box.jerk * share * j
         law = online_move(part.start, part.end, rate, acceleration, jerk, cycle).profile
         assert isinstance(law, OnlineProfile)
         return replace(part, profile=_seven_segments(law))
@@ -186,12 +186,12 @@ def _seven_segments(law: OnlineProfile) -> Profile:
     """The same law by its three times; from rest to rest ruckig's phases are those of seven segments."""
     jerk_time = float(law.lengths[0])
     hold_time = float(law.lengths[1]) if law.jerks[1] == 0.0 else 0.0
-    found = unit_profile(jerk_time, hold_time, max(0.0, law.duration - 4 * jerk_time - 2 * hold_time))
+    profile = unit_profile(jerk_time, hold_time, max(0.0, law.duration - 4 * jerk_time - 2 * hold_time))
     t = np.cumsum(law.lengths) - law.lengths / 2  # the middle of each phase
-    pairs = zip(found.at(t)[:3], law.at(t)[:3], strict=True)
+    pairs = zip(profile.at(t)[:3], law.at(t)[:3], strict=True)
     if any(np.abs(ours - its).max() > SAME * np.abs(its).max() for ours, its in pairs):
         raise UntimedMove("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
-    return found
+    return profile
 
 
 def retime(
@@ -213,12 +213,12 @@ def retime(
         InfeasiblePlan: the motion cannot be re-timed that way.
         HexciteError: a plan of poses, an unknown method, or a method that does not fit.
     """
-    began = perf_counter()
+    start = perf_counter()
     request = replace(plan.of_motion[0], targets=())
     model = identification_model(plan.case, plan.model)
-    found = retimed(plan.motion, plan.case, model, method_of(method, plan.motion, fastest), fastest, progress)
+    result = retimed(plan.motion, plan.case, model, method_of(method, plan.motion, fastest), fastest, progress)
     source = Path(plan.name) if plan.saved is None else plan.saved.folder
-    return retimed_plan(found, request, plan.case, source, perf_counter() - began, plan.stale)
+    return retimed_plan(result, request, plan.case, source, perf_counter() - start, plan.stale)
 
 
 def method_of(name: str | None, motion: Trajectory, fastest: bool) -> RetimingMethod:
@@ -229,10 +229,10 @@ def method_of(name: str | None, motion: Trajectory, fastest: bool) -> RetimingMe
     """
     if name is not None and name not in list(RetimingMethod):
         raise HexciteError(f"method {name!r} is unknown; choose {', '.join(RetimingMethod)}")
-    chosen = RetimingMethod(name) if name is not None else fitting_method(motion)
-    if fastest and chosen is RetimingMethod.RUCKIG:
+    method = RetimingMethod(name) if name is not None else fitting_method(motion)
+    if fastest and method is RetimingMethod.RUCKIG:
         raise HexciteError("--fastest belongs to --method ipopt; a controller's moves are as fast as its limits allow")
-    return chosen
+    return method
 
 
 def retimed_plan(

@@ -77,15 +77,15 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
     whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
     run, standing = standing_of(whole, case, wish.still)
     number = default_model(run, case) if wish.model is None else wish.model
-    how = wish.how(identification_model(case, number, wish.terms))
+    method = wish.how(identification_model(case, number, wish.terms))
     try:
-        estimate = estimate_parameters(run, case, number, how, wish.terms, wish.conditioning)
+        estimate = estimate_parameters(run, case, number, method, wish.terms, wish.conditioning)
     except StrutsDoNotClose as error:
         if other := fitting_case(error.lengths, case, case.origin or None):
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     estimate = replace(estimate, findings=(*estimate.findings, *shorter_than_planned(whole)))
-    return result_of(run, case, estimate, standing, (*stale, *(() if how.biases is None else how.biases.stale)))
+    return result_of(run, case, estimate, standing, (*stale, *(() if method.biases is None else method.biases.stale)))
 
 
 def result_of(
@@ -103,16 +103,16 @@ def result_of(
         **({"run": {k: run.record[k] for k in ("simulated", *TOLD_OF_RUNS) if k in run.record}} if run.record else {}),
         **({} if standing is None else {"standstills": standing}),
     }
-    found = identifiability(estimate)
-    return Result(case, record, found, estimate, residuals_of(estimate))
+    analysis = identifiability(estimate)
+    return Result(case, record, analysis, estimate, residuals_of(estimate))
 
 
 def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]:
     """What a result says of its run: the file of the case, the plan that it followed, the time that it took."""
-    taken = run.record.get("executed_s")
-    if taken is None and run.t is not None:
-        taken = estimate.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": taken}
+    seconds = run.record.get("executed_s")
+    if seconds is None and run.t is not None:
+        seconds = estimate.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
+    return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
 
 
 def identified_file(paths: Sequence[Path], case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:

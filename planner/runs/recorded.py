@@ -64,9 +64,9 @@ def case_of(
         if result is not None:
             return load_result(result).artefact.case(), ()
         raise RecordingError(path, "does not say which machine it is from", "name it with --case")
-    named = Artefact(path / "recording.json", about, "run the program again")
-    loaded = named.case()
-    return loaded, named.require_unchanged(recording_basis(loaded), loaded, stale)
+    artefact = Artefact(path / "recording.json", about, "run the program again")
+    loaded = artefact.case()
+    return loaded, artefact.require_unchanged(recording_basis(loaded), loaded, stale)
 
 
 def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
@@ -101,11 +101,13 @@ def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
     if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
         return ()
     feed = 1.0 if recording.override is None else recording.override[recording.trigger]
-    lasted = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
-    if lasted >= planned - max(SHORTER_BY, SHORTER * planned):
+    duration = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
+    if duration >= planned - max(SHORTER_BY, SHORTER * planned):
         return ()
-    told = f"the trigger is on for {lasted:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
-    return (warning(Kind.WINDOW, f"{told}off; what the plan promises is not of this run"),)
+    sentence = (
+        f"the trigger is on for {duration:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
+    )
+    return (warning(Kind.WINDOW, f"{sentence}off; what the plan promises is not of this run"),)
 
 
 def standing_of(
@@ -130,13 +132,13 @@ def standing_of(
     standing = average(recording, find_standstills(recording, settle))
     if expected is not None:
         standing = match(standing, case, expected, recording.source)
-    told = {
+    entries = {
         "count": len(standing.windows),
         "matched_to_poses": expected is not None,
         "found_by": "trigger" if delimited(recording.trigger) else "motion",
         "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
     }
-    return standing.averages, told
+    return standing.averages, entries
 
 
 def poses_of_plan(folder: Path, case: Case) -> Array:
@@ -176,7 +178,7 @@ STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it se
 def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
     """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
     home, limits = case.need_motion("a run")
-    here, way = home, list[Trajectory]()
+    last_pose, way = home, list[Trajectory]()
     for part in parts:
         motion: Trajectory | None
         if isinstance(part, Timed):
@@ -184,10 +186,10 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
         elif isinstance(part, Untimed):
             motion = predicted(part, limits, guarantees)
         else:
-            motion = Standstill(here, part.duration) if part.duration > 0.0 else None
+            motion = Standstill(last_pose, part.duration) if part.duration > 0.0 else None
         if motion is not None:
             way.append(motion)
-            here = motion.at([motion.duration]).pose[0]
+            last_pose = motion.at([motion.duration]).pose[0]
     return Joined(tuple(way))
 
 
@@ -211,8 +213,8 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
                 f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
                 "run again",
             )
-    there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
+    actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
-    off = float(np.linalg.norm(there[:, :3] - run.execution.machine.positions(poses), axis=1).max())
+    off = float(np.linalg.norm(actual[:, :3] - run.execution.machine.positions(poses), axis=1).max())
     return float(t[moving[-1] + 1] - t[moving[0]]), off

@@ -103,8 +103,8 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     planned = way_of(parts, case, program.guarantees) if at_poses else planned_excitation(program, case)
     if at_poses:
         poses = measured_poses(parts)
-        took, off = stood(run, poses, program.path)
-        rating = RunRating(planned.duration, took, off, None, None, executed_peaks(run.execution, case))
+        seconds, off = stood(run, poses, program.path)
+        rating = RunRating(planned.duration, seconds, off, None, None, executed_peaks(run.execution, case))
     else:
         poses, rating = np.zeros((0, 6)), _rating(case, planned, run)
     outcome = RunOutcome(
@@ -168,13 +168,13 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     headroom = acceleration_headroom(read.reading, case)
     log = run_linuxcnc(read.path, case, read.content, headroom=headroom)
     remark = ""
-    if late := slowest_path(read.reading, log):
+    if path_time := slowest_path(read.reading, log):
         # Blocks that come too slowly from a busy computer make the motion wait for them; a slower session tells.
         slower = run_linuxcnc(read.path, case, read.content, headroom=headroom, speedup=SLOWER)
         again = slowest_path(read.reading, slower)
-        agree = again is not None and abs(again.taken - late.taken) <= TIME_TOLERANCE * late.planned
-        why = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"
-        remark = f"{late.sentence()}; {why}" if agree or again is None else f"{again.sentence()}; {why}"
+        agree = again is not None and abs(again.taken - path_time.taken) <= TIME_TOLERANCE * path_time.planned
+        reason = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"
+        remark = f"{path_time.sentence()}; {reason}" if agree or again is None else f"{again.sentence()}; {reason}"
         log = slower
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"

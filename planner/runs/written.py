@@ -52,8 +52,8 @@ def write(
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
     remarks: tuple[str, ...] = ()
     if isinstance(plan.request, Request) and isinstance(plan.request.family, PointToPoint):
-        where = plan.name if plan.saved is None else str(plan.saved.folder)
-        remarks = fits_law(where, plan.worth.settings.get("made_for"), plan.motion, language.name, plan.case)
+        place = plan.name if plan.saved is None else str(plan.saved.folder)
+        remarks = fits_law(place, plan.worth.settings.get("made_for"), plan.motion, language.name, plan.case)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
         case_line(plan.case),
@@ -96,8 +96,8 @@ def plan_line(plan: Plan) -> str:
 
 def plan_of_program(content: bytes) -> str | None:
     """The fingerprint in a program; None where it names none, or several."""
-    found = set(_IN_PROGRAM.findall(content))
-    return found.pop().decode() if len(found) == 1 else None
+    hashes = set(_IN_PROGRAM.findall(content))
+    return hashes.pop().decode() if len(hashes) == 1 else None
 
 
 def case_line(case: Case) -> str:
@@ -107,10 +107,10 @@ def case_line(case: Case) -> str:
 
 def written_for_another(content: bytes, case: Case) -> str | None:
     """What to know about a program whose header names another state of the case; None where it names this or none."""
-    found = set(_OF_THE_CASE.findall(content))
-    if len(found) != 1:
+    headers = set(_OF_THE_CASE.findall(content))
+    if len(headers) != 1:
         return None
-    name, machine, settings = (part.decode() for part in found.pop())
+    name, machine, settings = (part.decode() for part in headers.pop())
     if name != case.name:
         return f"written for another case, {name}; this is {case.name}"
     if machine != motion_hash(case):

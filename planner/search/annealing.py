@@ -100,7 +100,7 @@ _PLACES = {
 
 
 def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
-    passed, pose = ca.SX(0), ca.SX(0)
+    excess, pose = ca.SX(0), ca.SX(0)
     for group in near_limits(case):
         states = states_of_move(_PLACES[group.peak], ends[0].numel()).call([*ends, ca.DM(times)], True, False)
         for k in range(len(_PLACES[group.peak])):
@@ -109,8 +109,8 @@ def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
             if group.peak is Peak.POSE:
                 pose = ca.fmax(pose, share)
             else:
-                passed = ca.fmax(passed, share - 1)
-    return ca.vertcat(passed, pose)
+                excess = ca.fmax(excess, share - 1)
+    return ca.vertcat(excess, pose)
 
 
 class Proposals(NamedTuple):
@@ -165,8 +165,8 @@ class Walk:
         kinds = (self._shifted, self._with_new_waypoint, self._with_moved_excursion)
         while proposals > 0:
             kind = kinds[int(self.draw.choice(len(kinds), p=KINDS))]
-            tried, accepted = self._try(kind(self.batch), temperature)
-            proposals -= tried
+            attempts, accepted = self._try(kind(self.batch), temperature)
+            proposals -= attempts
             self.batch = max(FEWEST, self.batch // 2) if accepted else min(MOST, self.batch * 2)
 
     def _try(self, proposed: Proposals, temperature: float) -> tuple[int, bool]:
@@ -181,8 +181,8 @@ class Walk:
         size = self.moves.size
         traces = ((rows.reshape(-1, size) @ self.root) ** 2).reshape(len(rows), rows.shape[1] * size).sum(axis=1)
         gains = np.bincount(number, traces, count) + np.where(present, self.traces[origin], 0.0).sum(axis=1)
-        kept = np.where(present, self.passed[origin], 0.0).sum(axis=1)
-        bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * kept
+        remainder = np.where(present, self.passed[origin], 0.0).sum(axis=1)
+        bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * remainder
         for k in np.flatnonzero(proposed.valid & (bound >= chances)):
             own = number == k
             excess = self._excess(starts[own], ends[own])
@@ -192,11 +192,11 @@ class Walk:
             all_rows[present[k]], all_rows[place[own]] = self.rows[origin[k][present[k]]], rows[own]
             flat = all_rows.reshape(-1, size)
             sign, logdet = np.linalg.slogdet(flat.T @ flat / self.count + RIDGE * np.eye(size))
-            value = logdet - EXCESS * (kept[k] + excess[:, 0].sum())
+            value = logdet - EXCESS * (remainder[k] + excess[:, 0].sum())
             if sign > 0 and value >= chances[k]:
-                passed = np.empty(self.count)
-                passed[present[k]], passed[place[own]] = self.passed[origin[k][present[k]]], excess[:, 0]
-                self.points, self.rows, self.passed = proposed.points[k], all_rows, passed
+                violations = np.empty(self.count)
+                violations[present[k]], violations[place[own]] = self.passed[origin[k][present[k]]], excess[:, 0]
+                self.points, self.rows, self.passed = proposed.points[k], all_rows, violations
                 self._take()
                 if self.value > self.best:
                     self.best, self.best_points = self.value, self.points
@@ -244,11 +244,11 @@ class Walk:
         index, at = np.arange(count), np.arange(self.count + 1)
         out = self.draw.integers(self.count, size=count)[:, None]
         place = self.draw.integers(self.count - 1, size=count)[:, None]
-        left = at - 2 * (at >= place + 2) - (at == place + 1)
-        source = left + 2 * (left >= out)
+        offset = at - 2 * (at >= place + 2) - (at == place + 1)
+        source = offset + 2 * (offset >= out)
         points = self.points[source]
-        here = points[index, place[:, 0]]
-        points[index, place[:, 0] + 1] = self._next_to(here)
+        point = points[index, place[:, 0]]
+        points[index, place[:, 0] + 1] = self._next_to(point)
         return self._proposals(points, source, at == place + 1)
 
     def _proposals(self, points: Array, source: Indices, new: Flags) -> Proposals:
@@ -259,8 +259,8 @@ class Walk:
 def _inside(moves: EqualMoves, points: Array) -> Array:
     """Waypoints a step away at most, drawn together until all of them keep the limits of poses."""
     points = points.copy()
-    for before, here in pairwise(points):
-        np.clip(here, before - moves.steps, before + moves.steps, out=here)
+    for before, point in pairwise(points):
+        np.clip(point, before - moves.steps, before + moves.steps, out=point)
     while np.abs(points).max() > 1e-3 and _in_blocks(moves.excess, points, points)[:, 1].max() > POSE_REACHED:
         points = points * 0.95
     return points

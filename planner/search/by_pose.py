@@ -44,11 +44,11 @@ class FieldByStates:
         """A, w Q A (Q mixes channels), R and M of K states, shapes (K, 6, u) thrice and (u, u)."""
         shares = states[:, SHARE]
         matrices = regressors.reshape(len(states), 6, -1)
-        felt = matrices * shares[:, None, None]
-        mixed = felt if self.errors.mixing is None else self.errors.mixing @ felt
+        weighted_rows = matrices * shares[:, None, None]
+        mixed = weighted_rows if self.errors.mixing is None else self.errors.mixing @ weighted_rows
         answer = self.errors.correlation(struts, struts) @ mixed.reshape(len(states), -1)
         answer = self.gain * answer.reshape(matrices.shape)
-        return matrices, mixed, answer, np.tensordot(felt, matrices + answer, ((0, 1), (0, 1)))
+        return matrices, mixed, answer, np.tensordot(weighted_rows, matrices + answer, ((0, 1), (0, 1)))
 
     def information(self, states: Array, regressors: Array) -> Array:
         """S, shape (u, u), of states, shape (K, d), and A, shape (K, 6 u)."""
@@ -68,24 +68,24 @@ class FieldByStates:
         matrices, mixed, answer, scatter = self._parts(states, regressors, struts)
         plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
         turn, information = _estimate(plain, scatter)
-        y, left = matrices @ turn, answer @ turn
+        y, rotated_answer = matrices @ turn, answer @ turn
         changed = slopes.reshape(*slopes.shape[:2], 6, -1)
         shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
         flat = (len(states), -1)
         return Felt(
             information,
-            np.concatenate([y, matrices - y - left], axis=1).reshape(flat),
+            np.concatenate([y, matrices - y - rotated_answer], axis=1).reshape(flat),
             np.concatenate([shifted, changed @ turn], axis=2).reshape(*slopes.shape[:2], -1),
-            np.concatenate([2.0 * (matrices - left) - y, np.zeros_like(y)], axis=1).reshape(flat),
+            np.concatenate([2.0 * (matrices - rotated_answer) - y, np.zeros_like(y)], axis=1).reshape(flat),
         )
 
     def _pulled(self, struts: Array, answer: Array) -> Array:
         """Sum over j of dC_ij/dl_i times answer_j, by each strut, shape (K, 6, 6 u)."""
         length, flat = self.errors.field.length, answer.reshape(len(answer), -1)
         distance = np.sqrt(squared_distances(struts, struts)) / length
-        bent = -3.0 * self.gain / length**2 * np.exp(-np.sqrt(3.0) * distance)
-        whole = bent @ flat
-        return np.stack([struts[:, k, None] * whole - bent @ (struts[:, k, None] * flat) for k in range(6)], axis=1)
+        kernel = -3.0 * self.gain / length**2 * np.exp(-np.sqrt(3.0) * distance)
+        whole = kernel @ flat
+        return np.stack([struts[:, k, None] * whole - kernel @ (struts[:, k, None] * flat) for k in range(6)], axis=1)
 
 
 def _estimate(plain: Array, scatter: Array) -> tuple[Array, Array]:

@@ -143,17 +143,22 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         ),
     }
     nlp = Passed("nlp", [x, nothing], both, values)
-    told = _Told(n, bounds, watch)
-    settings = {**functions, **_QUIET, "iteration_callback": told, "ipopt": _IPOPT | options | {"max_iter": iterations}}
+    callback = _Told(n, bounds, watch)
+    settings = {
+        **functions,
+        **_QUIET,
+        "iteration_callback": callback,
+        "ipopt": _IPOPT | options | {"max_iter": iterations},
+    }
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
     stats, last = solver.stats(), answer["x"].full()[:, 0]
     iterations = int(stats["iter_count"])
-    if told.settled:
-        return Reached(told.best_unknowns, SETTLED, True, iterations)
+    if callback.settled:
+        return Reached(callback.best_unknowns, SETTLED, True, iterations)
     status = str(stats["return_status"]).replace("_", " ").lower()
-    better = told.best < float(answer["f"]) or not stats["success"]
-    inside = told.best_unknowns if np.isfinite(told.best) and better else last
+    better = callback.best < float(answer["f"]) or not stats["success"]
+    inside = callback.best_unknowns if np.isfinite(callback.best) and better else last
     return Reached(inside, status, bool(stats["success"]), iterations)
 
 

@@ -72,14 +72,14 @@ def _end_with_parent() -> None:
 
 
 def _work(task: Task) -> Start | Failed:
-    iterations, told = 0, time.monotonic()
+    iterations, last_report = 0, time.monotonic()
 
     def watch(objective: float) -> bool:
-        nonlocal iterations, told
+        nonlocal iterations, last_report
         iterations += 1
         now = time.monotonic()
-        if now - told >= NEWS:
-            told = now
+        if now - last_report >= NEWS:
+            last_report = now
             _news.put(News(task.seed, iterations, objective))
         return bool(_stop.is_set())
 

@@ -62,10 +62,10 @@ class Problem:
 
         One number for each order of the coordinates (pose, rates, accelerations, jerks), then one for each of `limits`.
         """
-        box, found = self.box, motion.at(np.linspace(0.0, motion.duration, max(2, int(motion.duration * SLIP_RATE))))
-        pose = (found.pose - self.middle) / self.half
-        shares = [pose, found.rates / box.rate, found.accelerations / box.acceleration, found.jerks / box.jerk]
-        states = np.hstack([found.pose, found.rates, found.accelerations, np.zeros((len(pose), 1))])
+        box, samples = self.box, motion.at(np.linspace(0.0, motion.duration, max(2, int(motion.duration * SLIP_RATE))))
+        pose = (samples.pose - self.middle) / self.half
+        shares = [pose, samples.rates / box.rate, samples.accelerations / box.acceleration, samples.jerks / box.jerk]
+        states = np.hstack([samples.pose, samples.rates, samples.accelerations, np.zeros((len(pose), 1))])
         shares += [group.kernel.values(states) for group in self.limits]
         return tuple(float(np.abs(share).max()) for share in shares)
 

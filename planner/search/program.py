@@ -127,19 +127,19 @@ class NonlinearProgram:
         regressors, slopes = self.regressor.slopes(states)
         if self.errors is None:
             square = _weighted_square(regressors, states[:, SHARE], self.size)
-            felt = Felt(square, regressors, slopes, regressors)
+            effect = Felt(square, regressors, slopes, regressors)
         else:
-            felt = self.errors.felt(states, regressors, slopes)
-        last[:] = [_Point(unknowns.copy(), states, regressors, slopes, felt)]
+            effect = self.errors.felt(states, regressors, slopes)
+        last[:] = [_Point(unknowns.copy(), states, regressors, slopes, effect)]
         return last[0]
 
     def _pull(self, point: _Point, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
-        felt = point.felt
-        bent = (felt.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
-        plain = 2.0 * (felt.slopes @ bent[:, :, None])[:, :, 0]
+        effect = point.felt
+        gradient = (effect.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
+        plain = 2.0 * (effect.slopes @ gradient[:, :, None])[:, :, 0]
         pull = plain * point.states[:, SHARE, None]
-        pull[:, SHARE] = np.einsum("ki,ki->k", bent, felt.own)
+        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, effect.own)
         return plain, pull
 
     def gradient(self, unknowns: Array) -> Array:
@@ -162,8 +162,8 @@ class NonlinearProgram:
             first += len(part.lower)
             if own is not None:
                 blocks.append(own)
-        if factor != 0.0 and (bent := self._bent(unknowns, factor, total)) is not None:
-            blocks.append(bent)
+        if factor != 0.0 and (curvature := self._bent(unknowns, factor, total)) is not None:
+            blocks.append(curvature)
         for index, matrices in blocks:
             flat = (index[:, :, None] * self.unknowns + index[:, None, :]).ravel()
             total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
@@ -184,10 +184,10 @@ class NonlinearProgram:
         index, slopes = self.states.index, self.states.slopes(unknowns)
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
-        turned = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
+        projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
         turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
-        bent = (turned.reshape(-1, size) * local.first) @ local.vectors.T
-        along = self.regressor.curvature(point.states, 2.0 * bent.reshape(len(point.states), -1))
+        products = (projections.reshape(-1, size) * local.first) @ local.vectors.T
+        along = self.regressor.curvature(point.states, 2.0 * products.reshape(len(point.states), -1))
         scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)
         along += 2.0 * scaled @ turned_slopes.transpose(0, 2, 1)
         along *= shares[:, None, None]
@@ -197,28 +197,28 @@ class NonlinearProgram:
         return Blocks(index, factor * matrices)
 
     def _add_through(
-        self, unknowns: Array, factor: float, local: Local, states: Array, felt: Felt, total: Array
+        self, unknowns: Array, factor: float, local: Local, states: Array, effect: Felt, total: Array
     ) -> None:
         """Adds to a second derivative what a criterion has through its information."""
         size, index, slopes = self.size, self.states.index, self.states.slopes(unknowns)
         blocks, width = index.shape
         # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
-        turned = (felt.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
-        turned_slopes = (felt.slopes.reshape(-1, size) @ local.vectors).reshape(*felt.slopes.shape)
+        projections = (effect.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
+        turned_slopes = (effect.slopes.reshape(-1, size) @ local.vectors).reshape(*effect.slopes.shape)
         flat_slopes = slopes.reshape(len(states), -1, width)
         own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * states[:, SHARE, None, None]
-        own = own.reshape(blocks, -1, width, turned.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
+        own = own.reshape(blocks, -1, width, projections.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
         own = own.reshape(blocks, width, -1, size)
-        rows = turned.reshape(blocks, 1, -1, size)
+        rows = projections.reshape(blocks, 1, -1, size)
         products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
         upper, lower = np.triu_indices(size)
         elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
         if flat_slopes[:, SHARE].any():
-            right = left = turned.reshape(len(states), -1, size)
-            if felt.own is not felt.rows:
-                right = (felt.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
+            right = left = projections.reshape(len(states), -1, size)
+            if effect.own is not effect.rows:
+                right = (effect.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
             squares = left.transpose(0, 2, 1) @ right
-            if felt.own is not felt.rows:
+            if effect.own is not effect.rows:
                 squares = (squares + squares.transpose(0, 2, 1)) / 2.0
             squares = squares.reshape(blocks, -1, size * size)
             lengths = slopes[:, :, SHARE].transpose(0, 2, 1)

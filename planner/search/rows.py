@@ -225,5 +225,5 @@ def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull
     blocks, width = states.index.shape
     tall = (own @ slopes).reshape(blocks, -1, width)
     result = slopes.reshape(blocks, -1, width).transpose(0, 2, 1) @ tall
-    bent = states.curvature(unknowns, pull)
-    return np.asarray(result if bent is None else result + bent)
+    curvature = states.curvature(unknowns, pull)
+    return np.asarray(result if curvature is None else result + curvature)

@@ -147,7 +147,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     Raises:
         InfeasiblePlan: no motion satisfies the limits.
     """
-    began = time.perf_counter()
+    start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
     before = run.rate(unknowns)
@@ -183,7 +183,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         status=run.status,
         converged=run.converged,
         iterations=run.iterations,
-        seconds=time.perf_counter() - began,
+        seconds=time.perf_counter() - start,
         unknowns=inside.unknowns,
         family=run.family,
         shrunk=inside.share,
@@ -236,13 +236,13 @@ class _Run:
     def solve(self, unknowns: Array, stage: _Stage) -> Array:
         """Runs the solver once."""
         program = replace(self.problem.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
-        reached = solve(program, unknowns, stage.iterations, self.told, stage.options)
-        self.iterations += reached.iterations
-        self.status, self.converged = reached.status, reached.converged
-        if not np.isfinite(reached.unknowns).all():
+        solution = solve(program, unknowns, stage.iterations, self.told, stage.options)
+        self.iterations += solution.iterations
+        self.status, self.converged = solution.status, solution.converged
+        if not np.isfinite(solution.unknowns).all():
             self.converged = False
             return unknowns
-        return np.asarray(np.clip(reached.unknowns, program.lower, program.upper))
+        return np.asarray(np.clip(solution.unknowns, program.lower, program.upper))
 
     def constrained(self, unknowns: Array, stage: _Stage) -> Array:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
@@ -267,24 +267,24 @@ class _Run:
         the motions found so far and of the one at which the search began, drawn back as well.
         """
 
-        def drawn(unknowns: Array) -> Inside:
+        def retraction(unknowns: Array) -> Inside:
             return keep_limits(self.task.case, self.family, unknowns, QUICK_RATE)
 
-        def worth(found: Inside) -> float:
-            return self.rate(found.unknowns, stage.letter).score
+        def worth(candidate: Inside) -> float:
+            return self.rate(candidate.unknowns, stage.letter).score
 
-        found = [drawn(unknowns)]
+        candidates = [retraction(unknowns)]
         for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
-            if found[-1].share >= DRAWN_BACK or self.stopped:
+            if candidates[-1].share >= DRAWN_BACK or self.stopped:
                 break
             slips = self.problem.slips(self.family.motion(unknowns))
             self.problem = self.problem.with_rows_above(unknowns, 0.0).tightened(slips, 1.0 - MARGIN - SLIPPED)
-            if len(found) > 1:
-                found.append(drawn(self.begun))
-                unknowns = max(found, key=worth).unknowns
+            if len(candidates) > 1:
+                candidates.append(retraction(self.begun))
+                unknowns = max(candidates, key=worth).unknowns
             unknowns = self.solve(unknowns, stage_again._replace(convex=False))
-            found.append(drawn(unknowns))
-        return max(found, key=worth)
+            candidates.append(retraction(unknowns))
+        return max(candidates, key=worth)
 
 
 def run_safely(task: Task, watch: Watch) -> Start | Failed:

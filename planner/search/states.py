@@ -46,8 +46,8 @@ class Kernel:
     @cached_property
     def _curvature(self) -> ca.Function:
         weights = ca.SX.sym("weights", self.size)
-        bent = ca.hessian(ca.dot(weights, self.expression), self.variables)[0]
-        return ca.Function("curvature", [self.variables, weights], [ca.densify(bent)], {"cse": True})
+        hessian = ca.hessian(ca.dot(weights, self.expression), self.variables)[0]
+        return ca.Function("curvature", [self.variables, weights], [ca.densify(hessian)], {"cse": True})
 
     def values(self, at: Array) -> Array:
         """Values at vectors of shape (n, d), shape (n, r)."""
@@ -162,9 +162,9 @@ def linear_states(
     """
     table = np.stack(maps[:3], axis=1).reshape(blocks, -1, 3, maps[0].shape[1])[:, places]
     count = table.shape[1]
-    used = np.abs(table).max(axis=(1, 2)) > 0.0
-    width = int(used.sum(axis=1).max())
-    columns = np.argsort(~used, axis=1, kind="stable")[:, :width]  # those in use first
+    active = np.abs(table).max(axis=(1, 2)) > 0.0
+    width = int(active.sum(axis=1).max())
+    columns = np.argsort(~active, axis=1, kind="stable")[:, :width]  # those in use first
     own = np.take_along_axis(table, columns[:, None, None, :], axis=3)
     n = len(middle)
     slope = np.zeros((blocks, count, state_size(n), width, n))

@@ -108,11 +108,11 @@ def same_version(client: "Client", address: str) -> None:
     theirs = client.run(version, "hexcite", on_error="return")
     if not theirs:
         raise HexciteError(f"scheduler {address} has no workers; start `dask worker {address}`")
-    for worker, found in sorted(theirs.items()):
-        if isinstance(found, PackageNotFoundError):
+    for worker, release in sorted(theirs.items()):
+        if isinstance(release, PackageNotFoundError):
             raise HexciteError(f"worker {worker} has no hexcite; install hexcite {ours} there")
-        if found != ours:
-            raise HexciteError(f"worker {worker} has hexcite {found}, this is {ours}; install the same wheel on both")
+        if release != ours:
+            raise HexciteError(f"worker {worker} has hexcite {release}, this is {ours}; install the same wheel on both")
 
 
 DESERTED = 300.0  # [s] without any worker after which nobody is expected to come; on a busy computer one takes a minute
@@ -148,12 +148,12 @@ def run_tasks(
     from distributed import wait
 
     pending: dict[Future, str] = {}
-    seen = time.monotonic()
+    last_contact = time.monotonic()
     try:
         while True:
             threads = sum(client.nthreads().values())
-            seen = time.monotonic() if threads else seen
-            if time.monotonic() - seen > DESERTED:
+            last_contact = time.monotonic() if threads else last_contact
+            if time.monotonic() - last_contact > DESERTED:
                 raise HexciteError(f"the cluster has had no workers for {DESERTED:g} s; what is done so far is kept")
             for key, payload in islice(tasks, max(0, AHEAD * max(1, threads) - len(pending))):
                 pending[client.submit(_on_worker, function, payload, time_limit, pure=False, retries=1)] = key
@@ -173,8 +173,8 @@ def _on_worker(function: Callable[[Any], Any], payload: Any, time_limit: float) 
     with open(os.devnull, "w") as nowhere:
         faulthandler.dump_traceback_later(time_limit, exit=True, file=nowhere)
         try:
-            began = time.perf_counter()
-            return function(payload), time.perf_counter() - began
+            start = time.perf_counter()
+            return function(payload), time.perf_counter() - start
         finally:
             faulthandler.cancel_dump_traceback_later()
 

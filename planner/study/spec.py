@@ -102,15 +102,15 @@ def load_spec(name: str) -> Spec:
     Raises:
         FileProblem: no such file, not TOML, unknown settings, or values that cannot be: key, value and remedy.
     """
-    known = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
-    path = known.get(name, Path(name))
+    files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
+    path = files.get(name, Path(name))
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise FileProblem(
             name,
             f"cannot be read ({error.strerror})",
-            f"built-in studies are {', '.join(known)}, else name a TOML file",
+            f"built-in studies are {', '.join(files)}, else name a TOML file",
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise FileProblem(path, f"is not TOML ({error})", "correct that line") from error
@@ -142,18 +142,18 @@ def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
         )
     names = list(Grid.model_fields)
     columns = [getattr(spec.grid, name) for name in names]
-    chosen: Iterator[tuple[Any, ...]] = itertools.product(*columns)
+    combinations: Iterator[tuple[Any, ...]] = itertools.product(*columns)
     if spec.sample is not None and spec.sample.count < spec.size:
         places = random.Random(spec.sample.seed).sample(range(spec.size), spec.sample.count)
-        chosen = (_combination(columns, place) for place in sorted(places))
-    seen: set[str] = set()
-    for values in chosen:
+        combinations = (_combination(columns, place) for place in sorted(places))
+    texts: set[str] = set()
+    for values in combinations:
         settings = dict(zip(names, values, strict=True))
         family = settings["family"]
         settings = {k: v for k, v in settings.items() if v is not None and _ONLY.get(k, family) == family}
         text = json.dumps(settings, sort_keys=True)
-        if text not in seen:
-            seen.add(text)
+        if text not in texts:
+            texts.add(text)
             yield settings
 
 

@@ -34,11 +34,11 @@ def schema() -> "pa.Schema":
 
 def completed(row: dict[str, Any]) -> dict[str, Any]:
     """The row with every column; what is not known is null."""
-    known = schema().names
-    unknown = set(row) - set(known)
+    columns = schema().names
+    unknown = set(row) - set(columns)
     if unknown:
         raise ValueError(f"no such columns: {', '.join(sorted(unknown))}")
-    return {name: row.get(name) for name in known}
+    return {name: row.get(name) for name in columns}
 
 
 ABOUT = "study.json"
@@ -93,15 +93,15 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
             first = sorted(names)[0]
             raise FileProblem(folder, f"is not a study of hexcite's (it holds {first})", "choose another with -o")
         return
-    held = read_json(folder / ABOUT, "hexcite study")
-    if held.get("name") != about["name"]:
+    record = read_json(folder / ABOUT, "hexcite study")
+    if record.get("name") != about["name"]:
         raise FileProblem(
-            folder, f"holds another study ({held.get('name')}, not {about['name']})", "choose another place with -o"
+            folder, f"holds another study ({record.get('name')}, not {about['name']})", "choose another place with -o"
         )
-    if changes := Artefact(folder / ABOUT, held, "").changes(about[KEPT], about["case_hash"]):
+    if changes := Artefact(folder / ABOUT, record, "").changes(about[KEPT], about["case_hash"]):
         raise FileProblem(
             folder,
-            f"holds a study of case {held.get('case')} before {changes[0]}",
+            f"holds a study of case {record.get('case')} before {changes[0]}",
             "choose another place with -o, or restore the case",
         )
 

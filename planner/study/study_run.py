@@ -46,11 +46,11 @@ def work(job: Job) -> list[dict[str, Any]]:
         return [{"noise_seed": PLANNED, "status": FAILED, "reason": error.typed, "seconds": 0.0}]
     if not job.noise_seeds:
         return [row]
-    began = time.perf_counter()
+    start = time.perf_counter()
     try:
-        return [row, *_runs(job, plan, began)]
+        return [row, *_runs(job, plan, start)]
     except HexciteError as error:
-        seconds = (time.perf_counter() - began) / len(job.noise_seeds)
+        seconds = (time.perf_counter() - start) / len(job.noise_seeds)
         failure = {"status": FAILED, "reason": error.typed, "seconds": seconds}
         return [row, *({"noise_seed": seed} | failure for seed in job.noise_seeds)]
 
@@ -59,14 +59,14 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
     from planner.planning import make
     from planner.search.parallel import Listener, run_here
 
-    began = time.perf_counter()
+    begin = time.perf_counter()
     silent = Listener(lambda start: None, lambda news: None)
     plan = make(job.request, job.case, silent, run_here)
     worth = plan.of_motion[1]
     row = {
         "noise_seed": PLANNED,
         "status": DONE,
-        "seconds": time.perf_counter() - began,
+        "seconds": time.perf_counter() - begin,
         "converged": bool(worth.search.starts) and worth.search.starts[0].converged,
         "iterations": sum(start.iterations for start in worth.search.starts),
         "score": worth.score if math.isfinite(worth.score) else None,
@@ -76,7 +76,7 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
     return row, plan
 
 
-def _runs(job: Job, plan: Any, began: float) -> list[dict[str, Any]]:
+def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     from identification.identify import identify
     from identification.loaded import circumstances
     from identification.simulate import simulate_recording, truth_rows
@@ -101,7 +101,7 @@ def _runs(job: Job, plan: Any, began: float) -> list[dict[str, Any]]:
             {
                 "noise_seed": seed,
                 "status": DONE,
-                "seconds": now - began,
+                "seconds": now - start,
                 "parameters": len(truth),
                 "inside_95": int(inside),
                 "worst_error_in_std": float(np.max([abs(r["error"]) / r["std"] for r in truth])),
@@ -109,7 +109,7 @@ def _runs(job: Job, plan: Any, began: float) -> list[dict[str, Any]]:
                 "mass_std_kg": mass["std"],
             }
         )
-        began = now
+        start = now
     return rows
 
 
@@ -128,12 +128,12 @@ def cells_of(spec: Spec, case: Case) -> dict[str, dict[str, Any]]:
     Raises:
         HexciteError: a combination cannot be planned, or there are too many.
     """
-    ours, found = version("hexcite"), {}
-    for stated in settings_of(spec):
-        settings = {"model": full_model(case)} | stated
+    ours, cells = version("hexcite"), {}
+    for choice in settings_of(spec):
+        settings = {"model": full_model(case)} | choice
         request_of(settings)
-        found[cell_key(settings, spec.execute, case, ours)] = settings
-    return found
+        cells[cell_key(settings, spec.execute, case, ours)] = settings
+    return cells
 
 
 def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[int, ...]]:
@@ -143,22 +143,22 @@ def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[i
         FileProblem: a file of the study is damaged.
     """
     table = read_rows(folder) if folder.is_dir() else None
-    there: dict[str, set[int]] = {}
+    seeds_by_cell: dict[str, set[int]] = {}
     failed: set[str] = set()
     if table is not None:
         columns = (table[name].to_pylist() for name in ("cell", "noise_seed", "status"))
         for key, seed, status in zip(*columns, strict=True):
-            there.setdefault(key, set()).add(seed)
+            seeds_by_cell.setdefault(key, set()).add(seed)
             if seed == PLANNED and status == FAILED:
                 failed.add(key)
-    wanted = range(spec.execute.noise_seeds if spec.execute is not None else 0)
-    found = {}
+    seeds = range(spec.execute.noise_seeds if spec.execute is not None else 0)
+    gaps = {}
     for cell in cells:
-        have = there.get(cell, set())
-        lacking = tuple(seed for seed in wanted if seed not in have)
-        if cell not in failed and (PLANNED not in have or lacking):
-            found[cell] = lacking
-    return found
+        present = seeds_by_cell.get(cell, set())
+        rest = tuple(seed for seed in seeds if seed not in present)
+        if cell not in failed and (PLANNED not in present or rest):
+            gaps[cell] = rest
+    return gaps
 
 
 def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:

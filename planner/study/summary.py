@@ -55,18 +55,18 @@ def groups(table: "pa.Table") -> list[SettingsGroup]:
 
 def _group(key: tuple[Any, ...], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
     plans = [r for r in rows if columns["noise_seed"][r] == PLANNED]
-    done = [r for r in plans if columns["status"][r] == DONE]
+    selection = [r for r in plans if columns["status"][r] == DONE]
     identified = [r for r in rows if columns["noise_seed"][r] != PLANNED and columns["status"][r] == DONE]
     intervals = sum(columns["parameters"][r] for r in identified)
     inside = sum(columns["inside_95"][r] for r in identified)
     return SettingsGroup(
         settings={name: value for name, value in zip(GROUPED, key, strict=True) if value is not None},
         cells=len(plans),
-        done=len(done),
-        converged=_mean([columns["converged"][r] for r in done]),
-        scores=np.array([columns["score"][r] for r in done], dtype=float),
-        seconds=_mean([columns["seconds"][r] for r in done]),
-        iterations=_mean([columns["iterations"][r] for r in done]),
+        done=len(selection),
+        converged=_mean([columns["converged"][r] for r in selection]),
+        scores=np.array([columns["score"][r] for r in selection], dtype=float),
+        seconds=_mean([columns["seconds"][r] for r in selection]),
+        iterations=_mean([columns["iterations"][r] for r in selection]),
         intervals=intervals,
         inside=inside / intervals if intervals else float("nan"),
     )
@@ -93,24 +93,24 @@ MOST_REASONS = 20
 
 def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
     """The page of a study folder."""
-    found = groups(table)
+    settings_groups = groups(table)
     failures = _failures(table)
-    lost = sum(count for _, count in failures)
-    warnings = (f"{lost} rows failed; their reasons stand below",) if lost else ()
-    done = sum(g.done for g in found)
-    tiles = [(f"{done} of {about['cells']}", "cells planned"), (str(lost), "rows failed")]
-    intervals = sum(g.intervals for g in found)
+    failure_count = sum(count for _, count in failures)
+    warnings = (f"{failure_count} rows failed; their reasons stand below",) if failure_count else ()
+    cell_count = sum(g.done for g in settings_groups)
+    tiles = [(f"{cell_count} of {about['cells']}", "cells planned"), (str(failure_count), "rows failed")]
+    intervals = sum(g.intervals for g in settings_groups)
     if intervals:
-        inside = sum(g.inside * g.intervals for g in found if g.intervals) / intervals
+        inside = sum(g.inside * g.intervals for g in settings_groups if g.intervals) / intervals
         tiles.append((f"{100 * inside:.1f} %", f"of {intervals} 95 % intervals hold the truth"))
     sections = [
-        Section("In short", (Tiles(tuple(tiles)), *_best(found, about["case_file"]))),
-        Section("Settings", (_table(found),)),
+        Section("In short", (Tiles(tuple(tiles)), *_best(settings_groups, about["case_file"]))),
+        Section("Settings", (_table(settings_groups),)),
     ]
-    maps = _maps(found)
+    maps = _maps(settings_groups)
     if maps:
         sections.append(Section("Median criterion over pairs of settings", maps))
-    sections.append(Section("Spread over seeds", _boxes(found)))
+    sections.append(Section("Spread over seeds", _boxes(settings_groups)))
     if failures:
         rows = tuple((reason, str(count)) for reason, count in failures[:MOST_REASONS])
         sections.append(Section("What failed", (Table(("reason", "rows"), rows),)))
@@ -131,10 +131,10 @@ def _failures(table: "pa.Table") -> list[tuple[str, int]]:
     return sorted(counts.items(), key=lambda item: -item[1])
 
 
-def _best(found: list[SettingsGroup], case_file: str) -> tuple[Item, ...]:
+def _best(settings_groups: list[SettingsGroup], case_file: str) -> tuple[Item, ...]:
     rows = tuple(
         (letter, command_of(group.settings, case_file), f"{group.best:.4g}", f"{group.median:.4g}")
-        for letter, group in sorted(best_groups(found).items())
+        for letter, group in sorted(best_groups(settings_groups).items())
     )
     if not rows:
         return (Note("No cell is done yet."),)
@@ -144,8 +144,8 @@ def _best(found: list[SettingsGroup], case_file: str) -> tuple[Item, ...]:
     )
 
 
-def _table(found: list[SettingsGroup]) -> Table:
-    varied = [name for name in GROUPED if len({g.settings.get(name) for g in found}) > 1]
+def _table(settings_groups: list[SettingsGroup]) -> Table:
+    varied = [name for name in GROUPED if len({g.settings.get(name) for g in settings_groups}) > 1]
     columns = (*varied, "cells", "done", "converged", "best", "median", "iterations", "s a cell", "coverage")
     rows = tuple(
         (
@@ -159,7 +159,7 @@ def _table(found: list[SettingsGroup]) -> Table:
             _number(g.seconds),
             _share(g.inside),
         )
-        for g in found
+        for g in settings_groups
     )
     return Table(columns, rows, left=len(varied))
 
@@ -172,22 +172,22 @@ def _share(value: float) -> str:
     return f"{100 * value:.1f} %" if np.isfinite(value) else "-"
 
 
-def _maps(found: list[SettingsGroup]) -> tuple[Plot, ...]:
+def _maps(settings_groups: list[SettingsGroup]) -> tuple[Plot, ...]:
     """A heat map for each criterion and pair of other settings that vary."""
     plots = []
-    for letter in sorted({g.settings["criterion"] for g in found}):
-        these = [g for g in found if g.settings["criterion"] == letter and g.done]
-        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in these} - {None}) > 1]
+    for letter in sorted({g.settings["criterion"] for g in settings_groups}):
+        members = [g for g in settings_groups if g.settings["criterion"] == letter and g.done]
+        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in members} - {None}) > 1]
         for row, column in combinations(varied, 2):
-            plots.append(_map(letter, these, row, column))
+            plots.append(_map(letter, members, row, column))
     return tuple(plots[:MOST_MAPS])
 
 
-def _map(letter: str, these: list[SettingsGroup], row: str, column: str) -> Plot:
-    ys = sorted({g.settings[row] for g in these if row in g.settings and column in g.settings})
-    xs = sorted({g.settings[column] for g in these if row in g.settings and column in g.settings})
+def _map(letter: str, members: list[SettingsGroup], row: str, column: str) -> Plot:
+    ys = sorted({g.settings[row] for g in members if row in g.settings and column in g.settings})
+    xs = sorted({g.settings[column] for g in members if row in g.settings and column in g.settings})
     scores: dict[tuple[Any, Any], list[float]] = {}
-    for g in these:
+    for g in members:
         if row in g.settings and column in g.settings:
             scores.setdefault((g.settings[row], g.settings[column]), []).extend(g.scores)
     z = [[float(np.median(scores[y, x])) if (y, x) in scores else None for x in xs] for y in ys]
@@ -200,19 +200,19 @@ def _map(letter: str, these: list[SettingsGroup], row: str, column: str) -> Plot
     return Plot(f"map-{letter}-{row}-{column}", figure, note, half=True)
 
 
-def _boxes(found: list[SettingsGroup]) -> tuple[Item, ...]:
+def _boxes(settings_groups: list[SettingsGroup]) -> tuple[Item, ...]:
     plots: list[Item] = []
-    for letter in sorted({g.settings["criterion"] for g in found}):
-        these = [g for g in found if g.settings["criterion"] == letter and g.done]
-        these = sorted(these, key=lambda g: -g.best)[:MOST_BOXES]
-        if not these:
+    for letter in sorted({g.settings["criterion"] for g in settings_groups}):
+        members = [g for g in settings_groups if g.settings["criterion"] == letter and g.done]
+        members = sorted(members, key=lambda g: -g.best)[:MOST_BOXES]
+        if not members:
             continue
-        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in these}) > 1]
+        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in members}) > 1]
         figure = Chart()
-        for g in these:
+        for g in members:
             name = ", ".join(f"{n} {g.settings[n]}" for n in varied if n in g.settings) or "all"
             figure.add("box", y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers")
         figure.update_yaxes(title=f"criterion {letter}")
         figure.update_layout(showlegend=False)
-        plots.append(Plot(f"spread-{letter}", figure, note=f"{len(these)} best settings for {letter}, a box each."))
+        plots.append(Plot(f"spread-{letter}", figure, note=f"{len(members)} best settings for {letter}, a box each."))
     return tuple(plots)

@@ -74,8 +74,8 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
     check_folder(folder, UNFINISHED, overwrite=True)
     about = folder / "unfinished.json"
     plans = None if settings.plans is None else str(settings.plans.resolve())
-    wanted = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
-    if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == wanted):
+    content = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
+    if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == content):
         if _worth_keeping(folder) and not overwrite:
             raise FileProblem(
                 folder,
@@ -84,7 +84,7 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
             )
         shutil.rmtree(folder)
     make_places(folder)
-    write_text(about, wanted)
+    write_text(about, content)
     try:
         yield folder
     except Interrupted:
@@ -131,7 +131,7 @@ def carry_out(
     Raises:
         HexciteError: no method could be carried out.
     """
-    done: list[MethodStep] = []
+    results: list[MethodStep] = []
     executed: dict[str, str] = {}
     failed: dict[str, str] = {}
     for method in methods:
@@ -147,11 +147,11 @@ def carry_out(
         executed[method] = excitation.controller
         count(f"{method}: identifying", 0)
         for step in steps(excitation, mounted, disturbances):
-            done.append(step)
+            results.append(step)
             count(f"{method} {step.load:.0f} kg", 1)
-    if not done:
-        raise HexciteError("; ".join(f"{method}: {why}" for method, why in failed.items()))
-    return tuple(done), executed, failed
+    if not results:
+        raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
+    return tuple(results), executed, failed
 
 
 def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:
@@ -170,9 +170,9 @@ def _excitation(method: str, settings: ValidationSettings, program: Program) -> 
     if measures_at_poses(parts):
         poses = measured_poses(parts)
         duration = stood(run, poses, program.path)[0]
-    told = f"{run.controller}; {run.remark}" if run.remark else run.controller
+    controller = f"{run.controller}; {run.remark}" if run.remark else run.controller
     return Excitation(
-        program.case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, told
+        program.case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, controller
     )
 
 

@@ -116,8 +116,8 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         theory = _theory(bare, weights)
         models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
         columns = {number: Identified.of(identify(recording, case, number)) for number in models}
-        found = Identified.of(estimate)
-        yield MethodStep(excitation.name, k, load, excitation.duration, found, theory, truth, budget, scatter, columns)
+        result = Identified.of(estimate)
+        yield MethodStep(excitation.name, k, load, excitation.duration, result, theory, truth, budget, scatter, columns)
 
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:
@@ -130,16 +130,16 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
         FileProblem: there is none without payload, fewer than two, or one of those between is missing.
         HexciteError: a run cannot be evaluated.
     """
-    found = {
+    runs = {
         k: p
         for k in range(len(_weights(case, 99)) + 1)
         for p in (folder / f"{k}.parquet", folder / f"{k}.csv", folder / str(k))
         if p.exists()
     }
-    files = [found[k] for k in sorted(found)]
+    files = [runs[k] for k in sorted(runs)]
     for k in range(len(files)):
-        if k not in found:
-            raise FileProblem(folder, f"holds runs up to {max(found)}, but not {k}", "each number of weights is wanted")
+        if k not in runs:
+            raise FileProblem(folder, f"holds runs up to {max(runs)}, but not {k}", "each number of weights is wanted")
     if len(files) < 2:
         raise FileProblem(
             folder,
@@ -169,8 +169,8 @@ def _theory(bare: Identified, mounted: Sequence[RigidBody]) -> dict[str, float]:
     theory |= dict(zip(("xC", "yC", "zC"), centre.tolist(), strict=True))
     if "IC33" in value:  # a static model knows no inertia
         own = value["IC33"] + sum(float(w.inertia[2, 2]) for w in mounted)
-        apart = centres[:, :2] - centre[:2]
-        theory["IC33"] = float(own + masses @ np.sum(apart**2, axis=1))
+        offsets = centres[:, :2] - centre[:2]
+        theory["IC33"] = float(own + masses @ np.sum(offsets**2, axis=1))
     return theory
 
 
@@ -200,13 +200,13 @@ def chosen(names: str | None) -> list[str]:
     """
     if names is None:
         return list(METHODS)
-    found = [name.strip() for name in names.split(",") if name.strip()]
-    for name in found:
+    selection = [name.strip() for name in names.split(",") if name.strip()]
+    for name in selection:
         if name not in METHODS:
             raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
-    if not found or len(set(found)) < len(found):
+    if not selection or len(set(selection)) < len(selection):
         raise HexciteError(f"methods {names!r}: name each once, of {', '.join(METHODS)}")
-    return found
+    return selection
 
 
 def true_deviations(

@@ -115,16 +115,16 @@ def error_budget(
     *shifts, whole = answer.of(np.stack([*added, answer.left(truth)], axis=2)).T
     form, none = physical_form(model), np.zeros((len(truth), len(truth)))
     values, true = form.of(estimate.values, none)[0], form.of(truth, none)[0]
-    moved = [values - form.of(estimate.values - shift, none)[0] for shift in shifts]
-    moved.append(values - form.of(estimate.values - whole, none)[0] - sum(moved))
-    moved.append(values - true - sum(moved))
+    effects = [values - form.of(estimate.values - shift, none)[0] for shift in shifts]
+    effects.append(values - form.of(estimate.values - whole, none)[0] - sum(effects))
+    effects.append(values - true - sum(effects))
     names = [p.name for p in form.parameters]
-    found = {
-        name: {cause: float(shift[k]) for cause, shift in zip(CAUSES, moved, strict=True)}
+    errors = {
+        name: {cause: float(shift[k]) for cause, shift in zip(CAUSES, effects, strict=True)}
         for k, name in enumerate(names)
         if name in BODY
     }
-    return Budget({n: float(values[names.index(n)] - true[names.index(n)]) for n in found}, found)
+    return Budget({n: float(values[names.index(n)] - true[names.index(n)]) for n in errors}, errors)
 
 
 COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory

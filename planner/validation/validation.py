@@ -107,7 +107,7 @@ def validate(
         work = folder or Path(places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
         steps, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
-        made = {
+        origin = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
             for file in sorted((work / name).rglob("*"))
@@ -123,17 +123,17 @@ def validate(
         executed=executed,
         controller=settings.on,
         disturbances=disturbances,
-        made=made,
+        made=origin,
     )
 
 
 def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
     """What disturbs the simulated machine; refused where it cannot be run."""
     require_controller(settings.on)
-    found = case.need_simulation("a validation without recordings").disturbances
-    if found is None and not undisturbed:
+    disturbances = case.need_simulation("a validation without recordings").disturbances
+    if disturbances is None and not undisturbed:
         case.missing("simulation.disturbances", "a validation (or --undisturbed)")
-    return None if undisturbed else found
+    return None if undisturbed else disturbances
 
 
 def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | None = None) -> Validation:
@@ -152,8 +152,8 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     if methods is not None:
         for name in methods:
             if name not in (folder.name for folder in folders):
-                there = ", ".join(folder.name for folder in folders)
-                raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {there}")
+                names = ", ".join(folder.name for folder in folders)
+                raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
         folders = [folder for folder in folders if folder.name in methods]
 
     def read(file: Path) -> Recording:
@@ -172,8 +172,8 @@ def _simulated(case: Case, disturbances: Disturbances | None, settings: Validati
             f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
             f"struts and force errors that depend on the pose ({disturbances.source})"
         )
-    where = "LinuxCNC" if settings.on == "linuxcnc" else "the built-in virtual controller"
-    machine += f"; programs executed on {where}"
+    controller = "LinuxCNC" if settings.on == "linuxcnc" else "the built-in virtual controller"
+    machine += f"; programs executed on {controller}"
     if settings.on == "linuxcnc":
         machine += ", which limits no jerk: its steps of acceleration make the structure vibrate"
     return machine

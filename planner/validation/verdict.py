@@ -34,7 +34,7 @@ def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Iden
         columns: runs without payload by several models.
     """
     bare = {s.method: s for s in steps if s.weights == 0}
-    found = [
+    claims = [
         finding
         for ours in OURS
         for theirs in (*MOVING, *STANDING)
@@ -42,10 +42,10 @@ def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Iden
         for finding in _smaller(bare[ours], bare[theirs])
     ]
     if moving := [n for n in WITHOUT_K5 if n in columns]:
-        found += [_true_mass(case, columns, moving)] if case.simulation is not None else []
+        claims += [_true_mass(case, columns, moving)] if case.simulation is not None else []
     if any(s.truth for s in steps):
-        found.append(_inside(steps))
-    return found
+        claims.append(_inside(steps))
+    return claims
 
 
 def _smaller(ours: MethodStep, theirs: MethodStep) -> list[Claim]:
@@ -68,7 +68,7 @@ def _smaller(ours: MethodStep, theirs: MethodStep) -> list[Claim]:
     quick = None in (ours.duration, theirs.duration) or (ours.duration or 0.0) <= TIMING * (theirs.duration or 0.0)
     plain, figures = _ratios({n: one.std / other.std for n, one, other in pairs})
     robust, allowing = _ratios({n: one.reported / other.reported for n, one, other in pairs})
-    found = [
+    claims = [
         Claim(f"{claim} in no more time, by (28) at each method's own s0", plain and quick, f"{figures}; {times}"),
         Claim(
             f"{claim} also where noise with memory and errors of the pose are allowed for",
@@ -81,8 +81,8 @@ def _smaller(ours: MethodStep, theirs: MethodStep) -> list[Claim]:
         claim = (
             f"the true standard deviations of {ours.method}, over machines whose errors of the pose differ, are smaller"
         )
-        found.append(Claim(f"{claim} than those of {theirs.method} for all {len(shared)} parameters", really, figures))
-    return found
+        claims.append(Claim(f"{claim} than those of {theirs.method} for all {len(shared)} parameters", really, figures))
+    return claims
 
 
 def _honest(*steps: MethodStep) -> str:
@@ -136,7 +136,7 @@ def _inside(steps: Sequence[MethodStep]) -> Claim:
             causes[s.budget.cause(n)] = causes.get(s.budget.cause(n), 0) + 1
     words = f"{len(errors) - len(off)} of {len(errors)} are"
     if off:
-        worst = max(off, key=lambda found: abs(found[2]))
+        worst = max(off, key=lambda entry: abs(entry[2]))
         words += f"; the worst is {worst[1]} of {worst[0].method} at {worst[0].load:.0f} kg with {worst[2]:+.1f}"
     if causes:
         words += "; causes of the others: " + ", ".join(f"{c} ({n})" for c, n in causes.items())

@@ -134,9 +134,9 @@ def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
             continue
         rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
         path = PathTime(part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period)
-        late = path.taken - path.planned
-        if late > TIME_TOLERANCE * path.planned + CYCLES * log.period and (
-            worst is None or late > worst.taken - worst.planned
+        delay = path.taken - path.planned
+        if delay > TIME_TOLERANCE * path.planned + CYCLES * log.period and (
+            worst is None or delay > worst.taken - worst.planned
         ):
             worst = path
     return worst

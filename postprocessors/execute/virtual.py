@@ -124,14 +124,14 @@ class RuckigLaw:
         Raises:
             ExecutionError: ruckig finds none.
         """
-        wanted = InputParameter(1)
-        wanted.current_position, wanted.target_position = [0.0], [1.0]
-        wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = [velocity], [acceleration], [jerk]
-        found = Planned(1)
-        result = Ruckig(1).calculate(wanted, found)
+        parameters = InputParameter(1)
+        parameters.current_position, parameters.target_position = [0.0], [1.0]
+        parameters.max_velocity, parameters.max_acceleration, parameters.max_jerk = [velocity], [acceleration], [jerk]
+        trajectory = Planned(1)
+        result = Ruckig(1).calculate(parameters, trajectory)
         if result != Result.Working:  # offline, this is what success is called
             raise ExecutionError(f"ruckig cannot time a move ({result}); slow it down or make it longer")
-        profile = found.profiles[0][0]
+        profile = trajectory.profiles[0][0]
         values = (profile.p[:7], profile.v[:7], profile.a[:7], profile.j)
         return cls(np.cumsum(profile.t), np.array(values, dtype=float))
 

@@ -181,7 +181,7 @@ def comment_lines(calibration: Calibration) -> list[str]:
 def shared_values(calibration: Calibration) -> dict[str, Any]:
     """What templates of every language are told of a model."""
     drives = calibration.case.recording.drives if calibration.hexapod is not None else None
-    told = zip(calibration.model.parameters, calibration.result.values, calibration.deviations, strict=True)
+    rows = zip(calibration.model.parameters, calibration.result.values, calibration.deviations, strict=True)
     return {
         "hexapod": calibration.hexapod is not None,
         "most_steps": MOST_STEPS,
@@ -193,6 +193,6 @@ def shared_values(calibration: Calibration) -> dict[str, Any]:
         },
         "offsets": [n for n in calibration.model.names if n.startswith("f_q0_")],
         "parameters": [
-            {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"} for p, v, s in told
+            {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"} for p, v, s in rows
         ],
     }

@@ -43,7 +43,7 @@ def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: flo
     return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration)
 
 
-def _of_own_axes(controller: str, keeps: Iterable[str], smooth: bool, step: float) -> Guarantees:
+def _of_own_axes(controller: str, limits: Iterable[str], smooth: bool, step: float) -> Guarantees:
     """Of a machine whose axes are its joints: moves from rest to rest alone; `step` is the time of a cycle [s]."""
     return Guarantees(
         controller=controller,
@@ -51,7 +51,7 @@ def _of_own_axes(controller: str, keeps: Iterable[str], smooth: bool, step: floa
         longest_block=0.0,
         follows_paths=False,
         even_blocks=False,
-        enforced=frozenset(keeps),
+        enforced=frozenset(limits),
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else step,
@@ -157,10 +157,10 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
     """What is known of the time within POLY blocks: each ends in time, how it passes is the controller's."""
-    found = [s.points for s in stretches(reading) if isinstance(s, Timed) and isinstance(s.points, PolynomialMotion)]
-    if not found:
+    motions = [s.points for s in stretches(reading) if isinstance(s, Timed) and isinstance(s.points, PolynomialMotion)]
+    if not motions:
         return Forecast()
-    off = [path_speed_deviation(_pieces(motion), motion) for motion in found]
+    off = [path_speed_deviation(_pieces(motion), motion) for motion in motions]
     position, angle = max(o.position for o in off), max(o.angle for o in off)
     return Forecast(
         1.0,

@@ -101,9 +101,9 @@ class ForceBounds:
         most += np.abs(np.einsum("nki,ci->nck", turn, loads.linear)) @ acceleration[:3]
         most += np.abs(along) @ acceleration[3:]
         spin = np.einsum("nik,cij,njl->nckl", axes, _matrices(loads.spin), axes)
-        crossed = _crossed_axes(pose[:, 3:])
+        cross_axes = _crossed_axes(pose[:, 3:])
         for i, j in PAIRS:
-            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + crossed[i, j] @ loads.angular.T
+            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + cross_axes[i, j] @ loads.angular.T
             most += np.abs(share) * rate[i] * rate[j]
         return self._checks(most, t + clock)
 
@@ -168,9 +168,9 @@ class ForceBounds:
     def _check(self, most: Array, times: Array) -> LimitCheck:
         row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / self.loads.limit)), most.shape))
         name, limit, worst = self.loads.labels[channel], float(self.loads.limit[channel]), float(most[row, channel])
-        what, unit = ("moment", "N m") if self.loads.moments[channel] else ("force", "N")
+        quantity, unit = ("moment", "N m") if self.loads.moments[channel] else ("force", "N")
         return LimitCheck(
-            f"sensor {what} ({name}, at most)", worst, limit, unit, worst / limit, float(times[row]), Status.PROVEN
+            f"sensor {quantity} ({name}, at most)", worst, limit, unit, worst / limit, float(times[row]), Status.PROVEN
         )
 
 
@@ -220,5 +220,5 @@ def _reach(chain: Chain) -> Array:
     """How far the sensor can be from the axis of each joint, whatever the joints after it do, shape (n,) [m]."""
     lengths = [float(np.linalg.norm(joint.origin)) for joint in (*chain.joints, chain.sensor)]
     slides = [0.0 if joint.turns else max(abs(v) for v in joint.position) for joint in chain.joints]
-    behind = np.cumsum([b + s for b, s in zip(lengths[:0:-1], slides[::-1], strict=True)])
-    return np.asarray(behind[::-1])
+    reaches = np.cumsum([b + s for b, s in zip(lengths[:0:-1], slides[::-1], strict=True)])
+    return np.asarray(reaches[::-1])

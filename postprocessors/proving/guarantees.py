@@ -20,8 +20,8 @@ ArcLaw = Callable[[float, float, float, float], TimeLaw]
 
 def limits_jerk(law: Law) -> bool:
     """Whether a controller's law has a limit of jerk; without one its accelerations step."""
-    found = law(1.0, 1.0, 1.0)
-    return not (isinstance(found, Profile) and found.jerk_time == 0.0)
+    profile = law(1.0, 1.0, 1.0)
+    return not (isinstance(profile, Profile) and profile.jerk_time == 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +88,8 @@ class Answering:
 
     def own(self, check: LimitCheck, where: str = UNTIMED, status: Status | None = None) -> LimitCheck:
         """A limit in a move that the controller times: a prediction, for which the text is not answerable."""
-        found = self.answer(check.name) if status is None else status
-        return replace(check, name=_renamed(check.name, where), status=found, binding=False)
+        verdict = self.answer(check.name) if status is None else status
+        return replace(check, name=_renamed(check.name, where), status=verdict, binding=False)
 
     def forces_kept(
         self, kind: str, bound: Callable[[ForceBounds], Iterable[LimitCheck]], where: str = ""
@@ -105,5 +105,5 @@ class Answering:
 
 
 def _renamed(name: str, addition: str) -> str:
-    kind, _, where = name.partition(" (")
-    return f"{kind}{addition} ({where}" if where else f"{kind}{addition}"
+    kind, _, place = name.partition(" (")
+    return f"{kind}{addition} ({place}" if place else f"{kind}{addition}"

@@ -112,9 +112,9 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
         if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
             yield by.own(bound, WAY_HOME, Status.PROVEN)
             continue
-        kept = by.forces_kept(family(bound.name), lambda forces: forces.anywhere(clock, share), WAY_HOME)
+        proof = by.forces_kept(family(bound.name), lambda forces: forces.anywhere(clock, share), WAY_HOME)
         loose = replace(bound, name=bound.name.replace("at most", "at the limits"))
-        yield kept or by.own(loose, WAY_HOME, Status.NOT_ENFORCED)
+        yield proof or by.own(loose, WAY_HOME, Status.NOT_ENFORCED)
 
 
 def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Iterable[LimitCheck]:
@@ -122,11 +122,11 @@ def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Itera
     share = by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed
     # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
-    asked = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
-    k = int(np.argmax(asked / limits.rate))
+    speeds = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
+    k = int(np.argmax(speeds / limits.rate))
     scale, unit = (1 / DEG, "deg/s") if limits.turns[k] else (1 / MM, "mm/s")
     safe = share * limits.rate[k]
-    yield LimitCheck(FEED_TO_HOME, asked[k] * scale, safe * scale, unit, asked[k] / safe, clock, Status.PROVEN)
+    yield LimitCheck(FEED_TO_HOME, speeds[k] * scale, safe * scale, unit, speeds[k] / safe, clock, Status.PROVEN)
     cycle = by.guarantees.jerk_time
     for turning, kind, word in ((False, "", "m"), (True, "angular ", "rad")):
         own = limits.turns == turning
@@ -134,7 +134,7 @@ def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Itera
             continue
         rate, most, jerk = (float(v[own].min()) for v in (limits.rate, limits.acceleration, limits.jerk))
         scale, unit = (1 / DEG, "deg/s") if turning else (1 / MM, "mm/s")
-        fastest = float(asked[own].max())
+        fastest = float(speeds[own].max())
         status = Status.PROVEN if part.acceleration is not None else None
         yield _row(f"{kind}velocity", min(fastest, rate) * scale, rate * scale, unit, clock, by, status)
         peak = part.acceleration if part.acceleration is not None else most

@@ -89,9 +89,9 @@ def _require_timing(part: Timed, by: Answering) -> None:
             "or a move at a feed (G94) with an exact stop",
         )
     over = steps / guarantees.shortest_block
-    apart = np.abs(over - np.round(over)) > PARTS
-    if guarantees.whole_cycles and apart.any():
-        k = int(np.argmax(apart))
+    mask = np.abs(over - np.round(over)) > PARTS
+    if guarantees.whole_cycles and mask.any():
+        k = int(np.argmax(mask))
         raise ProgramError(
             by.file,
             part.lines[k],
@@ -115,8 +115,8 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
         if by.guarantees.follows_paths:
             yield check
         elif kind in SENSED:
-            kept = by.forces_kept(kind, lambda forces: forces.on(part.points, clock))
-            yield kept or replace(check, status=Status.NOT_ENFORCED)
+            proof = by.forces_kept(kind, lambda forces: forces.on(part.points, clock))
+            yield proof or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
             yield replace(check, status=by.answer(check.name))
         else:
@@ -130,7 +130,7 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering,
     """
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
     report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
-    asked = {c.name.split(" (")[0]: c for c in _asked(part, motion, by, clock)}
+    checks = {c.name.split(" (")[0]: c for c in _asked(part, motion, by, clock)}
     for check in report.checks:
         kind = check.name.split(" (")[0]
         if part.acceleration is not None and family(kind) != "jerk":
@@ -138,9 +138,9 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering,
             continue
         match family(kind):
             case "velocity":
-                yield by.own(check) if part.feed is None else asked[kind]
+                yield by.own(check) if part.feed is None else checks[kind]
             case "strut velocity":
-                fastest = asked.get(kind)
+                fastest = checks.get(kind)
                 if fastest is None or not fastest.kept:
                     yield by.own(check)
                 elif part.feed is None:  # the fastest that the kept rates of all coordinates let pass
@@ -150,8 +150,8 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering,
             case "acceleration" | "strut acceleration":
                 yield by.own(check)
             case "sensor force" | "sensor moment" as sensed:
-                kept = by.forces_kept(sensed, lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
-                yield kept or by.own(check, status=Status.NOT_ENFORCED)
+                proof = by.forces_kept(sensed, lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
+                yield proof or by.own(check, status=Status.NOT_ENFORCED)
             case "joint torque" | "joint force":
                 yield by.own(check, status=Status.NOT_ENFORCED)
             case "jerk":
@@ -228,9 +228,9 @@ def _telling_instants(motion: Trajectory, times: Array, case: Case, in_box: bool
     blocks[np.argsort(shares, axis=0)[-WORST_BLOCKS:]] = True
     fine, starts = _grid(times, FINE, PROOF_RATE)
     counts = np.diff(np.append(starts, len(fine) - 1))
-    chosen = np.append(np.repeat(blocks, counts), True)
-    chosen[np.append(starts[1:], len(fine) - 1)[blocks]] = True  # both ends of a block belong to it
-    return np.asarray(fine[chosen])
+    mask = np.append(np.repeat(blocks, counts), True)
+    mask[np.append(starts[1:], len(fine) - 1)[blocks]] = True  # both ends of a block belong to it
+    return np.asarray(fine[mask])
 
 
 def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64]]:

@@ -69,7 +69,7 @@ class ProgramProof:
         """What the proof comes to, never more than it holds."""
         if self.violations:
             return "NOT proven"
-        kept = [name for name in self._families(Status.ENFORCED) if name not in self.relies_on]
+        families = [name for name in self._families(Status.ENFORCED) if name not in self.relies_on]
         worst = {
             name: max(c.ratio for c in self.limits.checks if family(c.name) == name and c.status is Status.NOT_ENFORCED)
             for name in self.relies_on
@@ -79,7 +79,7 @@ class ProgramProof:
         return "; ".join(
             [
                 "proven",
-                *([f"{self.controller} enforces: {', '.join(kept)}"] if kept else []),
+                *([f"{self.controller} enforces: {', '.join(families)}"] if families else []),
                 *([f"nobody enforces: {', '.join(within)}"] if within else []),
                 *([f"EXCEEDED, as predicted, and nobody enforces: {', '.join(passed)}"] if passed else []),
             ]
@@ -184,12 +184,12 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
             f"line {first.line}: from wherever the machine stands its way is not known, and neither are struts, "
             f"{sensed}joints and boxes on it; keep it clear"
         )
-        if away := _away(first.end, home, limits):
-            yield f"line {first.line}: the first move does not go home, {away}"
+        if distance := _away(first.end, home, limits):
+            yield f"line {first.line}: the first move does not go home, {distance}"
     elif isinstance(reading.events[0], Stand):
         yield "the machine must stand at home when it starts"
-    if away := _away(_end_of(moves[-1]), home, limits):
-        yield f"it does not end at home, {away}"
+    if distance := _away(_end_of(moves[-1]), home, limits):
+        yield f"it does not end at home, {distance}"
     if reading.unsaid:
         yield (
             f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "

@@ -195,13 +195,13 @@ def measures_at_poses(program: Sequence[Stretch]) -> bool:
 
 def measured_poses(program: Sequence[Stretch]) -> Array:
     """Poses at which the trigger is on, in order, shape (k, n) [m or rad]; of programs that measure standing still."""
-    here: Array | None = None
+    last_pose: Array | None = None
     poses: list[Array] = []
     for part in program:
         if isinstance(part, Untimed):
-            here = part.end
+            last_pose = part.end
         elif isinstance(part, Timed):
-            here = part.points.at([part.points.duration]).pose[0]
-        elif part.trigger and part.duration > 0.0 and here is not None:
-            poses.append(here)
+            last_pose = part.points.at([part.points.duration]).pose[0]
+        elif part.trigger and part.duration > 0.0 and last_pose is not None:
+            poses.append(last_pose)
     return np.array(poses)

@@ -65,10 +65,10 @@ class _Reader:
     def message(self) -> tuple[list[str], list[_TablePoint]]:
         if len(self.lines) < 3:
             self.fail(0, "has no joint_names and points; is this a JointTrajectory?")
-        (self.named, first), (where, second), *rest = self.lines
+        (self.named, first), (place, second), *rest = self.lines
         names = [name.strip().strip("'\"") for name in self.list_of(self.named, first, "joint_names: ")]
         if second != "points:":
-            self.fail(where, f"{second.strip()[:24]!r} where `points:` is expected; write joint_names, then points")
+            self.fail(place, f"{second.strip()[:24]!r} where `points:` is expected; write joint_names, then points")
         if len(rest) % len(_KEYS):
             self.fail(rest[-1][0], f"the last point is not complete; a point has {', '.join(_KEYS)}")
         groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
@@ -88,10 +88,10 @@ class _Reader:
         return _TablePoint(group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
 
     def list_of(self, line: int, code: str, start: str) -> list[str]:
-        found = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
-        if found is None:
+        match = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
+        if match is None:
             self.fail(line, f"{code.strip()[:24]!r} where `{start}[..]` is expected; write the keys in this order")
-        return found[1].split(",")
+        return match[1].split(",")
 
     def number(self, line: int, word: str) -> float:
         if not _NUMBER.fullmatch(word) or abs(float(word)) > LARGEST:
@@ -104,9 +104,9 @@ def _events(reader: _Reader, points: list[_TablePoint], count: int) -> list[Even
     first, last = points[0], points[-1]
     if not first.time > 0.0:
         reader.fail(first.line, "the first point is at 0 s, to which the controller would jump; give it some time")
-    for point, what in ((first, "begins"), (last, "ends")):
+    for point, verb in ((first, "begins"), (last, "ends")):
         if point.state[1:].any():
-            reader.fail(point.line, f"the motion {what} with a velocity or acceleration; it must be at rest there")
+            reader.fail(point.line, f"the motion {verb} with a velocity or acceleration; it must be at rest there")
     events: list[Event] = [Stand(first.line, first.state[0]), Pause(first.line, first.time)]
     for before, after in pairwise(points):
         duration = after.time - before.time

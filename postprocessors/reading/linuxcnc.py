@@ -77,25 +77,25 @@ class _LinuxCncInterpreter(ModalState):
         self.moved = False
 
     def read(self, words: list[Word]) -> None:
-        seen = self.once_each(words)
+        block = self.once_each(words)
         codes = [word for word in words if word.value is None]
         for word in words:
             if word.value is not None:
                 self._number(word, word.value)
-        self.require_one_of_each_group(seen)
+        self.require_one_of_each_group(block)
         for word in codes:
-            self._code(word, seen)
+            self._code(word, block)
         if not self.moved:
             self.said |= {word.name for word in codes}
         for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
-            if letter in seen and owners.isdisjoint(seen):
-                self.fail(seen[letter], f"{letter} without {' or '.join(sorted(owners))}; remove it")
+            if letter in block and owners.isdisjoint(block):
+                self.fail(block[letter], f"{letter} without {' or '.join(sorted(owners))}; remove it")
         if not self.active("G2", "G3"):
-            self.refuse_centres(seen, "G2 or G3")
-        self.take_feed(seen)
+            self.refuse_centres(block, "G2 or G3")
+        self.take_feed(block)
         first = next((word for word in words if word.name in (*self.axes, "I", "J", "K")), None)
         if first is not None:
-            self._move(seen, first)
+            self._move(block, first)
         elif self.active("G93"):
             self.feed = None
 
@@ -105,21 +105,21 @@ class _LinuxCncInterpreter(ModalState):
         if abs(value) > (LARGEST_FEED if word.name == "F" else LARGEST):
             self.fail(word, f"{word.name}{value:g} is not a machine's number; correct it")
 
-    def _code(self, word: Word, seen: dict[str, Word]) -> None:
+    def _code(self, word: Word, block: dict[str, Word]) -> None:
         code = word.name
-        stated = seen["P"].value if "P" in seen else None
+        seconds = block["P"].value if "P" in block else None
         if self.own_axes and code in _OF_A_POSE:
             self.fail(word, f"{code} is {_OF_A_POSE[code]}, which no proof covers where rotary axes move; {_BY_MOVES}")
         if code in _MODAL:
             self.activate(code)
             if code == "G64":
-                self.loose = self._looseness(word, seen)
+                self.loose = self._looseness(word, block)
         elif code == "G4":
-            if stated is None or stated < 0.0:
+            if seconds is None or seconds < 0.0:
                 self.fail(word, "G4 needs a duration in seconds that is not negative; write G4 P0.3")
-            self.events.append(Pause(self.line, stated))
+            self.events.append(Pause(self.line, seconds))
         elif code in _SWITCHES:
-            if stated != 0.0:
+            if seconds != 0.0:
                 self.fail(word, f"{code} needs P0, the output that the trigger is wired to")
             self.events.append(Switch(self.line, *_SWITCHES[code]))
         elif code in ("M2", "M30"):
@@ -127,15 +127,15 @@ class _LinuxCncInterpreter(ModalState):
         elif code not in _NEUTRAL:
             self.fail(word, f"{code} is {_REMEDY.get(code, 'not a word of an excitation; remove it')}")
 
-    def _looseness(self, word: Word, seen: dict[str, Word]) -> ProgramError | None:
+    def _looseness(self, word: Word, block: dict[str, Word]) -> ProgramError | None:
         """G64 P cuts corners by up to P; Q merges blocks, and is what P is where it is not written."""
-        cut, merge = (math.inf if name not in seen else float(seen[name].value or 0.0) for name in "PQ")
-        if cut <= LOOSEST and (merge if "Q" in seen else cut) <= 0.0:
+        cut, merge = (math.inf if name not in block else float(block[name].value or 0.0) for name in "PQ")
+        if cut <= LOOSEST and (merge if "Q" in block else cut) <= 0.0:
             return None
         remedy = f"G64 lets the controller leave the path; write G64 P{LOOSEST:g} Q0"
         return ProgramError(self.file, self.line, word.column, remedy)
 
-    def _move(self, seen: dict[str, Word], first: Word) -> None:
+    def _move(self, block: dict[str, Word], first: Word) -> None:
         if not (self.active("G21") and self.active("G90")):
             self.fail(None, "a move before G21 and G90; units and coordinates are not known, add them")
         if not self.active("G0", "G1", "G2", "G3"):
@@ -143,16 +143,16 @@ class _LinuxCncInterpreter(ModalState):
         self.moved = True
         exact = self.active("G61")
         if self.active("G2", "G3"):
-            self.events.append(self.turn(seen, first, exact))
+            self.events.append(self.turn(block, first, exact))
             return
-        end = self.end_of(seen, first)
-        timing, value = self.timing(seen, end, first)
+        end = self.end_of(block, first)
+        timing, value = self.timing(block, end, first)
         if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
         known = not np.isnan(self.pose).any()
         move = self.straight(end, timing, value, exact)
-        counted = np.flatnonzero(self.linear if move.linear else ~self.linear)
-        self.events.append(replace(move, counted=tuple(map(int, counted))) if self.own_axes and known else move)
+        axes = np.flatnonzero(self.linear if move.linear else ~self.linear)
+        self.events.append(replace(move, counted=tuple(map(int, axes))) if self.own_axes and known else move)
 
 
 def _words(text: str, line: int, file: str) -> list[Word]:

@@ -54,20 +54,20 @@ def arc_through(
     offset = np.array([centres.get("IJK"[k], 0.0) for k in (first, second)])
     centre = start[[first, second]] + offset
     target = end[[first, second]] - centre
-    radius, reached = float(np.hypot(*offset)), float(np.hypot(*target))
+    radius, end_radius = float(np.hypot(*offset)), float(np.hypot(*target))
     if radius <= 0.0:
         raise PlaneProblem("", "the arc has no radius; correct its centre")
-    if abs(reached - radius) > ROUND:
+    if abs(end_radius - radius) > ROUND:
         raise PlaneProblem(
-            "", f"radius {radius:g} mm at the start and {reached:g} mm at the end of the arc; correct its centre"
+            "", f"radius {radius:g} mm at the start and {end_radius:g} mm at the end of the arc; correct its centre"
         )
     if float(np.hypot(*(target + offset))) <= STILL:
-        turned = 2 * np.pi
+        angle = 2 * np.pi
     else:
         arm = -offset
-        turned = float(np.arctan2(arm[0] * target[1] - arm[1] * target[0], arm @ target)) % (2 * np.pi)
-        turned = turned if counter_clockwise else 2 * np.pi - turned
-    return centre, turned if counter_clockwise else -turned
+        angle = float(np.arctan2(arm[0] * target[1] - arm[1] * target[0], arm @ target)) % (2 * np.pi)
+        angle = angle if counter_clockwise else 2 * np.pi - angle
+    return centre, angle if counter_clockwise else -angle
 
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
@@ -176,12 +176,12 @@ class ModalState(ABC):
 
     def once_each(self, words: Iterable[Word]) -> dict[str, Word]:
         """The words of a block by their names, each of which may stand in it once."""
-        seen: dict[str, Word] = {}
+        block: dict[str, Word] = {}
         for word in words:
-            if word.name in seen:
+            if word.name in block:
                 self.fail(word, f"a second {word.name.rstrip('=') or 'bare number'} word in one block; remove one")
-            seen[word.name] = word
-        return seen
+            block[word.name] = word
+        return block
 
     def require_one_of_each_group(self, seen: dict[str, Word]) -> None:
         """Two words of one group in a block are an error to the controller."""
@@ -239,10 +239,10 @@ class ModalState(ABC):
         return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
     def _require_counted(self, first: Word, linear: bool) -> None:
-        counted = tuple(a for a in self.axes if a in ("X", "Y", "Z")) if linear else self.angles
-        if self.spelling.feed_group and self.feed_axes != counted:
-            command = self.spelling.feed_group.format(",".join(counted))
-            self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
+        axes = tuple(a for a in self.axes if a in ("X", "Y", "Z")) if linear else self.angles
+        if self.spelling.feed_group and self.feed_axes != axes:
+            command = self.spelling.feed_group.format(",".join(axes))
+            self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}; add it before")
 
     def straight(self, end: Array, timing: Timing, value: float, exact: bool) -> Move:
         """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""

@@ -35,25 +35,25 @@ class _OwnAxes(ModalState):
         self.lengths = tuple(letter for letter in letters if letter not in turning)
 
     def read(self, words: list[Word]) -> None:
-        seen = self.once_each(words)
-        self.require_one_of_each_group(seen)
-        for name, word in seen.items():
+        block = self.once_each(words)
+        self.require_one_of_each_group(block)
+        for name, word in block.items():
             if name in self.axes or name == "F":
                 if word.value is None or abs(word.value) > (LARGEST_FEED if name == "F" else LARGEST):
                     self.fail(word, f"{name} needs a plain number of a machine's size; correct it")
             elif name not in ("N", "G4", ""):
-                self.setting(name, word, seen)
-        if "G4" in seen:
-            self.dwell(seen)
+                self.setting(name, word, block)
+        if "G4" in block:
+            self.dwell(block)
             return
-        if "" in seen:
-            self.fail(seen[""], "a number without a letter; write its letter")
-        self.take_feed(seen)
-        if named := [seen[name] for name in self.axes if name in seen]:
-            self._move(seen, min(named, key=lambda word: word.column))
-        elif "G60" in seen and self.in_a_motion:
-            self.fail(seen["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
-        if "M30" in seen:
+        if "" in block:
+            self.fail(block[""], "a number without a letter; write its letter")
+        self.take_feed(block)
+        if coordinates := [block[name] for name in self.axes if name in block]:
+            self._move(block, min(coordinates, key=lambda word: word.column))
+        elif "G60" in block and self.in_a_motion:
+            self.fail(block["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
+        if "M30" in block:
             self.ended = True
 
     @property
@@ -78,15 +78,15 @@ class _OwnAxes(ModalState):
     def before_motion(self) -> None:
         """What happens with the next motion."""
 
-    def _move(self, seen: dict[str, Word], first: Word) -> None:
+    def _move(self, block: dict[str, Word], first: Word) -> None:
         for name in self.wanted:
             if name not in self.said and not self.active(name):
                 self.fail(first, f"a move before {name}; what it means is not known, add it")
         if not self.active("G1"):
             self.fail(first, f"coordinates without {self.spelling.straight}; add it")
-        if not (self.active("G60") or "G60" in seen):
+        if not (self.active("G60") or "G60" in block):
             self.fail(first, "a move without exact stop runs into the next, its path is not known; write G60")
-        end = self.end_of(seen, first)
+        end = self.end_of(block, first)
         known = not np.isnan(self.pose).any()
         if not known:  # from anywhere: the feed must hold for every axis
             if self.feed is None or set(self.feed_axes or ()) != set(self.axes):
@@ -94,11 +94,11 @@ class _OwnAxes(ModalState):
                 self.fail(first, f"the first move comes from anywhere; write {group} and F, so that F counts all axes")
             timing, value = Timing.FEED, self.feed * (MM if self.lengths else DEG) / 60.0
         else:
-            timing, value = self.timing(seen, end, first)
+            timing, value = self.timing(block, end, first)
         move = self.straight(end, timing, value, exact=True)
         self.before_motion()
-        counted = np.flatnonzero(self.linear if move.linear else ~self.linear)
-        self.events.append(replace(move, counted=tuple(map(int, counted))) if known else move)
+        axes = np.flatnonzero(self.linear if move.linear else ~self.linear)
+        self.events.append(replace(move, counted=tuple(map(int, axes))) if known else move)
 
 
 class _Sinumerik(_OwnAxes):
@@ -203,10 +203,10 @@ class _TwinCat(_OwnAxes):
             self.fail(word, f"{name} is {isg.REMEDY.get(name, 'not a word of a program in own axes; remove it')}")
 
     def dwell(self, seen: dict[str, Word]) -> None:
-        given = [word for name, word in seen.items() if name not in ("G4", "N")]
-        if len(given) != 1 or given[0].name not in ("", "X"):
+        arguments = [word for name, word in seen.items() if name not in ("G4", "N")]
+        if len(arguments) != 1 or arguments[0].name not in ("", "X"):
             self.fail(seen["G4"], "G04 stands in a block of its own with its seconds; write G04 0.3")
-        self.pause(seen["G4"], given[0].value)
+        self.pause(seen["G4"], arguments[0].value)
 
 
 def read_sinumerik_axes(content: bytes, file: str, case: Case) -> Reading:

@@ -154,8 +154,8 @@ def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTab
     wrong = next((f.name for f in table.schema if f.type != pa.float64()), None)
     if wrong is not None:
         raise ProgramError(file, 0, 0, f"column {wrong} does not hold 64-bit floats; write it so")
-    said = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
-    header = {m["key"]: m["value"] for line in reversed(said.split("\n")) if (m := _HEADER.match(line))}
+    text = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
+    header = {m["key"]: m["value"] for line in reversed(text.split("\n")) if (m := _HEADER.match(line))}
     return SetpointTable(1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
 
 
@@ -185,15 +185,15 @@ class _Rows:
         self.rest: NDArray[np.bool_] = np.asarray(~(self.rates.any(axis=1) | self.accelerations.any(axis=1)))
 
     def error(self, row: int, column: int | None, problem: str) -> ProgramError:
-        where = "" if column is None else f"{self.columns[column]}: "
-        return ProgramError(self.file, self.first + row, 0, f"{where}{problem}")
+        place = "" if column is None else f"{self.columns[column]}: "
+        return ProgramError(self.file, self.first + row, 0, f"{place}{problem}")
 
     def require(self, case: Case) -> None:
         home, limits = case.need_motion("the check of a table")
         steps = np.diff(self.time)
-        late = np.abs(self.time - np.arange(len(self.time)) * self.cycle) > SAME_TIME
-        if late.any():
-            row = int(np.argmax(late))
+        mask = np.abs(self.time - np.arange(len(self.time)) * self.cycle) > SAME_TIME
+        if mask.any():
+            row = int(np.argmax(mask))
             gap = f"{1e3 * steps[row - 1]:.6g} ms after the row before" if row else f"{self.time[0]:g} s"
             raise self.error(
                 row, 0, f"{gap}; rows begin at 0 and follow each {1e3 * self.cycle:g} ms, the case's cycle"
@@ -202,9 +202,9 @@ class _Rows:
         if wrong.any():
             row = int(np.argmax(wrong))
             raise self.error(row, len(self.columns) - 1, f"{self.trigger[row]:g} is neither 0 nor 1; correct it")
-        for row, what in ((0, "begins"), (-1, "ends")):
+        for row, verb in ((0, "begins"), (-1, "ends")):
             if not self.rest[row]:
-                raise self.error(row % len(self.time), None, f"the table {what} in motion; it must be at rest there")
+                raise self.error(row % len(self.time), None, f"the table {verb} in motion; it must be at rest there")
         off = np.abs(self.pose[0] - home) > AT_HOME
         if off.any():
             raise self.error(
@@ -229,11 +229,11 @@ class _Rows:
         rates = v[1:] - v[:-1] - h * (a[1:] + a[:-1]) / 2
         poses = p[1:] - p[:-1] - h * v[:-1] - h**2 * (2 * a[:-1] + a[1:]) / 6
         varied = most * (1.0 - q**2) * (1.0 + JERK_ROUNDING)
-        left = {
+        errors = {
             "rates": (rates, h**2 * varied / 4, ROUNDING[1]),
             "pose": (poses, h**3 * varied * (3.0 - np.sign(poses) * q) / 24, ROUNDING[0]),
         }
-        for name, (error, bound, rounding) in left.items():
+        for name, (error, bound, rounding) in errors.items():
             bad = ~(np.abs(error) <= bound + rounding)
             if bad.any():
                 row, k = (int(n) for n in np.argwhere(bad)[0])
@@ -250,8 +250,8 @@ class _Rows:
         if bad.any():
             row, k = (int(n) for n in np.argwhere(bad)[0])
             column = self.struts.start + k
-            found, wanted = self.values[row, column] / self.units[column], exact[row, k] / self.units[column]
-            raise self.error(row, column, f"{found:.9g}, but the pose and its derivatives give {wanted:.9g}")
+            value, expected = self.values[row, column] / self.units[column], exact[row, k] / self.units[column]
+            raise self.error(row, column, f"{value:.9g}, but the pose and its derivatives give {expected:.9g}")
 
     def events(self) -> list[Event]:
         """Standstills, paths between them, and the trigger where it switches at rest."""

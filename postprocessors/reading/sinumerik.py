@@ -46,18 +46,18 @@ class _SinumerikInterpreter(ModalState):
 
     def read(self, words: list[Word]) -> None:
         polynomials = [word for word in words if word.name == "PO"]
-        seen = self.once_each(word for word in words if word.name != "PO")
-        self.require_one_of_each_group(seen)
-        for name, word in seen.items():
-            self._modal(name, word, seen)
-        if "G4" in seen:
-            self._dwell(seen)
+        block = self.once_each(word for word in words if word.name != "PO")
+        self.require_one_of_each_group(block)
+        for name, word in block.items():
+            self._modal(name, word, block)
+        if "G4" in block:
+            self._dwell(block)
         else:
-            self._feed_and_move(seen, polynomials)
-        if "M30" in seen or "M2" in seen:
-            self._end(seen.get("M30") or seen.get("M2"))
+            self._feed_and_move(block, polynomials)
+        if "M30" in block or "M2" in block:
+            self._end(block.get("M30") or block.get("M2"))
 
-    def _modal(self, name: str, word: Word, seen: dict[str, Word]) -> None:
+    def _modal(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in NEUTRAL or name in ("G4", "M2", "M30"):
             return
         if name in MODAL:
@@ -75,10 +75,10 @@ class _SinumerikInterpreter(ModalState):
         elif name == "DO":
             self._action(word)
         elif self._called(word) == self.settings.transformation:
-            self._alone(word, seen)
+            self._alone(word, block)
             self.transformed = True
         elif self._called(word) == self.settings.transformation_off:
-            self._alone(word, seen)
+            self._alone(word, block)
             self.transformed = False
         else:
             self._refuse(name, word)
@@ -92,17 +92,17 @@ class _SinumerikInterpreter(ModalState):
         if name.endswith("=") and name[:-1] in REMEDY | dict.fromkeys("XYZABCF"):
             self.fail(word, f"{name[:-1]} is not read here as an assignment; write {name[:-1]} and its number")
         if name in ("TRAORI", "TRAFOOF") or name.startswith("TRA"):
-            wanted = f"{self.settings.transformation} and {self.settings.transformation_off}"
-            self.fail(word, f"{self._called(word)} is not the case's transformation; write {wanted}")
-        what = "Q" if name == "Q" else name.rstrip("=")
-        self.fail(word, f"{what} is {REMEDY.get(name, 'not a word of an excitation; remove it')}")
+            remedy = f"{self.settings.transformation} and {self.settings.transformation_off}"
+            self.fail(word, f"{self._called(word)} is not the case's transformation; write {remedy}")
+        label = "Q" if name == "Q" else name.rstrip("=")
+        self.fail(word, f"{label} is {REMEDY.get(name, 'not a word of an excitation; remove it')}")
 
     @staticmethod
     def _called(word: Word) -> str:
         return word.name if word.arguments is None else f"{word.name}({','.join(word.arguments)})"
 
-    def _alone(self, word: Word, seen: dict[str, Word]) -> None:
-        if set(seen) - {word.name, "N"}:
+    def _alone(self, word: Word, block: dict[str, Word]) -> None:
+        if set(block) - {word.name, "N"}:
             self.fail(word, f"{word.name} stands in a block of its own; move the other words")
 
     def _program_name(self, word: Word) -> None:
@@ -132,38 +132,38 @@ class _SinumerikInterpreter(ModalState):
             self.events.append(Switch(self.trigger.line, self.trigger.on, at_once=not before_motion))
             self.trigger = None
 
-    def _dwell(self, seen: dict[str, Word]) -> None:
-        word = seen["G4"]
-        if set(seen) - {"G4", "F", "N"}:
-            other = next(w for name, w in seen.items() if name not in ("G4", "F", "N"))
+    def _dwell(self, block: dict[str, Word]) -> None:
+        word = block["G4"]
+        if set(block) - {"G4", "F", "N"}:
+            other = next(w for name, w in block.items() if name not in ("G4", "F", "N"))
             self.fail(other, "G4 stands in a block of its own with its seconds as F; write G4 F0.3")
-        seconds = seen["F"].value if "F" in seen else None
+        seconds = block["F"].value if "F" in block else None
         if seconds is None or seconds < 0.0:
             self.fail(word, "G4 needs a duration in seconds that is not negative; write G4 F0.3")
         self._flush_trigger(before_motion=False)
         self.events.append(Pause(self.line, seconds))
         self.flowing = False
 
-    def _feed_and_move(self, seen: dict[str, Word], polynomials: list[Word]) -> None:
-        self.take_feed(seen)
-        named = [name for name in (*self.axes, "I", "J", "K", "PL=") if name in seen]
-        if not named and not polynomials:
+    def _feed_and_move(self, block: dict[str, Word], polynomials: list[Word]) -> None:
+        self.take_feed(block)
+        coordinates = [name for name in (*self.axes, "I", "J", "K", "PL=") if name in block]
+        if not coordinates and not polynomials:
             return
-        first = polynomials[0] if polynomials else seen[named[0]]
+        first = polynomials[0] if polynomials else block[coordinates[0]]
         self._require_ready(first)
         if polynomials or self.active("POLY"):
-            self._move(polynomial(self, self.settings, seen, polynomials, first))
+            self._move(polynomial(self, self.settings, block, polynomials, first))
         elif self.active("G2", "G3"):
-            self._arc(seen, first)
-        elif "PL=" in seen:
-            self.fail(seen["PL="], "PL without PO; remove it")
+            self._arc(block, first)
+        elif "PL=" in block:
+            self.fail(block["PL="], "PL without PO; remove it")
         else:
-            self._line(seen, first)
+            self._line(block, first)
         self.flowing = self.active("G64", "G642")
 
     def _require_ready(self, word: Word) -> None:
-        wanted = ["G90", "G710", "G500", "SOFT", "ORIAXES"] + (["ORIWKS", "ORIRPY"] if self.rpy_needed else [])
-        for name in wanted:
+        codes = ["G90", "G710", "G500", "SOFT", "ORIAXES"] + (["ORIWKS", "ORIRPY"] if self.rpy_needed else [])
+        for name in codes:
             if not self.active(name):
                 self.fail(word, f"a move before {name}; what it means is not known, add {name}")
         if not self.transformed:
@@ -172,17 +172,17 @@ class _SinumerikInterpreter(ModalState):
         if not self.active("G60", "G64", "G642"):
             self.fail(word, "a move before G60 or G64; whether the machine stops after it is not known, add one")
 
-    def _line(self, seen: dict[str, Word], first: Word) -> None:
+    def _line(self, block: dict[str, Word], first: Word) -> None:
         if not self.active("G0", "G1"):
             self.fail(first, "coordinates without G0 or G1; add G1")
-        self.refuse_centres(seen, "G2 or G3")
+        self.refuse_centres(block, "G2 or G3")
         if self.active("COMPCAD"):
             allowed = _COMPRESSED | set(self.axes)
-            other = next((w for name, w in seen.items() if name not in allowed), None)
+            other = next((w for name, w in block.items() if name not in allowed), None)
             if other is not None or not self.active("G1"):
                 self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
-        end = self.end_of(seen, first)
-        timing, value = self.timing(seen, end, first)
+        end = self.end_of(block, first)
+        timing, value = self.timing(block, end, first)
         exact = self.active("G60")
         if timing is Timing.DURATION and exact and not np.isnan(self.pose).any():
             self.fail(first, "a timed block under G60 stops at its end and does not keep the time; write G64")
@@ -203,11 +203,11 @@ class _SinumerikInterpreter(ModalState):
         if self.flowing:
             self.fail(first, "the path before runs into this move (G64); let the machine stop first, write G4 F0.1")
 
-    def _arc(self, seen: dict[str, Word], first: Word) -> None:
+    def _arc(self, block: dict[str, Word], first: Word) -> None:
         if not self.active("G60"):
             self.fail(first, "a move at a feed is blended into the next (G64), its path is not known; write G60")
         self._require_standing(first)
-        self._move(self.turn(seen, first, True))
+        self._move(self.turn(block, first, True))
 
     def _end(self, word: Word | None) -> None:
         if self.trigger is not None:

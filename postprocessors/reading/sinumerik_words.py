@@ -220,11 +220,11 @@ def polynomial(
     coefficients[0] = state.pose
     end = state.pose.copy()
     axes = ("X", "Y", "Z", *settings.orientation_axes)
-    moved: set[str] = set()
+    selectors: set[str] = set()
     for word in pieces:
-        if word.selector not in axes or word.selector in moved:
+        if word.selector not in axes or word.selector in selectors:
             state.fail(word, f"PO[{word.selector}] is not one of the six axes {', '.join(axes)}, each once; correct it")
-        moved.add(word.selector)
+        selectors.add(word.selector)
         k = axes.index(word.selector)
         end[k], higher = _piece(state, settings, word)
         coefficients[2 : 2 + len(higher), k] = [a * length**i for i, a in enumerate(higher, start=2)]

@@ -41,24 +41,24 @@ class _TwinCatInterpreter(ModalState):
         self.messages = 0
 
     def read(self, words: list[Word]) -> None:
-        seen = self.once_each(words)
-        self.require_one_of_each_group(seen)
-        command = next((w for name, w in seen.items() if name.startswith("#")), None)
+        block = self.once_each(words)
+        self.require_one_of_each_group(block)
+        command = next((w for name, w in block.items() if name.startswith("#")), None)
         if command is not None:
             self._command(command)
             return
-        for name, word in seen.items():
-            self._word(name, word, seen)
-        if "G4" in seen:
-            self._dwell(seen)
+        for name, word in block.items():
+            self._word(name, word, block)
+        if "G4" in block:
+            self._dwell(block)
         else:
-            if "" in seen:
-                self.fail(seen[""], "a number without a letter; write its letter")
-            self._feed_and_move(seen)
-        if "M30" in seen or "M2" in seen:
-            self._end(seen.get("M30") or seen.get("M2"))
+            if "" in block:
+                self.fail(block[""], "a number without a letter; write its letter")
+            self._feed_and_move(block)
+        if "M30" in block or "M2" in block:
+            self._end(block.get("M30") or block.get("M2"))
 
-    def _word(self, name: str, word: Word, seen: dict[str, Word]) -> None:
+    def _word(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in ("N", "G4", "G60", "M2", "M30", ""):
             return
         if name in MODAL and word.value is None:
@@ -71,10 +71,10 @@ class _TwinCatInterpreter(ModalState):
             if self.events or self.modal or re.match(TWINCAT_NAME, program) is None:
                 self.fail(word, f"program name {program!r} is not taken; one plain name at the start of the file")
         elif name in (f"M{self.settings.trigger_on_m}", f"M{self.settings.trigger_off_m}"):
-            self._switch(name, word, seen)
+            self._switch(name, word, block)
         else:
-            wanted = f"M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
-            hint = f"not the trigger's M function; write {wanted}" if name[:1] == "M" else "not a word of an excitation"
+            remedy = f"M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
+            hint = f"not the trigger's M function; write {remedy}" if name[:1] == "M" else "not a word of an excitation"
             self.fail(word, f"{name} is {REMEDY.get(name, hint + '; remove it')}")
 
     def _mode(self, name: str, word: Word) -> None:
@@ -84,8 +84,8 @@ class _TwinCatInterpreter(ModalState):
             self.path.close("CONTOUR", word)
         self.activate(name)
 
-    def _switch(self, name: str, word: Word, seen: dict[str, Word]) -> None:
-        if set(seen) - {name, "N"}:
+    def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
+        if set(block) - {name, "N"}:
             self.fail(word, f"{name} stands in a block of its own; move the other words")
         if self.path.kind or self.flowing:
             self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
@@ -134,8 +134,8 @@ class _TwinCatInterpreter(ModalState):
             case _:
                 self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of an excitation; remove it')}")
 
-    def _equal(self, word: Word, wanted: tuple[str, ...], written: str) -> None:
-        if (word.arguments or ()) != wanted or word.value is not None:
+    def _equal(self, word: Word, expected: tuple[str, ...], written: str) -> None:
+        if (word.arguments or ()) != expected or word.value is not None:
             self.fail(word, f"{word.name} is not what the case says; write {word.name}{written.replace('alone', '')}")
 
     def _pause(self, word: Word, seconds: float | None) -> None:
@@ -146,29 +146,29 @@ class _TwinCatInterpreter(ModalState):
         self.events.append(Pause(self.line, seconds))
         self.flowing = False
 
-    def _dwell(self, seen: dict[str, Word]) -> None:
+    def _dwell(self, block: dict[str, Word]) -> None:
         """`G04 3.0` or `G04 X3.0`, seconds."""
-        word = seen["G4"]
-        given = [w for name, w in seen.items() if name not in ("G4", "N")]
-        if len(given) != 1 or given[0].name not in ("", "X"):
-            other = next((w for w in given if w.name not in ("", "X")), word)
+        word = block["G4"]
+        arguments = [w for name, w in block.items() if name not in ("G4", "N")]
+        if len(arguments) != 1 or arguments[0].name not in ("", "X"):
+            other = next((w for w in arguments if w.name not in ("", "X")), word)
             self.fail(other, "G04 stands in a block of its own with its seconds; write G04 0.3")
-        self._pause(word, given[0].value)
+        self._pause(word, arguments[0].value)
 
-    def _feed_and_move(self, seen: dict[str, Word]) -> None:
-        self.take_feed(seen)
-        named = [seen[name] for name in (*self.axes, "I", "J", "K") if name in seen]
-        if not named:
-            if "G60" in seen:
-                self.fail(seen["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
+    def _feed_and_move(self, block: dict[str, Word]) -> None:
+        self.take_feed(block)
+        coordinates = [block[name] for name in (*self.axes, "I", "J", "K") if name in block]
+        if not coordinates:
+            if "G60" in block:
+                self.fail(block["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
             return
-        first = min(named, key=lambda w: w.column)
+        first = min(coordinates, key=lambda w: w.column)
         self._require_ready(first)
-        exact = "G60" in seen or self.active("G360")
+        exact = "G60" in block or self.active("G360")
         if self.active("G2", "G3"):
-            self._arc(seen, first, exact)
+            self._arc(block, first, exact)
         else:
-            self._line(seen, first, exact)
+            self._line(block, first, exact)
         self.flowing = not exact
 
     def _require_ready(self, word: Word) -> None:
@@ -176,21 +176,21 @@ class _TwinCatInterpreter(ModalState):
             if not self.active(name):
                 self.fail(word, f"a move before {name}; what it means is not known, add {name}")
         s = self.settings
-        for done, name in (
+        for ready, name in (
             (self.slope, f"#SLOPE [TYPE={s.slope}]"),
             (self.kinematics, f"#KIN ID[{s.kinematic_id}]"),
             (self.transformed, "#TRAFO ON"),
         ):
-            if not done:
+            if not ready:
                 self.fail(word, f"a move before {name}; what it means is not known, add it")
 
-    def _line(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
+    def _line(self, block: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G0", "G1"):
             self.fail(first, "coordinates without G00 or G01; add G01")
-        self.refuse_centres(seen, "G02 or G03")
-        end = self.end_of(seen, first)
+        self.refuse_centres(block, "G02 or G03")
+        end = self.end_of(block, first)
         unsure = "whether the machine stops after this move is not known; write G60 in its block"
-        timing, value = self.timing(seen, end, first)
+        timing, value = self.timing(block, end, first)
         if timing is Timing.DURATION:
             self.path.point(first, exact)
             exact = False  # the exact stop at the end of a whole path is not a stop within it
@@ -202,12 +202,12 @@ class _TwinCatInterpreter(ModalState):
             self.fail(first, unsure)
         self.events.append(self.straight(end, timing, value, exact))
 
-    def _arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
+    def _arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G162"):
             self.fail(first, "an arc needs relative centres; write G162")
         if self.path.kind or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
-        self.events.append(self.turn(seen, first, exact))
+        self.events.append(self.turn(block, first, exact))
 
     def _end(self, word: Word | None) -> None:
         if self.path.kind:

@@ -236,11 +236,11 @@ class PointPath:
         """
         s, arguments = self.settings, word.arguments or ()
         limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
-        wanted = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
-        found = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
-        if arguments[:1] != (kind,) or len(arguments) != 3 or set(found) != set(limits):
-            self.state.fail(word, f"{word.name} needs its deviations; write {word.name} {wanted}")
+        text = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
+        deviations = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
+        if arguments[:1] != (kind,) or len(arguments) != 3 or set(deviations) != set(limits):
+            self.state.fail(word, f"{word.name} needs its deviations; write {word.name} {text}")
         for name, limit in limits.items():
-            if not 0.0 < found[name] <= limit:
-                problem = f"{name}={found[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
+            if not 0.0 < deviations[name] <= limit:
+                problem = f"{name}={deviations[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
                 self.state.fail(word, problem)

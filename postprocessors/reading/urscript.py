@@ -106,17 +106,17 @@ class _Interpreter:
 
     def _named(self, call: str, text: str, column: int) -> dict[str, str]:
         """Arguments by name; those without a name come first, in their order."""
-        known, found, position = self.arguments[call], dict[str, str](), 0
+        names, values, position = self.arguments[call], dict[str, str](), 0
         while position < len(text):
             part = _PARTS.match(text, position)
             if part is None or (text[part.end() - 1] == "," and not text[part.end() :].strip()):
                 self.fail(f"cannot read the arguments of {call} from {text[position : position + 20]!r} on", column)
-            name = part[1] or (known[len(found)] if len(found) < len(known) else "")
-            if name not in known or name in found:
-                self.fail(f"{call} has no argument {name or part[2]!r} here; it has {', '.join(known)}", column)
-            found[name] = part[2].strip()
+            name = part[1] or (names[len(values)] if len(values) < len(names) else "")
+            if name not in names or name in values:
+                self.fail(f"{call} has no argument {name or part[2]!r} here; it has {', '.join(names)}", column)
+            values[name] = part[2].strip()
             position = part.end()
-        return found
+        return values
 
     def _number(self, word: str | None, of: str) -> float:
         if word is None:
@@ -125,34 +125,36 @@ class _Interpreter:
             self.fail(f"{of} = {word} is not a plain number below {LARGEST:g}; correct it")
         return float(word)
 
-    def _movej(self, given: dict[str, str]) -> Move:
-        words = given.get("q", "")
+    def _movej(self, arguments: dict[str, str]) -> Move:
+        words = arguments.get("q", "")
         if not words.startswith("["):
             self.fail("movej needs joint positions [q1, .., q6] in radians; a pose p[..] leaves the joints open")
         end = np.array([self._number(word.strip(), f"joint {k}") for k, word in enumerate(words[1:-1].split(","), 1)])
         if len(end) != JOINTS:
             self.fail(f"movej has {len(end)} joints, the robot has {JOINTS}")
-        if "t" in given and self._number(given["t"], "t") != 0.0:
+        if "t" in arguments and self._number(arguments["t"], "t") != 0.0:
             self.fail("movej with a time t, which outranks a and v and whose ramps are not known; leave t out")
-        if self._number(given.get("r", "0"), "r") != 0.0:
+        if self._number(arguments.get("r", "0"), "r") != 0.0:
             self.fail("movej with a blend radius r: moves that overlap are skipped; write r=0")
-        acceleration, speed = (self._number(given.get(key), f"{key} of movej") for key in ("a", "v"))
+        acceleration, speed = (self._number(arguments.get(key), f"{key} of movej") for key in ("a", "v"))
         if not (acceleration > 0.0 and speed > 0.0):
             self.fail("movej needs a and v above 0; correct them")
         leading = None if self.pose is None else (int(np.argmax(np.abs(end - self.pose))),)
         self.pose = end
         return Move(self.line, end, Timing.FEED, speed, True, False, counted=leading, acceleration=acceleration)
 
-    def _sleep(self, given: dict[str, str]) -> Pause:
-        duration = self._number(given.get("t"), "the time of sleep")
+    def _sleep(self, arguments: dict[str, str]) -> Pause:
+        duration = self._number(arguments.get("t"), "the time of sleep")
         if not 0.0 <= duration < math.inf:
             self.fail("sleep needs a time in seconds that is not negative; correct it")
         return Pause(self.line, duration)
 
-    def _output(self, given: dict[str, str]) -> Switch:
+    def _output(self, arguments: dict[str, str]) -> Switch:
         output = self.settings.trigger_output
-        if given.get("n") != str(output):
-            self.fail(f"output {given.get('n')} is not the trigger's, {output} (controller.urscript.trigger_output)")
-        if given.get("b") not in ("True", "False"):
-            self.fail(f"an output is True or False, not {given.get('b')}; correct it")
-        return Switch(self.line, given["b"] == "True", at_once=True)
+        if arguments.get("n") != str(output):
+            self.fail(
+                f"output {arguments.get('n')} is not the trigger's, {output} (controller.urscript.trigger_output)"
+            )
+        if arguments.get("b") not in ("True", "False"):
+            self.fail(f"an output is True or False, not {arguments.get('b')}; correct it")
+        return Switch(self.line, arguments["b"] == "True", at_once=True)

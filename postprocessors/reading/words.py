@@ -140,7 +140,7 @@ def program_lines(text: str, file: str, longest: int, most: float = math.inf) ->
         ProgramError: a character that is not plain ASCII, a line too long, too many lines; with line and column.
     """
     lines = text.replace("\r\n", "\n").split("\n")
-    used = 0
+    count = 0
     for number, line in enumerate(lines, start=1):
         if not line.isascii() or not line.replace("\t", " ").isprintable():
             column = next(k for k, c in enumerate(line) if c != "\t" and not " " <= c <= "~")
@@ -149,8 +149,8 @@ def program_lines(text: str, file: str, longest: int, most: float = math.inf) ->
             )
         if len(line) > longest:
             raise ProgramError(file, number, 0, f"{len(line)} characters, the controller takes {longest}; split it")
-        used += bool(line.strip())
-        if used > most:
+        count += bool(line.strip())
+        if count > most:
             raise ProgramError(
                 file,
                 number,

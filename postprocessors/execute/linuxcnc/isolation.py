@@ -140,12 +140,12 @@ def _end_marked(mark: str) -> None:
     """Kills what is left of a session and returns when it is gone: a killed process, or one whose namespace ends, may
     run on for a moment, and may start another one that a single look at the list of processes would miss."""
     deadline = time.monotonic() + GRACE
-    while left := _marked(mark):
+    while processes := _marked(mark):
         if time.monotonic() > deadline:
-            names = ", ".join(f"{name} ({number})" for number, name in left.items())
+            names = ", ".join(f"{name} ({number})" for number, name in processes.items())
             _log.warning("processes of LinuxCNC did not end within %g s of being killed: %s", GRACE, names)
             return
-        for number in left:
+        for number in processes:
             with suppress(OSError):  # gone by now, or another user's
                 os.kill(number, signal.SIGKILL)
         time.sleep(POLL)
@@ -153,12 +153,12 @@ def _end_marked(mark: str) -> None:
 
 def _marked(mark: str) -> dict[int, str]:
     """Numbers and names of the processes that carry a session's mark."""
-    found = {}
+    processes = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone, or another user's
             if mark.encode() in (entry / "environ").read_bytes().split(b"\0"):
-                found[int(entry.name)] = (entry / "comm").read_text().strip()
-    return found
+                processes[int(entry.name)] = (entry / "comm").read_text().strip()
+    return processes
 
 
 @contextmanager
@@ -183,13 +183,13 @@ def _alone() -> Iterator[None]:
 def _running() -> dict[int, str]:
     """Numbers and names of all processes but those that have ended and that nobody has asked about: in a container
     without an init process they stay in the list for good."""
-    found = {}
+    processes = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone by now
             name, _, rest = (entry / "stat").read_text().partition(" (")[2].rpartition(") ")
             if not rest.startswith("Z"):
-                found[int(entry.name)] = name
-    return found
+                processes[int(entry.name)] = name
+    return processes
 
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*")
@@ -229,10 +229,10 @@ def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: floa
             break
         candidates.pop(0)
     place = f", line {candidates[0]}" if candidates else ""
-    what = repr(text) if text else "it to its end"
+    subject = repr(text) if text else "it to its end"
     raise ExecutionError(
         f"{program}{place}",
-        f"LinuxCNC cannot read {what}: {reason}",
+        f"LinuxCNC cannot read {subject}: {reason}",
         "correct it, or write the program again with hexcite post --dialect linuxcnc",
     )
 
@@ -259,5 +259,5 @@ def _refusal(lines: list[str], folder: Path, time_limit: float, program: Path) -
         ) from error
     if result.returncode == 0:
         return None
-    said = [line.strip() for line in result.stderr.splitlines() if line.strip() not in ("", "executing")]
-    return (said[0] if said else f"exit code {result.returncode}"), (said[1] if len(said) > 1 else "")
+    messages = [line.strip() for line in result.stderr.splitlines() if line.strip() not in ("", "executing")]
+    return (messages[0] if messages else f"exit code {result.returncode}"), (messages[1] if len(messages) > 1 else "")

@@ -52,8 +52,8 @@ def linuxcnc_missing() -> str | None:
     except OSError:
         return "/usr/bin/python3, which LinuxCNC needs, is missing; install the package python3"
     if result.returncode != 0:
-        said = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
-        return f"/usr/bin/python3 cannot import LinuxCNC's modules ({said}); reinstall the package linuxcnc-uspace"
+        reason = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
+        return f"/usr/bin/python3 cannot import LinuxCNC's modules ({reason}); reinstall the package linuxcnc-uspace"
     return None
 
 
@@ -111,16 +111,16 @@ def run_linuxcnc(
             log, window = _session(
                 program, copy, case, headroom, timed, speed, usual if time_limit is None else time_limit
             )
-        except LostCycles as lost:
-            problem = str(lost)
+        except LostCycles as error:
+            problem = str(error)
         else:
             if not (durations or switched):
                 return log
             timing.check_order(program, log)
-            found = timing.dwell_problem(log, durations, switched, window)
-            if found is None:
+            reason = timing.dwell_problem(log, durations, switched, window)
+            if reason is None:
                 return timing.without_surplus(log, durations, switched, window)
-            problem = f"{program}, {found}"
+            problem = f"{program}, {reason}"
         _log.info("%s", problem)
     raise ExecutionError(problem)
 
@@ -172,8 +172,10 @@ def _compile_clock(folder: Path) -> None:
     command = ["gcc", *flags, "-o", CLOCK_FILE, str(HERE / "warp.c"), "-ldl"]
     result = subprocess.run(command, env={"PATH": SYSTEM_PATH}, cwd=folder, capture_output=True, text=True)
     if result.returncode != 0:
-        said = next((line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}")
-        raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({said}); install the packages gcc and libc6-dev")
+        reason = next(
+            (line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}"
+        )
+        raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({reason}); install the packages gcc and libc6-dev")
 
 
 class LostCycles(ExecutionError):
@@ -200,10 +202,10 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         report: dict[str, Any] = json.loads((folder / REPORT_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        said = " ".join(output[-1].split()) if output else "nothing"
+        last_line = " ".join(output[-1].split()) if output else "nothing"
         raise ExecutionError(
             program,
-            f"LinuxCNC did not start, or broke down; it said last: {said}",
+            f"LinuxCNC did not start, or broke down; it said last: {last_line}",
             "check the installation by running one of its sample configurations",
         ) from error
     if report["outcome"] != "done":
@@ -212,8 +214,8 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
 
 
 def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
-    said = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
-    if match := re.search(r"\bline (\d+)", said):
+    message = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
+    if match := re.search(r"\bline (\d+)", message):
         place = f"{program}, line {match[1]}"
     else:  # what the driver saw last is exact to its polling
         place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
@@ -221,11 +223,11 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
         raise ExecutionError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
     if report["outcome"] == "paused":
         raise ExecutionError(place, "LinuxCNC waits for its operator", "remove the pause from the program")
-    if "limit" in said:
+    if "limit" in message:
         remedy = "keep the program inside the limits of the case (hexcite check names what is outside)"
     else:
         remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
-    raise ExecutionError(place, f"LinuxCNC stopped: {said}", remedy)
+    raise ExecutionError(place, f"LinuxCNC stopped: {message}", remedy)
 
 
 def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, Any], speedup: float) -> ControllerLog:
@@ -238,10 +240,10 @@ def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, 
     Raises:
         LostCycles: cycles are missing.
     """
-    lost, count = report["lost"], report["samples"]
-    if lost or not count:
+    gaps, count = report["lost"], report["samples"]
+    if gaps or not count:
         raise LostCycles(
-            f"{program}: {lost} of {count + lost} cycles were not logged; the computer is too busy, run again with a "
+            f"{program}: {gaps} of {count + gaps} cycles were not logged; the computer is too busy, run again with a "
             f"speed-up below {speedup:g}"
         )
     samples = np.fromfile(folder / SAMPLES_FILE).reshape(count, 1 + len(layout.channels))

@@ -109,16 +109,16 @@ def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> 
     if not paths:
         return None
     acceleration = headroom * case.need_machine(PURPOSE)[2].motion.acceleration
-    taken = sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
-    return Stretch(sum(p.duration for p in paths), taken)
+    seconds = sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
+    return Stretch(sum(p.duration for p in paths), seconds)
 
 
 def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -> int:
     """The least whole multiple of the case's acceleration limits, above `headroom`, that keeps the paths' time."""
 
     def late(multiple: float) -> bool:
-        found = predicted_stretch(paths, case, multiple)
-        return found is not None and found.factor > NOTICEABLE
+        stretch = predicted_stretch(paths, case, multiple)
+        return stretch is not None and stretch.factor > NOTICEABLE
 
     low, high = math.floor(headroom), math.ceil(headroom) + 1
     while late(high) and high < MOST_HEADROOM:
@@ -137,8 +137,8 @@ def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> tupl
         cut = max(largest_cut(p.times, p.poses) for p in coarse)
         if cut > CUT:
             return None
-        found = predicted_stretch(coarse, case, headroom)
-        if found is not None and found.factor <= NOTICEABLE:
+        stretch = predicted_stretch(coarse, case, headroom)
+        if stretch is not None and stretch.factor <= NOTICEABLE:
             return block, cut
     return None
 

@@ -48,17 +48,17 @@ def dwells(program: Path, lines: list[str]) -> dict[int, float]:
     Raises:
         ExecutionError: a dwell has another form than `G4 P<seconds>` on a line of its own.
     """
-    found: dict[int, float] = {}
+    durations: dict[int, float] = {}
     for number, line in enumerate(lines, start=1):
         if match := _DWELL.fullmatch(line):
-            found[number] = float(match["seconds"])
+            durations[number] = float(match["seconds"])
         elif _ANY_DWELL.search(words(line)):
             raise ExecutionError(
                 f"{program}, line {number}",
                 f"dwell {line.strip()!r} cannot be timed",
                 "write it as G4 P<seconds> on a line of its own",
             )
-    return found
+    return durations
 
 
 def with_dwells(lines: list[str], durations: dict[int, float]) -> list[str]:
@@ -72,9 +72,9 @@ def with_dwells(lines: list[str], durations: dict[int, float]) -> list[str]:
 def switches(lines: list[str]) -> dict[int, bool]:
     """The lines that switch the trigger at once (M64, M65): their number, counted from 1, and whether on."""
     return {
-        number: found["code"] == "64"
+        number: match["code"] == "64"
         for number, line in enumerate(lines, start=1)
-        if (found := _SWITCH.fullmatch(words(line)))
+        if (match := _SWITCH.fullmatch(words(line)))
     }
 
 
@@ -156,11 +156,11 @@ def _standstills(log: ControllerLog, numbers: Iterable[int], window: tuple[int, 
     together: dict[int, list[int]] = {}  # those that the same motion follows
     for number in sorted(numbers):
         together.setdefault(int(np.searchsorted(executed, number)), []).append(number)
-    for k, found in together.items():
+    for k, group in together.items():
         start = int(moving[k - 1]) + 1 if k > 0 else window[0]
         # The first cycle of a motion still shows the line before it.
         end = int(moving[k]) - 1 if k < len(moving) else window[1]
-        yield _Standstill(found, start, end)
+        yield _Standstill(group, start, end)
 
 
 def without_surplus(
@@ -177,7 +177,7 @@ def without_surplus(
         switched: line number of each switch, and whether it switches on.
         window: rows between which the program ran: first, and one past the last.
     """
-    keep = np.ones(len(log.lines), dtype=bool)
+    mask = np.ones(len(log.lines), dtype=bool)
     for still in _standstills(log, durations.keys() | switched.keys(), window):
         for start, end, seconds in _phases(log, still, durations, switched):
             cycles = max(round(seconds / log.period), FEWEST_CYCLES)
@@ -186,9 +186,9 @@ def without_surplus(
             if surplus.stop <= middle:
                 continue
             if not np.ptp(log.drives[middle - 1 : surplus.stop + 1], axis=0).any():
-                keep[surplus] = False
-    columns = {name: getattr(log, name)[keep] for name in ("drives", "poses", "trigger", "lines")}
-    return replace(log, **columns, left_out=int(np.count_nonzero(~keep)))
+                mask[surplus] = False
+    columns = {name: getattr(log, name)[mask] for name in ("drives", "poses", "trigger", "lines")}
+    return replace(log, **columns, left_out=int(np.count_nonzero(~mask)))
 
 
 def _phases(
