@@ -302,10 +302,10 @@ def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None
     covariance = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
     if np.linalg.matrix_rank(covariance) < len(covariance):
         return None
-    return _taken_apart(covariance, run.model, fit.values[: len(run.model.parameters)], wrench)
+    return components_of(covariance, run.model, fit.values[: len(run.model.parameters)], wrench)
 
 
-def _taken_apart(total: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
+def components_of(total: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
     """The components of a covariance of the channels, shape (6, 6)."""
     effects = acceleration_to_force(model, values)
     kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]

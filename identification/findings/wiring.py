@@ -103,10 +103,10 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     if not negative and newtons < SMALL * float(np.sqrt(data.forces.var(axis=0).mean())):
         return None
     candidates: list[tuple[tuple[float, float], str, Order]] = []
-    for order in _orders(signs=True):
+    for order in orders_of(signs=True):
         candidates.append((_left(data, data.regressors, order, mass), "force", order))
     if data.struts is not None:
-        for order in _orders(signs=case.recording.drives is not None):
+        for order in orders_of(signs=case.recording.drives is not None):
             candidates.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
     (least, least_newtons), *_ = min(candidates, key=lambda f: f[0])
     if not np.isfinite(least) or least * FACTOR > weighted:
@@ -147,7 +147,7 @@ def _remedy(case: Case, side: str, order: Order) -> str:
     return f"write in [recording.columns]: {', '.join(entries)}"
 
 
-def _orders(signs: bool) -> Iterator[Order]:
+def orders_of(signs: bool) -> Iterator[Order]:
     """Exchanged pairs, up to three at once, shifts, and where `signs` is set turned signs."""
     for places in _exchanges(tuple(range(6))):
         if places != tuple(range(6)):

@@ -251,7 +251,7 @@ def _felt_field(data: Turned, places: Array, shares: Array) -> Array:
         shares: shape (6,).
     """
     offsets = places - places.mean(axis=0)
-    waves = _spectrum(places.shape[1])
+    waves = spectrum_of(places.shape[1])
     meat = np.zeros((data.answer.shape[2],) * 2)
     for block in np.array_split(waves, 16):  # of a long run all would fill the memory
         phase = offsets @ block.T
@@ -261,7 +261,7 @@ def _felt_field(data: Turned, places: Array, shares: Array) -> Array:
     return meat / len(waves)
 
 
-def _spectrum(dimensions: int) -> Array:
+def spectrum_of(dimensions: int) -> Array:
     """Wave vectors of Matern's 3/2, a Student t distribution, shape (WAVES, dimensions) [rad a length]."""
     root = 2.0
     for _ in range(60):  # the real root of x^(d + 2) = x + 1

@@ -80,7 +80,7 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
         print(_rated(answer))
     peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
     print(f"reached of the limits in the whole run: {peaks}")
-    for sentence in _exceeded(answer["peaks_of_limit"], outcome):
+    for sentence in exceeded_sentence(answer["peaks_of_limit"], outcome):
         print(sentence)
     if answer["remark"]:
         print(answer["remark"])
@@ -91,7 +91,7 @@ def _of_limit(share: float) -> str:
     return f"{100 * share:.0f} %" if share <= 10.0 else "more than ten times"
 
 
-def _exceeded(peaks: dict[str, float], outcome: "RunOutcome") -> Iterator[str]:
+def exceeded_sentence(peaks: dict[str, float], outcome: "RunOutcome") -> Iterator[str]:
     """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
     exceeded = {name for name, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced

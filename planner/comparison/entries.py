@@ -242,24 +242,27 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     case = saved.artefact.case() if user_case is None else user_case
     stale_in = saved.remarks(case, stale)
     model = identification_model(case, saved.model)
-    samples, s0 = int(data["samples"]), float(data["s0"])
+    try:
+        samples, s0, measured = int(data["samples"]), float(data["s0"]), float(data["s0_N"])
+        weights, seconds = str(data["weights"]), data.get("measuring_s")
+        deviations = {
+            n: Told(v.value, v.reported, v.unit)
+            for n, p in data["parameters"].items()
+            for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
+        }
+        seconds = None if seconds is None else float(seconds)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     criteria: dict[str, float] = {}
-    if data["weights"] == "equal" and saved.covariance.shape[0] == len(model.names):
+    if weights == "equal" and saved.covariance.shape[0] == len(model.names):
         try:  # (28) turned round: the information that the run held of these parameters
             mean = s0**2 * np.linalg.inv(saved.covariance) / samples
             scaling = reference_scaling(case, model)
             criteria = _criteria(mean * np.outer(scaling, scaling), model)
         except (np.linalg.LinAlgError, IdentificationError):
             criteria = {}
-    deviations = {
-        n: Told(v.value, v.reported, v.unit)
-        for n, p in data["parameters"].items()
-        for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
-    }
-    seconds = data.get("measuring_s")
     return Entry(
         str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
-        None if seconds is None else float(seconds), samples, criteria, deviations,
-        float(data["s0_N"]), {}, saved.recordings, data.get("plan_hash"),
+        seconds, samples, criteria, deviations, measured, {}, saved.recordings, data.get("plan_hash"),
         warnings=tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

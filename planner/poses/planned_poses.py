@@ -85,7 +85,7 @@ def poses_planned(
     space = continuous_bound(case, model, scaling, seeds)
     information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
-    noise = request.noise if request.noise is not None else _noise(case)
+    noise = request.noise if request.noise is not None else noise_of_average(case)
     worth = PoseWorth(
         settings={
             "candidates": candidates.origin,
@@ -168,7 +168,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
     return Joined(tuple(parts)), report
 
 
-def _noise(case: Case) -> float:
+def noise_of_average(case: Case) -> float:
     """Of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
     averaged = case.need_standing("predicted standard deviations").average_s * case.recording.rate_Hz

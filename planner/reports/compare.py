@@ -143,7 +143,7 @@ def _scaling_note() -> Note:
     )
 
 
-def _coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
+def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
     """Entries with colours: what belongs together has one."""
     return [(entry, (*COLOURS, GREY)[k % 7]) for k, group in enumerate(groups) for entry in group]
 
@@ -152,7 +152,7 @@ def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
     symbols = ("circle-open", "diamond", "circle")
     series = [
         Series(entry.name, {n: t.std for n, t in entry.parameters.items()}, colour, symbols[entry.level - 1])
-        for entry, colour in _coloured(groups)
+        for entry, colour in coloured(groups)
     ]
     note = (
         "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "

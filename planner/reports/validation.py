@@ -85,7 +85,7 @@ def validation_page(
         sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, rows_of(off), left=3))))
     if columns:
         sections.append(
-            Section("Models side by side, without payload (Table 3)", _models(case, dict(sorted(columns.items()))))
+            Section("Models side by side, without payload (Table 3)", models_table(case, dict(sorted(columns.items()))))
         )
     return Page(
         title=f"Validation with payloads: {case.title}",
@@ -228,7 +228,7 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
     return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
 
 
-def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
+def models_table(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:

@@ -1,5 +1,6 @@
 """`hexcite compare`: what belongs together is found by what it is, and the advice follows the figures."""
 
+import json
 import re
 import shutil
 from dataclasses import replace
@@ -14,7 +15,7 @@ from cases.schema import Case
 from planner.comparison.advising import groups, recommend
 from planner.comparison.entries import Entry, Level, Told, read_entry
 from planner.plan_folder import fingerprint_of
-from planner.reports.compare import _coloured, warnings_of
+from planner.reports.compare import coloured, warnings_of
 from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
@@ -240,7 +241,7 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
     other = replace(found[0][0], name="another")
-    colours = [colour for _, colour in _coloured([*found, [other]])]
+    colours = [colour for _, colour in coloured([*found, [other]])]
     assert len(set(colours[:3])) == 1
     assert colours[3] != colours[0]
 
@@ -264,3 +265,16 @@ def test_what_cannot_be_compared_is_refused(chain: Chain, shared: Path, tmp_path
     assert "case hexapod has changed since" in refused("compare", nameless, "-o", tmp_path / "c")
     assert "named twice" in refused("compare", shared / "plan", shared / "plan", "-o", tmp_path / "c")
     assert not (tmp_path / "c").exists()
+
+
+@pytest.mark.parametrize("lost", ["unit", "std", "value"])
+def test_a_result_whose_parameter_lacks_an_entry_is_refused(lost: str, chain: Chain, shared: Path, tmp_path: Path):
+    shutil.copytree(shared / "result", tmp_path / "result")
+    file = tmp_path / "result" / "result.json"
+    data = json.loads(file.read_text())
+    del data["parameters"]["m"][lost]
+    file.write_text(json.dumps(data))
+    line = refused("compare", tmp_path / "result", "-o", tmp_path / "comparison")
+    assert "result.json" in line
+    assert "identify again" in line
+    assert not (tmp_path / "comparison").exists()

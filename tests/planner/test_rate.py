@@ -11,7 +11,7 @@ from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
 from planner.deviations import worst_std
-from planner.poses.planned_poses import _noise
+from planner.poses.planned_poses import noise_of_average
 from tests.helpers import Harmonic
 from tests.identification.test_findings import CASE, run
 
@@ -29,7 +29,7 @@ def test_half_the_rate_makes_deviations_the_root_of_two_times_as_large() -> None
     assert whole.recording.rate_Hz == 1000.0
     for name, (std, _) in usual.items():
         assert half[name][0] == pytest.approx(np.sqrt(2.0) * std)
-    assert _noise(at_rate(500.0)) == pytest.approx(np.sqrt(2.0) * _noise(whole))
+    assert noise_of_average(at_rate(500.0)) == pytest.approx(np.sqrt(2.0) * noise_of_average(whole))
 
 
 def test_a_recording_of_another_rate_says_so() -> None:

@@ -7,13 +7,13 @@ import pytest
 
 from cases.errors import IdentificationError
 from cases.recording_format import Drives
-from identification.findings.wiring import Order, _orders, other_wiring
+from identification.findings.wiring import Order, orders_of, other_wiring
 from identification.identify import identify
 from tests.helpers import HOME, one_line
 from tests.identification.test_findings import CASE, MODEL, run
 from tests.simulated_machine import simulate_standstills
 
-ORDERS = list(_orders(signs=False))
+ORDERS = list(orders_of(signs=False))
 
 
 def recorded_in(order: Order, columns: np.ndarray) -> np.ndarray:

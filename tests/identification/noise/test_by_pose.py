@@ -13,7 +13,7 @@ from identification.identify import identify
 from identification.loaded import UNDISTURBED, Circumstances
 from identification.noise.coloured import Turned, coloured_covariance, turned
 from identification.noise.pose_field import matern
-from identification.noise.pose_noise import FREEDOM, _spectrum, covariance_by_pose
+from identification.noise.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.result import Estimate
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, taylor_slope
@@ -149,7 +149,7 @@ def test_the_correlation_knows_its_slope() -> None:
 
 def test_waves_add_up_to_the_correlation() -> None:
     """The mean of cos(w x) over the spectrum is the correlation at x, in every direction."""
-    waves = _spectrum(6)
+    waves = spectrum_of(6)
     for direction in np.linalg.qr(np.random.default_rng(5).normal(size=(6, 6)))[0]:
         for apart in (0.3, 1.0, 2.0, 6.0):
             mean = np.cos(waves @ (apart * direction)).mean()
