@@ -229,6 +229,7 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
 
 
 def models_table(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
+    """Parameters by several models of one recording, a column a model."""
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:
