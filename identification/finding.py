@@ -36,7 +36,7 @@ class Finding:
         kind: what it is about.
         severity: whether people are to act on it.
         sentence: what people are told, place included; empty where only programs are.
-        place: where in the file, as messages name it; empty where that is no place.
+        place: place in the file, as messages name it; empty where that is no place.
         quantity: entries for programs, by their key in result files.
     """
 

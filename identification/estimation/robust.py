@@ -45,7 +45,7 @@ def huber(
         pooled: one scale for all channels (identical sensors), else one for each (mixed units).
         nuisance: so many of the last columns are not parameters of the model.
         filtered: what was done to both before; a low-pass smears gross errors, so look for them before it.
-        alike: where scales are not pooled, channels with the same number share one.
+        alike: number of each channel; where scales are not pooled, equal numbers share one.
 
     Returns:
         The fit, and the weight that each force kept, from 0 to 1, shape (n, 6): below 1 for 18 % of Gaussian noise.

@@ -117,7 +117,7 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[str
 
     Args:
         residuals: measured less expected, in the order of time, shape (n, 6) [N, or N and N m].
-        variance: of the result's offsets, shape (6,).
+        variance: variance of the result's offsets, shape (6,).
     """
     if len(residuals) < STRETCHES:
         return []

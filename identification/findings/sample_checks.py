@@ -152,7 +152,7 @@ def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
 
     Args:
         lines: places of the rows.
-        rows: before each of the gaps, counted from 0, shape (gaps,).
+        rows: last row before each gap, counted from 0, shape (gaps,).
         count: samples that are missing in all.
     """
     numbers = [lines.place(int(k)).rsplit(" ", 1)[1] for k in rows[:MOST_NAMED]]

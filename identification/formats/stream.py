@@ -122,7 +122,7 @@ class Recording:
         weights: weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
         averaged: how forces were averaged that were sampled faster than the motion.
         override: override of the feed, shape (n,); 1 is none.
-        temperature: of the sensor, shape (n,) [degC].
+        temperature: temperature of the sensor, shape (n,) [degC].
         missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
         missing_in: the columns in which they are, as the file calls them.
         case: case that it is of; None where that is not known.

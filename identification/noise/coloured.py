@@ -111,7 +111,7 @@ def _seen(answer: Array, taken: Array, here: Array, pairs: Array, autocovariance
         taken: C, the fit takes C B^T x away, shape (n, u).
         here: 1 where there is a sample, 0 elsewhere, shape (n,).
         pairs: how often two samples are so many steps apart, shape (n,).
-        autocovariance: of the noise, shape (n,).
+        autocovariance: autocovariance of the noise, shape (n,).
     """
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
     felt = toeplitz(autocovariance, answer)
@@ -150,7 +150,7 @@ def _shares(power: Array, expected: Array) -> Array:
 
     Args:
         power: |rfft|^2 of residuals, shape (f,).
-        expected: of each noise with share 1, shape (c, f).
+        expected: autocovariance of each noise with share 1, shape (c, f).
     """
     floor = NOTHING * float(expected.max())
     expected, power = np.maximum(expected, floor), np.maximum(power, floor)

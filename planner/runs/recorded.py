@@ -46,7 +46,7 @@ def case_of(
     """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
 
     Args:
-        case: as it was named, which is taken as it is now; None where the folder knows.
+        case: named case, which is taken as it is now; None where the folder knows.
         result: folder of a result, whose case is taken where the recording names none.
 
     Raises:
@@ -75,7 +75,7 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
     Args:
         lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
         case: case that was tried.
-        name: under which it was named, if it was.
+        name: its name, if it has one.
     """
     own = None if name is None or name in built_in_cases() else find_case(name)
     around = [] if own is None else sorted(own.resolve().parent.parent.glob(f"*/{CASE_FILE}"))
