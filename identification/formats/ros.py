@@ -5,6 +5,7 @@ host gives these, so that they jitter: samples are taken to be at equal steps, o
 Joints go by name, for their order differs between messages; messages of other joints on the topic are left out.
 """
 
+import os
 import struct
 from array import array
 from collections.abc import Iterator, Sequence
@@ -31,7 +32,7 @@ _STORED = (".mcap", ".db3")
 
 def is_bag(path: Path) -> bool:
     """Whether a path is the folder of a bag."""
-    return path.is_dir() and (path / "metadata.yaml").is_file()
+    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False of names that no system takes
 
 
 def bag_of(path: Path) -> Path:
