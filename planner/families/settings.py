@@ -294,6 +294,10 @@ class PointToPoint(FamilySettings):
         """Annealed walks are refined at once."""
         return 0
 
+    def idle(self, criterion: str) -> int:
+        """One by any criterion: of K and N four more starts than two found nothing better, in three times the time."""
+        return 1
+
     def lasting(self, share: float) -> Self:
         """As many moves a second."""
         if self.moves is None:
