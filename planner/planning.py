@@ -108,7 +108,7 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
     laws = None if result.interrupted else both_laws(case, request.model, result.motion, request.payload)
     if laws is None or not laws.steps or laws.better != LIMITED_JERK:
         return request, result._replace(laws=laws)
-    other = replace(request, family=Spline(), may_be_smooth=False)
+    other = replace(request, family=Spline())
     try:
         require_plannable(other, case)
         smooth = search(other, case, listener, run)
@@ -183,7 +183,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     fixed = request.family.motion(case)
     result = search(request, case, listener, run) if fixed is None else _made_by_hand(request, *fixed, case)
     if request.may_be_smooth:
-        request, result = _by_errors(request, case, result, listener, run)
+        request, result = _by_errors(replace(request, may_be_smooth=False), case, result, listener, run)
     seconds = perf_counter() - start
     if not result.limits.kept:
         worst = result.limits.violations[0]

@@ -37,6 +37,11 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
     """
     settings = case.need_controller("a URScript program").need_urscript(case.name)
     chain, limits = case.need_chain("a URScript program")
+    if endless := next((joint.name for joint in chain.joints if joint.kind == "continuous"), None):
+        raise HexciteError(
+            f"joint {endless} turns without end: movej counts turns, and nobody knows on which one the robot stands; "
+            'state it as kind = "revolute" with position_deg'
+        )
     writer = _UrScriptWriter(chain.home, settings, float(limits.rate.min()), float(limits.acceleration.min()))
     lines = [*(line for text in program.header for line in _comments(text))]
     for block in program.blocks:

@@ -103,7 +103,7 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
     sections = [
         Section("Recommendation", tuple(Note(s) for s in advice.sentences)),
         Section(
-            "Parameters side by side (Table 6)",
+            "Parameters side by side",
             (
                 _std_plot(groups),
                 Table(parameter_columns(entries), tuple(map(tuple, parameter_rows(entries)))),
@@ -139,7 +139,9 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
 
 def _scaling_note() -> Note:
     return Note(
-        "Criteria (30)-(33): of the mean information in the reference scaling of case and model; larger is better."
+        "Criteria of the information of a sample, parameters in units of the case (equations (30)-(33)): D, the log of "
+        "its determinant; A, the sum of the variances, with a minus; K, its condition, with a minus; N, its smallest "
+        "singular value squared over the largest. Larger is better."
     )
 
 

@@ -1,6 +1,6 @@
 """The limits of one stretch of a program: what its text proves, what the controller keeps, and what nobody does."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -60,45 +60,43 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
 
 
+Flags = NDArray[np.bool_]
 PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
 
 
 def _require_timing(part: Timed, by: Answering) -> None:
     """A block shorter than the controller's cycle does not keep its time; of one that is too long nothing is known."""
-    guarantees = by.guarantees
-    steps = np.diff(part.points.times)
-    short = steps < guarantees.shortest_block * (1 - 1e-6)
-    if short.any():
-        k = int(np.argmax(short))
-        raise ProgramError(
-            by.file,
-            part.lines[k],
-            0,
-            f"the block takes {1e3 * steps[k]:.4g} ms, less than a cycle of {guarantees.controller} "
-            f"({1e3 * guarantees.shortest_block:g} ms); write longer blocks ({guarantees.block_key})",
-        )
-    long = steps > guarantees.longest_block * (1 + 1e-6)
-    if long.any():
-        k = int(np.argmax(long))
-        raise ProgramError(
-            by.file,
-            part.lines[k],
-            0,
-            f"the timed block takes {steps[k]:.4g} s; how {guarantees.controller} moves within more than "
-            f"{guarantees.longest_block:g} s is not known: write shorter blocks ({guarantees.block_key}), "
-            "or a move at a feed (G94) with an exact stop",
-        )
-    over = steps / guarantees.shortest_block
-    mask = np.abs(over - np.round(over)) > PARTS
-    if guarantees.whole_cycles and mask.any():
-        k = int(np.argmax(mask))
-        raise ProgramError(
-            by.file,
-            part.lines[k],
-            0,
-            f"the block takes {1e3 * steps[k]:.6g} ms, not whole cycles of {guarantees.controller} "
-            f"({1e3 * guarantees.shortest_block:g} ms), which leaves out the rest and is faster: write whole ones "
-            f"({guarantees.block_key})",
+    guarantees, key = by.guarantees, by.guarantees.block_key
+    steps, cycle = np.diff(part.points.times), 1e3 * by.guarantees.shortest_block
+
+    def refuse(mask: Flags, sentence: Callable[[float], str]) -> None:
+        if mask.any():
+            k = int(np.argmax(mask))
+            raise ProgramError(by.file, part.lines[k], 0, sentence(1e3 * steps[k]))
+
+    refuse(
+        steps < guarantees.shortest_block * (1 - 1e-6),
+        lambda ms: (
+            f"the block takes {ms:.4g} ms, less than a cycle of {guarantees.controller} ({cycle:g} ms); write "
+            f"longer blocks ({key})"
+        ),
+    )
+    refuse(
+        steps > guarantees.longest_block * (1 + 1e-6),
+        lambda ms: (
+            f"the timed block takes {1e-3 * ms:.4g} s; how {guarantees.controller} moves within more than "
+            f"{guarantees.longest_block:g} s is not known: write shorter blocks ({key}), or a move at a feed (G94) "
+            "with an exact stop"
+        ),
+    )
+    if guarantees.whole_cycles:
+        cycles = steps / guarantees.shortest_block
+        refuse(
+            np.abs(cycles - np.round(cycles)) > PARTS,
+            lambda ms: (
+                f"the block takes {ms:.6g} ms, not whole cycles of {guarantees.controller} ({cycle:g} ms), which "
+                f"leaves out the rest and is faster: write whole ones ({key})"
+            ),
         )
 
 

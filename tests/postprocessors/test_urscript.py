@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import CaseError, ProgramError
+from cases.errors import CaseError, HexciteError, ProgramError
 from cases.loading import load_case
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Untimed, stretches
-from postprocessors.writing import Written, proven_program
+from postprocessors.writing import Written, excitation_program, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.joint_walks import robot, walk
 
@@ -161,3 +161,13 @@ def test_a_damaged_program_is_refused_in_one_line_or_judged(start: int, length: 
         judged(TEXT[:start] + put + TEXT[start + length :])
     except ProgramError as error:
         one_line(error)
+
+
+def test_a_joint_that_turns_without_end_is_refused() -> None:
+    """Which of its turns the robot stands on is not known, and `movej` would wind all of them up."""
+    chain = CASE.machine.chain
+    last = chain.joints[-1].model_copy(update={"kind": "continuous", "position_deg": None})
+    machine = CASE.machine.model_copy(update={"chain": chain.model_copy(update={"joints": (*chain.joints[:-1], last)})})
+    with pytest.raises(HexciteError, match=f"joint {last.name} turns without end.*position_deg") as caught:
+        LANGUAGE.write(excitation_program(walk(CASE), CASE, ()), CASE.model_copy(update={"machine": machine}))
+    one_line(caught.value)
