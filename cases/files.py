@@ -309,6 +309,9 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     return value
 
 
+DAMAGED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
+"""What a JSON object raises where it is taken apart and is not of the shape that `the command gave it."""
+
 _TOOLS = ("hexcite", "numpy", "scipy", "casadi", "pyarrow")
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem
-from cases.files import read_json
+from cases.files import DAMAGED, read_json
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
@@ -95,7 +95,7 @@ def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
             recordings=frozenset(str(i["sha256"]) for i in data.get("inputs", ())),
             about=data,
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     count = len(result.values)
     arrays = (result.values, result.covariance, result.covariance_robust)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cases.basis import Artefact, plan_basis
 from cases.errors import FileProblem, HexciteError
-from cases.files import PLAN, atomic_folder, check_folder, json_text, read_json
+from cases.files import DAMAGED, PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.limits import LimitReport
@@ -99,7 +99,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
             if key not in data:
                 raise KeyError(key)
         motion = motion_of_entries(data)
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+    except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     of_poses = data["family"] == PoseRequest.name
     if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
@@ -124,7 +124,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         return Plan(own, request, motion, limits, predicted, noise, rate, worth, saved)
     except HexciteError as error:
         raise FileProblem(file, error.typed, "plan again") from error
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
 
 
@@ -247,7 +247,7 @@ def problem_of(data: dict[str, Any], motion: Trajectory, case: Case) -> str | No
         first = next(mismatches(data, motion, case), None)
     except HexciteError as error:
         return f"its motion does not have its figures ({error})"
-    except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
+    except DAMAGED as error:
         return f"entry {error} is missing or damaged"
     if first is None:
         return None

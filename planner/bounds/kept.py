@@ -19,7 +19,7 @@ from platformdirs import user_cache_path
 
 from cases.basis import bound_hash
 from cases.errors import CaseError, FileProblem, HexciteError
-from cases.files import json_text, read_json, write_text
+from cases.files import DAMAGED, json_text, read_json, write_text
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, full_model, identification_model
@@ -194,7 +194,7 @@ def _known(file: Path, model: Model) -> Bound | None:
         return None
     try:
         return _read(file, len(model.parameters))
-    except (FileProblem, KeyError, TypeError, ValueError):
+    except (FileProblem, *DAMAGED):
         with suppress(OSError):  # a cache holds nothing that cannot be computed again
             file.unlink(missing_ok=True)
         return None

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
-from cases.files import another_kind, read_json
+from cases.files import DAMAGED, another_kind, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
@@ -251,7 +251,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
             for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
         }
         seconds = None if seconds is None else float(seconds)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     criteria: dict[str, float] = {}
     if weights == "equal" and saved.covariance.shape[0] == len(model.names):

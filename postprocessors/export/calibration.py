@@ -13,7 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from cases.errors import FileProblem
-from cases.files import json_text
+from cases.files import DAMAGED, json_text
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.model import Model
@@ -96,7 +96,7 @@ def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, r
         if "tared_with" in data:
             recording += f", tared with {data['tared_with']}"
         robust = {name: float(entry["std_robust"]) for name, entry in data["parameters"].items()}
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     form = physical_form(model)
     if names != model.names or len(result.values) != len(names) or not {p.name for p in form.parameters} <= set(robust):

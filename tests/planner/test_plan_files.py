@@ -80,6 +80,8 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
         (("fourier", "b_m_s_rad_s"), "x"),
         (("fourier", "a_m_s_rad_s"), []),
         (("fourier", "centre_m_rad"), [float("nan")] * 6),
+        (("limits", "strut length", "bounds"), [0.4]),
+        (("model",), 1e999),
     ],
 )
 def test_a_plan_with_a_damaged_entry_is_refused(path: tuple[str, ...], value: Any, copy: Path):
