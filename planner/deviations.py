@@ -11,7 +11,7 @@ from identification.model import Model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, of_estimate, seen_through
 from planner.poses.pose_criteria import total_information
 from planner.search.problem import mean_information
 
@@ -26,28 +26,22 @@ def predicted_std(
     duration: float,
     noise: float,
     payload: int = 0,
-    scattered: Array | None = None,
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run at the rate of the case, with white noise.
+    """Standard deviations of the physical parameters for one run at the rate of the case.
 
     Expected is the nominal body with a number of payloads.
 
     Args:
         scaling: diagonal of H, shape (u,).
-        information: mean of H A^T W A H, shape (u, u).
+        information: mean of H A^T W A H, or that `of_estimate` where W is not right for the noise, shape (u, u).
         duration: [s].
         noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
         payload: number of the case's payloads that are mounted.
-        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, errors of the
-            pose included, shape (u, u).
 
     Raises:
         CaseError: the case has no nominal body.
     """
-    inverse = np.linalg.inv(information)
-    if scattered is not None:
-        inverse = inverse @ scattered @ inverse
-    covariance = noise**2 / (duration * case.recording.rate_Hz) * inverse
+    covariance = noise**2 / (duration * case.recording.rate_Hz) * np.linalg.inv(information)
     return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
 
 
@@ -103,7 +97,9 @@ def predicted_std_of(
     if errors is not None:
         scattered = information if scattered is None else scattered
         scattered = scattered + errors.scatter_of(seen_through(model, noise.whitening), scaling, motion)
-    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
+    if scattered is not None:
+        information = of_estimate(information, scattered)
+    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload)
 
 
 def worst_std(

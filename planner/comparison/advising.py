@@ -12,7 +12,7 @@ from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from identification.noise.pose_field import PoseField
-from planner.comparison.entries import Entry, Level, entry_of_plan, read_entry
+from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
 from planner.plans import Plan
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
@@ -29,20 +29,20 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     """
     entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
-        plans = [
-            g for g in entry_groups if g[0].level is Level.PLANNED and run.plan is not None and run.plan == g[0].plan
-        ]
+        plans = [g for g in entry_groups if g[0].level is Level.PLANNED and g[0].sources.same_plan(run.sources)]
         if plans:
             plans[0].append(run)
         else:
             entry_groups.append([run])
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.hashes & result.hashes]
-        plans = [g for g in entry_groups if result.plan is not None and g[0].plan == result.plan]
+        made_of = result.sources.recordings
+        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.sources.recordings & made_of]
+        plans = [g for g in entry_groups if g[0].sources.same_plan(result.sources)]
         if runs:
             home, run = runs[0]
-            entry = replace(result, duration=run.duration, load=run.load, machine=run.machine)
-            after = [k for k, e in enumerate(home) if e.hashes & run.hashes]
+            known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
+            entry = replace(result, duration=run.duration, conditions=known)
+            after = [k for k, e in enumerate(home) if e.sources.recordings & run.sources.recordings]
             home.insert(max(after) + 1, entry)
         elif plans:
             plans[0].append(result)
@@ -56,17 +56,17 @@ def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
     warnings = []
     if len({e.model for e in entries}) > 1:
         warnings.append("models differ: criteria of different models do not compare, standard deviations do")
-    if len({e.case.hash for e in entries}) > 1:
+    if len({e.conditions.case.hash for e in entries}) > 1:
         warnings.append("cases differ: the machines are not the same, or the case was changed between")
-    noises = [(e.noise, e) for e in entries if e.noise is not None]
+    noises = [(e.conditions.noise, e) for e in entries if e.conditions.noise is not None]
     if noises and max(n for n, _ in noises) > ONE_NOISE * min(n for n, _ in noises):
         text = _listed((f"{noise:.3g} N", e) for noise, e in noises)
         warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {text}")
-    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
-        text = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+    if len({round(e.conditions.load, 3) for e in entries if e.conditions.load is not None}) > 1:
+        text = _listed((f"{e.conditions.load:.4g} kg", e) for e in entries if e.conditions.load is not None)
         warnings.append(f"different weights are mounted, with which errors of the machine grow: {text}")
-    if len({e.machine for e in entries if e.machine is not None}) > 1:
-        text = _listed((e.machine, e) for e in entries if e.machine is not None)
+    if len({e.conditions.machine for e in entries if e.conditions.machine is not None}) > 1:
+        text = _listed((e.conditions.machine, e) for e in entries if e.conditions.machine is not None)
         warnings.append(f"not the same was measured, so that residuals do not compare: {text}")
     return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
 
@@ -103,7 +103,9 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
     if len(alike) == 1:
         found_best = _among(selection, level, remarks)
         return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(selection)))
-    text = "; ".join(f"{', '.join(e.name for e in group)} ({_conditions(group)})" for group in alike)
+    text = "; ".join(
+        f"{', '.join(e.name for e in group)} ({_in_words([e.conditions for e in group])})" for group in alike
+    )
     parts = [_among(group, level, remarks) for group in alike if len(group) > 1]
     return Recommendation(
         parts[0].best if len(parts) == 1 else None,
@@ -133,7 +135,9 @@ def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries of one machine, one load and one noise each; what nothing tells of an entry agrees with everything."""
     result: list[list[Entry]] = []
     for entry in entries:
-        home = next((group for group in result if all(_comparable(entry, other) for other in group)), None)
+        home = next(
+            (group for group in result if all(_comparable(entry.conditions, other.conditions) for other in group)), None
+        )
         if home is None:
             result.append([entry])
         else:
@@ -141,7 +145,7 @@ def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     return result
 
 
-def _comparable(one: Entry, other: Entry) -> bool:
+def _comparable(one: Conditions, other: Conditions) -> bool:
     if bound_hash(one.case) != bound_hash(other.case):
         return False
     if None not in (one.machine, other.machine) and one.machine != other.machine:
@@ -155,16 +159,16 @@ def _comparable(one: Entry, other: Entry) -> bool:
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
 
 
-def _conditions(entries: Sequence[Entry]) -> str:
-    """Machine, load and noise of entries that have them in common, in words."""
-    loads = [f"{e.load:.4g} kg mounted" for e in entries if e.load is not None]
-    noises = [f"noise {e.noise:.3g} N{_by_pose(e)}" for e in entries if e.noise is not None]
-    machines = [e.machine for e in entries if e.machine is not None]
-    return ", ".join([f"case {entries[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
+def _in_words(conditions: Sequence[Conditions]) -> str:
+    """Machine, load and noise of entries that have them in common."""
+    loads = [f"{c.load:.4g} kg mounted" for c in conditions if c.load is not None]
+    noises = [f"noise {c.noise:.3g} N{_by_pose(c.case)}" for c in conditions if c.noise is not None]
+    machines = [c.machine for c in conditions if c.machine is not None]
+    return ", ".join([f"case {conditions[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
 
 
-def _by_pose(entry: Entry) -> str:
-    field = PoseField.of(entry.case.sensors)
+def _by_pose(case: Case) -> str:
+    field = PoseField.of(case.sensors)
     return "" if field is None else f" and {field.words} that depends on the pose"
 
 

@@ -24,7 +24,7 @@ from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.deviations import predicted_std
-from planner.noise import PoseErrors, expected_noise
+from planner.noise import PoseErrors, expected_noise, of_estimate
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
@@ -51,13 +51,34 @@ class Told(NamedTuple):
     unit: str
 
 
+class Conditions(NamedTuple):
+    """What something was planned, executed or identified under; None where nothing tells."""
+
+    case: Case
+    noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
+    load: float | None = None  # mass of the weights that are mounted [kg]
+    machine: str | None = None  # machine that was measured, in words; None for plans
+
+
+class Sources(NamedTuple):
+    """What something is or was made of."""
+
+    recordings: frozenset[str] = frozenset()  # their fingerprints
+    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
+
+    def same_plan(self, other: "Sources") -> bool:
+        """Whether both are known to go back to one plan."""
+        return self.plan is not None and self.plan == other.plan
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """One thing that is compared."""
 
     name: str  # as the user named it
     level: Level  # plan, run or result
-    case: Case
+    conditions: Conditions
+    sources: Sources
     model: int  # number in Table 2
     family: str  # family of the plan, or what the recording says
     duration: float | None  # measuring time [s]; None where nothing tells
@@ -67,11 +88,6 @@ class Entry:
     parameters: Mapping[str, Told]  # parameters by name
     s0: float | None  # s0 of an identified one [N]
     notes: Mapping[str, float]  # figures of the execution, by name
-    hashes: frozenset[str]  # fingerprints of the recordings that it is or was made of
-    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
-    noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
-    load: float | None = None  # mass of the weights that are mounted [kg]; None where nothing tells
-    machine: str | None = None  # machine that was measured, in words; None for plans, and where nothing tells
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
     # vibration of a planned motion on a machine with a structural mode; None where the case states none
     vibration: Vibration | None = None
@@ -89,9 +105,9 @@ class Entry:
             "s0_N": self.s0,
             "parameters": {n: t._asdict() for n, t in self.parameters.items()},
             "execution": dict(self.notes),
-            "assumed_noise_N": self.noise,
-            "load_kg": self.load,
-            "machine": self.machine,
+            "assumed_noise_N": self.conditions.noise,
+            "load_kg": self.conditions.load,
+            "machine": self.conditions.machine,
             "warnings": list(self.warnings),
             "vibration": None if self.vibration is None else asdict(self.vibration),
         }
@@ -145,9 +161,9 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
     deviations = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
-        name, Level.PLANNED, saved.case, model.number, saved.family, saved.duration, samples,
-        _criteria(information, model), deviations, None, {}, frozenset(),
-        fingerprint(saved), noise, float(load), warnings=saved.stale, vibration=vibrating,
+        name, Level.PLANNED, Conditions(saved.case, noise, float(load)), Sources(plan=fingerprint(saved)),
+        model.number, saved.family, saved.duration, samples,
+        _criteria(information, model), deviations, None, {}, saved.stale, vibrating,
     )  # fmt: skip
 
 
@@ -187,14 +203,16 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
         scattered = weighted if scattered is None else scattered
         scattered = scattered + errors.scatter(rows * scaling, struts, seconds)
     units = _units(model)
-    expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
+    weighted = weighted if scattered is None else of_estimate(weighted, scattered)
+    expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
-        str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")).split(" (")[0],
+        str(path), Level.EXECUTED, Conditions(case, noise.sensors, _mounted(about), _machine(about)),
+        Sources(_fingerprints(path), about.get("plan_hash")), model.number,
+        str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
-        {n: float(about[n]) for n in figures if about.get(n) is not None}, _fingerprints(path),
-        about.get("plan_hash"), noise.sensors, _mounted(about), _machine(about),
+        {n: float(about[n]) for n in figures if about.get(n) is not None},
         (*(str(about[k]) for k in ("remark",) if about.get(k)), *stale_in),
     )  # fmt: skip
 
@@ -262,7 +280,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
         except (np.linalg.LinAlgError, IdentificationError):
             criteria = {}
     return Entry(
-        str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
-        seconds, samples, criteria, deviations, measured, {}, saved.recordings, data.get("plan_hash"),
-        warnings=tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
+        str(path), Level.IDENTIFIED, Conditions(case), Sources(saved.recordings, data.get("plan_hash")), saved.model,
+        str(data.get("estimator", "")), seconds, samples, criteria, deviations, measured, {},
+        tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

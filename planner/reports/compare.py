@@ -127,7 +127,7 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
             words + "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
         )
         sections.append(Section("Planned and executed", (*items, note)))
-    hashes = dict.fromkeys((f"case {e.case.name}", e.case.hash) for e in entries)
+    hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
     return Page(
         title="Comparison of excitations",
         lead=f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
