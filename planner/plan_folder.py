@@ -13,7 +13,7 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limits import LimitReport
+from identification.limit import LimitReport
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory, sample
 from planner.deviations import predicted_std_at_poses, worst_std

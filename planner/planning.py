@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limits import PROOF_RATE, prove
+from identification.limit_proof import PROOF_RATE, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField

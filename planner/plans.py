@@ -11,7 +11,7 @@ from cases.basis import KEPT, plan_basis
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limits import LimitReport
+from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Motion, Trajectory
 from identification.noise.pose_field import PoseField

@@ -14,7 +14,7 @@ from cases.chain import Chain
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.limited import Box
+from identification.limited_quantities import Box
 from postprocessors.blocks import Array, Block, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.proving.controller_guarantees import sinumerik_guarantees, twincat_guarantees
 from postprocessors.proving.guarantees import Guarantees

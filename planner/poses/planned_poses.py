@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
-from identification.limits import LimitReport, prove, worst_of
+from identification.limit import LimitReport, worst_of
+from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses

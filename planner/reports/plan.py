@@ -10,8 +10,8 @@ from cases.schema import Case
 from cases.units import MM
 from identification.criteria import analyse, reference_scaling
 from identification.evaluate import over_samples
-from identification.limited import strut_motion
-from identification.limits import load_shares
+from identification.limit_proof import load_shares
+from identification.limited_quantities import strut_motion
 from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField

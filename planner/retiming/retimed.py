@@ -18,7 +18,8 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limits import LimitReport, mechanical_pace, prove
+from identification.limit import LimitReport
+from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.limited import Box
+from identification.limited_quantities import Box
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle

@@ -7,6 +7,7 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.limit import LimitKind
 from identification.motion import Array
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import TimeLaw, fastest_profile
@@ -51,7 +52,7 @@ def _of_own_axes(controller: str, limits: Iterable[str], smooth: bool, step: flo
         longest_block=0.0,
         follows_paths=False,
         even_blocks=False,
-        enforced=frozenset(limits),
+        enforced=frozenset(map(LimitKind, limits)),
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else step,
@@ -72,7 +73,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         follows_paths=False,
         even_blocks=False,
-        enforced=frozenset(settings.controller_keeps),
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments,
         arc_law=_seven_segment_arc,
         jerk_time=0.0,
@@ -102,7 +103,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=LONGEST_POINTS,
         follows_paths=False,
         even_blocks=False,
-        enforced=frozenset(settings.controller_keeps),
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else settings.shortest_block,
@@ -148,7 +149,7 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=settings.cycle,
         follows_paths=True,
         even_blocks=False,
-        enforced=frozenset(settings.controller_keeps),
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments,
         arc_law=_seven_segment_arc,
         jerk_time=settings.cycle,

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from cases.schema import Case
-from identification.limited import Box
-from identification.limits import LimitCheck, Status
+from identification.limit import LimitCheck, LimitKind, OwnMove, Status
+from identification.limited_quantities import Box
 from identification.trajectories.profile import Profile, TimeLaw
 from postprocessors.proving.forces import ForceBounds
 
@@ -37,7 +37,7 @@ class Guarantees:
     # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
     # at one feed): then rates are proven also where it does not follow the assumed curve
     even_blocks: bool
-    enforced: frozenset[str]  # families of limits that it keeps by itself, whatever the program asks for; see `family`
+    enforced: frozenset[LimitKind]  # families of limits that it keeps by itself, whatever the program asks for
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
     arc_law: ArcLaw
     jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
@@ -51,21 +51,6 @@ class Forecast:
 
     stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
     remarks: tuple[str, ...] = ()  # what to know about it and what to change, one sentence each
-
-
-def family(name: str) -> str:
-    """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
-    return name.split(" (")[0].split(",")[0].removeprefix("angular ")
-
-
-KINETIC = (
-    "velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment",
-    "joint torque", "joint force",
-)  # fmt: skip
-"""Families of limits that depend on a controller's time law; those of geometry do not."""
-
-
-UNTIMED = ", untimed moves"  # names apart what a controller does by itself, lest it hide what is proven
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,28 +67,23 @@ class Answering:
         """Of excitations."""
         return self.case.need_motion("the check of a program")[1]
 
-    def answer(self, name: str) -> Status:
-        """Who keeps a limit, by its name in a report, in a motion that the controller times."""
-        return Status.ENFORCED if family(name) in self.guarantees.enforced else Status.NOT_ENFORCED
+    def answer(self, kind: LimitKind) -> Status:
+        """Who keeps a limit in a motion that the controller times."""
+        return Status.ENFORCED if kind.family in self.guarantees.enforced else Status.NOT_ENFORCED
 
-    def own(self, check: LimitCheck, where: str = UNTIMED, status: Status | None = None) -> LimitCheck:
+    def own(self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None) -> LimitCheck:
         """A limit in a move that the controller times: a prediction, for which the text is not answerable."""
-        verdict = self.answer(check.name) if status is None else status
-        return replace(check, name=_renamed(check.name, where), status=verdict, binding=False)
+        verdict = self.answer(check.kind) if status is None else status
+        return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
     def forces_kept(
-        self, kind: str, bound: Callable[[ForceBounds], Iterable[LimitCheck]], where: str = ""
+        self, kind: LimitKind, bound: Callable[[ForceBounds], Iterable[LimitCheck]], move: OwnMove | None = None
     ) -> LimitCheck | None:
         """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.
 
         No controller knows forces of sensors. They are bounded where it keeps velocities and accelerations.
         """
-        if self.forces is None or not {"velocity", "acceleration"} <= self.guarantees.enforced:
+        if self.forces is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.guarantees.enforced:
             return None
-        check = next((c for c in bound(self.forces) if family(c.name) == kind), None)
-        return None if check is None or check.ratio > 1.0 else replace(check, name=_renamed(check.name, where))
-
-
-def _renamed(name: str, addition: str) -> str:
-    kind, _, place = name.partition(" (")
-    return f"{kind}{addition} ({place}" if place else f"{kind}{addition}"
+        check = next((c for c in bound(self.forces) if c.kind is kind), None)
+        return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))

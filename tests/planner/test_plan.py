@@ -10,7 +10,8 @@ import pytest
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
-from identification.limits import LimitReport, prove
+from identification.limit import LimitReport
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion

@@ -11,7 +11,7 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from identification.criteria import reference_scaling, uniform_states
 from identification.evaluate import over_samples
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases.units import DEG, MM
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from planner.bounds.features import box_features

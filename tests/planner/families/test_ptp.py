@@ -5,7 +5,7 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
 from identification.trajectories.profile import StraightMove

@@ -9,7 +9,7 @@ import pytest
 from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
 from planner.families.family import Family

@@ -8,7 +8,7 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
