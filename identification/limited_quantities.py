@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -261,17 +260,8 @@ def _determinant(direction: Array, arms: Array) -> Array:
     return np.asarray(np.linalg.det(np.concatenate([direction, np.cross(arms, direction)], axis=2)))
 
 
-@dataclass(frozen=True, slots=True)
-class _Of:
-    """A machine as a key."""
-
-    machine: HexapodMachine
-
-
-@lru_cache(maxsize=8)
-def _at_home(of: _Of) -> float:
+def _at_home(machine: HexapodMachine) -> float:
     """det(J^-1) at home."""
-    machine = of.machine
     standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
     strut, _, _, _ = strut_vectors(standing, rotation_motion(standing), machine)
     direction = strut / np.linalg.norm(strut, axis=2)[:, :, None]
@@ -281,6 +271,6 @@ def _at_home(of: _Of) -> float:
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
     """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
     arms = strut + machine.base.points - motion.pose[:, None, :3]
-    determinant = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
+    determinant = (_determinant(direction, arms) / _at_home(machine))[:, None]
     ratio = np.nan_to_num(1.0 - determinant, nan=np.inf)
     return Quantity(Limit(LimitKind.SINGULARITY), ("",), determinant, np.zeros((2, 1)), ratio)

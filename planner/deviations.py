@@ -1,17 +1,22 @@
 """Standard deviations that one run of a motion will have, predicted from its information and the expected noise."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import HexciteError
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
-from identification.model import Model
+from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
+from planner.families.manual import manual_motion, sequence_file
 from planner.noise import ExpectedNoise, PoseErrors, expected_noise, of_estimate, seen_through
+from planner.plans import Plan
 from planner.poses.pose_criteria import total_information
 from planner.search.problem import mean_information
 
@@ -122,3 +127,36 @@ def worst_std(
             if name not in worst or std > worst[name][0] * (1.0 + 1e-6):
                 worst[name] = (std, payload)
     return worst
+
+
+class Beside(NamedTuple):
+    """The hand-made motion's figures."""
+
+    duration: float  # [s]
+    std: dict[str, float]  # predicted standard deviation of each physical parameter, of one whole run [SI]
+    averaging: bool = True  # whether errors average out where it is repeated; those that depend on the pose do not
+
+    def at_equal_time(self, duration: float) -> dict[str, float]:
+        """Deviations if the motion were repeated, or broken off, after another duration [s]."""
+        times = float(np.sqrt(self.duration / duration)) if self.averaging else 1.0
+        return {name: std * times for name, std in self.std.items()}
+
+
+def beside_manual(plan: Plan) -> Beside | str:
+    """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none."""
+    if not plan.of_motion[0].family.optimised:
+        return "it is the motion itself"
+    try:
+        case = plan.case
+        model = identification_model(case, plan.model)
+        motion = manual_motion(case, sequence_file(case))
+        scaling = reference_scaling(case, model)
+        information = mean_information(model, scaling, motion)
+        if np.linalg.matrix_rank(information) < len(scaling):
+            return "the hand-made motion of this case does not determine all parameters of the model"
+        worst = worst_std(case, model, scaling, motion, plan.payloads)
+        return Beside(
+            motion.duration, {name: std for name, (std, _) in worst.items()}, case.sensors.pose_error_N is None
+        )
+    except HexciteError as error:
+        return f"there is no hand-made motion to compare with: {error}"

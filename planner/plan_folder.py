@@ -22,8 +22,7 @@ from planner.families.settings import FAMILIES
 from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, standing_model
 from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
 from planner.poses.pose_criteria import pose_regressors, total_information
-from planner.poses.pose_request import PoseRequest
-from planner.request import LONGEST, Request
+from planner.request import LONGEST, PoseRequest, Request
 from planner.search.problem import information_of, mean_information
 from planner.worth import PoseWorth, Worth
 

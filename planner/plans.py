@@ -18,9 +18,8 @@ from identification.noise.pose_field import PoseField
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by
-from planner.poses.pose_request import PoseRequest
 from planner.precision import share_text, std_text
-from planner.request import Request
+from planner.request import PoseRequest, Request
 from planner.worth import PoseWorth, Worth
 
 Array = NDArray[np.float64]

@@ -1,9 +1,12 @@
 """Numbers as people read them, to the second digit of their standard deviation, and parameters by their words."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from math import floor, isfinite, log10
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from identification.limit import LimitCheck
 
 _WORDS = {
     "m": "mass",
@@ -56,11 +59,11 @@ def share_text(ratio: float) -> str:
     return f"{100 * ratio:.2f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
-def bounds_text(limit: Mapping[str, Any]) -> str:
+def bounds_text(check: "LimitCheck") -> str:
     """The limit, or both where the share that is used counts from the middle between them."""
-    if (bounds := limit.get("bounds")) is not None:
-        return f"{bounds[0]:.4g} to {bounds[1]:.4g}"
-    return f"{limit['limit']:.4g}"
+    if check.bounds is not None:
+        return f"{check.bounds[0]:.4g} to {check.bounds[1]:.4g}"
+    return f"{check.limit:.4g}"
 
 
 def carries_rods(names: Iterable[str]) -> bool:

@@ -229,18 +229,12 @@ class StaticLimits:
         n, shares = box.shape[1], self.shares(self.poses(box, starts))
         fractions, largest = starts[shares.argmax(axis=0)], shares.max(axis=0)
         columns = np.flatnonzero(largest > NEAR)
-        best, most, size, rows = (
-            fractions[columns],
-            largest[columns],
-            np.full(len(columns), 0.25),
-            np.arange(len(columns)),
-        )
+        best, most = fractions[columns], largest[columns]
+        size, rows = np.full(len(columns), 0.25), np.arange(len(columns))
         for _ in range(CLIMBS):
             moves = np.vstack([np.eye(n), -np.eye(n)])
             candidates = np.clip(best[:, None] + size[:, None, None] * moves, 0.0, 1.0)
-            values = self.shares(self.poses(box, candidates.reshape(-1, n))).reshape(
-                len(columns), 2 * n, len(self.names)
-            )
+            values = self.shares(self.poses(box, candidates.reshape(-1, n))).reshape(len(columns), 2 * n, -1)
             values = values[rows, :, columns]  # of each limit at the moves of its own pose
             way = values.argmax(axis=1)
             higher = values[rows, way] > most

@@ -81,7 +81,7 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 def _sinumerik(suffix: str = "") -> Language:
     from postprocessors.own_axes import write_sinumerik_axes
-    from postprocessors.proving.controller_guarantees import (
+    from postprocessors.proving.guarantees import (
         sinumerik_forecast,
         sinumerik_guarantees,
         sinumerik_tolerance,
@@ -104,7 +104,7 @@ def _sinumerik(suffix: str = "") -> Language:
 
 def _twincat(suffix: str = "") -> Language:
     from postprocessors.own_axes import write_twincat_axes
-    from postprocessors.proving.controller_guarantees import twincat_guarantees
+    from postprocessors.proving.guarantees import twincat_guarantees
     from postprocessors.reading.own_axes import read_twincat_axes
     from postprocessors.reading.twincat import read_twincat
     from postprocessors.twincat import write_twincat
@@ -117,7 +117,7 @@ def _twincat(suffix: str = "") -> Language:
 
 
 def _setpoints(suffix: str = ".csv") -> Language:
-    from postprocessors.proving.controller_guarantees import setpoint_guarantees
+    from postprocessors.proving.guarantees import setpoint_guarantees
     from postprocessors.reading.setpoints import read_setpoints
     from postprocessors.setpoints import require_same, write_csv, write_parquet
 
@@ -126,7 +126,7 @@ def _setpoints(suffix: str = ".csv") -> Language:
 
 
 def _urscript(suffix: str = "") -> Language:
-    from postprocessors.proving.controller_guarantees import urscript_guarantees
+    from postprocessors.proving.guarantees import urscript_guarantees
     from postprocessors.reading.urscript import read_urscript
     from postprocessors.urscript import write_urscript
 
@@ -135,7 +135,7 @@ def _urscript(suffix: str = "") -> Language:
 
 def _ros2(suffix: str = "") -> Language:
     from postprocessors.joint_trajectory import require_same, write_joint_trajectory
-    from postprocessors.proving.controller_guarantees import joint_trajectory_guarantees
+    from postprocessors.proving.guarantees import joint_trajectory_guarantees
     from postprocessors.reading.joint_trajectory import read_joint_trajectory
 
     return Language(write_joint_trajectory, read_joint_trajectory, joint_trajectory_guarantees, same=require_same)

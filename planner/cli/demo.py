@@ -83,7 +83,7 @@ def demo(
             print_step(line, lambda: show_program(written))
             step("check: the text read back, independently of its writer")
             checked = answer["check"] = answer_of_proof(value)
-            print_step(checked["verdict"], lambda: show_check(checked))
+            print_step(checked["verdict"], lambda: show_check(checked, value))
             name, reason = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({reason})")
         elif isinstance(value, RunOutcome):

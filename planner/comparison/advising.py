@@ -29,26 +29,28 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     """
     entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
-        plans = [g for g in entry_groups if g[0].level is Level.PLANNED and g[0].sources.same_plan(run.sources)]
-        if plans:
-            plans[0].append(run)
-        else:
-            entry_groups.append([run])
+        _group_of_plan(run, [g for g in entry_groups if g[0].level is Level.PLANNED], entry_groups).append(run)
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
         made_of = result.sources.recordings
         runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.sources.recordings & made_of]
-        plans = [g for g in entry_groups if g[0].sources.same_plan(result.sources)]
         if runs:
             home, run = runs[0]
             known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
             entry = replace(result, duration=run.duration, conditions=known)
             after = [k for k, e in enumerate(home) if e.sources.recordings & run.sources.recordings]
             home.insert(max(after) + 1, entry)
-        elif plans:
-            plans[0].append(result)
         else:
-            entry_groups.append([result])
+            _group_of_plan(result, entry_groups, entry_groups).append(result)
     return entry_groups
+
+
+def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: list[list[Entry]]) -> list[Entry]:
+    """The group that begins with an entry's plan, or a new one."""
+    for group in known:
+        if group[0].sources.same_plan(entry.sources):
+            return group
+    entry_groups.append([])
+    return entry_groups[-1]
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -197,7 +199,9 @@ def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Reco
     else:
         reason = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
     reason += f" (geometric mean over {len(names)} parameters)"
-    sentences = [f"{best.name}: {reason}{_times(best, second)}", *remarks]
+    if best.duration is not None and second.duration is not None:
+        reason += f", in {best.duration:.1f} s against {second.duration:.1f} s"
+    sentences = [f"{best.name}: {reason}", *remarks]
     if best.warnings:
         others = [entries[k].name for k in order if not entries[k].warnings]
         instead = f"; without warnings the best is {others[0]}" if others else ""
@@ -216,12 +220,6 @@ def _size(entry: Entry, names: Iterable[str]) -> float:
     if not all(d > 0.0 for d in deviations):
         raise HexciteError(f"{entry.name}: a parameter was given, not identified; compare without --fix")
     return float(np.mean(np.log(deviations)))
-
-
-def _times(best: Entry, second: Entry) -> str:
-    if best.duration is None or second.duration is None:
-        return ""
-    return f", in {best.duration:.1f} s against {second.duration:.1f} s"
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -18,6 +18,7 @@ from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
 from identification.identify import default_model
 from identification.model import Model, identification_model
+from identification.parameters import physical_form
 from identification.recording import Recording, files_of, read
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
@@ -124,8 +125,9 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         FileProblem: it is none of these.
         HexciteError: it cannot be used; the message says why.
     """
-    readers = {"plan.json": _plan, "recording.json": _run, "result.json": _result}
-    for file, reader in readers.items():
+    if (path / "plan.json").is_file():
+        return entry_of_plan(load_plan(path, case, stale), str(path))
+    for file, reader in (("recording.json", _run), ("result.json", _result)):
         if (path / file).is_file():
             return reader(path, case, stale)
     remedy = "name folders that plan, poses, run or identify wrote"
@@ -135,10 +137,6 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         raise FileProblem(path, "is a file", remedy)
     other = another_kind(path, "plan.json")
     raise FileProblem(path, f"{other or 'holds no plan, run or result'}", remedy)
-
-
-def _plan(path: Path, case: Case | None, stale: bool) -> Entry:
-    return entry_of_plan(load_plan(path, case, stale), str(path))
 
 
 def entry_of_plan(saved: Plan, name: str) -> Entry:
@@ -168,8 +166,6 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
 
 
 def _units(model: Model) -> dict[str, str]:
-    from identification.parameters import physical_form
-
     return {p.name: p.unit for p in physical_form(model).parameters}
 
 
@@ -262,13 +258,12 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     model = identification_model(case, saved.model)
     try:
         samples, s0, measured = int(data["samples"]), float(data["s0"]), float(data["s0_N"])
-        weights, seconds = str(data["weights"]), data.get("measuring_s")
+        weights, seconds = str(data["weights"]), None if data.get("measuring_s") is None else float(data["measuring_s"])
         deviations = {
             n: Told(v.value, v.reported, v.unit)
             for n, p in data["parameters"].items()
             for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
         }
-        seconds = None if seconds is None else float(seconds)
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     criteria: dict[str, float] = {}
@@ -278,7 +273,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
             scaling = reference_scaling(case, model)
             criteria = _criteria(mean * np.outer(scaling, scaling), model)
         except (np.linalg.LinAlgError, IdentificationError):
-            criteria = {}
+            pass
     return Entry(
         str(path), Level.IDENTIFIED, Conditions(case), Sources(saved.recordings, data.get("plan_hash")), saved.model,
         str(data.get("estimator", "")), seconds, samples, criteria, deviations, measured, {},

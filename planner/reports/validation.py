@@ -7,12 +7,14 @@ import numpy as np
 
 from cases.files import provenance
 from cases.schema import Case
+from identification.result import Estimate
 from planner.precision import parameter_words, with_deviation
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
-from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, rows_of
+from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
 from planner.validation.experiment import TABLE_3
-from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep
+from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
+from planner.validation.validation import Validation
 from planner.validation.verdict import OFF_COLUMNS, Claim, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
@@ -41,25 +43,11 @@ def _methods(steps: Sequence[MethodStep]) -> list[str]:
     return list(dict.fromkeys(step.method for step in steps))
 
 
-def validation_page(
-    case: Case,
-    steps: Sequence[MethodStep],
-    verdict: Sequence[Claim],
-    columns: Mapping[int, Identified],
-    machine: str,
-    failed: Mapping[str, str],
-) -> Page:
-    """The page of `hexcite validate`.
-
-    Args:
-        verdict: claims about the methods, answered.
-        columns: runs without payload by several models; empty where they were not made.
-        machine: what was used, in words.
-        failed: methods that could not be carried out, and why.
-    """
-    payloads = case.payloads
+def validation_page(validation: Validation) -> Page:
+    """The page of `hexcite validate`."""
+    case, steps, payloads = validation.case, validation.steps, validation.case.payloads
     assert payloads is not None
-    warnings = tuple(f"{method} was not run: {reason}" for method, reason in failed.items())
+    warnings = tuple(f"{method} was not run: {reason}" for method, reason in validation.failed.items())
     warnings += tuple(_warnings(steps))
     tables: list[Item] = []
     for method in _methods(steps):
@@ -67,10 +55,10 @@ def validation_page(
         text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [
             Note(f"{method}{text}, model {own[0].estimate.model}"),
-            Table(TABLE_7, tuple(map(tuple, table_7(own)))),
+            Table(TABLE_7, table_7(own)),
         ]
     sections = [
-        Section("What it comes to", (_findings(verdict),)),
+        Section("What it comes to", (_findings(validation.findings),)),
         Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
         Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
         Section("Residuals grow with the load", (_s0_plot(steps),)),
@@ -82,18 +70,16 @@ def validation_page(
             "one without which the error would be smallest. Where it is the structural mode, hexcite identify "
             "--flexible estimates it too."
         )
-        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, rows_of(off), left=3))))
-    if columns:
-        sections.append(
-            Section("Models side by side, without payload (Table 3)", models_table(case, dict(sorted(columns.items()))))
-        )
+        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, off, left=3))))
+    if columns := dict(sorted(validation.columns.items())):
+        sections.append(Section("Models side by side, without payload (Table 3)", models_table(case, columns)))
     return Page(
         title=f"Validation with payloads: {case.title}",
         lead=f"Known weights of {_loads(steps)} mounted one after the other and identified by "
-        f"{len(_methods(steps))} methods on {machine}.",
+        f"{len(_methods(steps))} methods on {validation.machine}.",
         inputs=(
             ("case", f"{case.name} (hash {case.hash})"),
-            ("machine", machine),
+            ("machine", validation.machine),
             ("weights", payloads.source),
             *provenance([])["versions"].items(),
         ),
@@ -228,7 +214,7 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
     return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
 
 
-def models_table(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
+def models_table(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
     """Parameters by several models of one recording, a column a model."""
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]

@@ -57,7 +57,6 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
 
 
-Flags = NDArray[np.bool_]
 PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
 
 
@@ -66,7 +65,7 @@ def _require_timing(part: Timed, by: Answering) -> None:
     guarantees, key = by.guarantees, by.guarantees.block_key
     steps, cycle = np.diff(part.points.times), 1e3 * by.guarantees.shortest_block
 
-    def refuse(mask: Flags, sentence: Callable[[float], str]) -> None:
+    def refuse(mask: NDArray[np.bool_], sentence: Callable[[float], str]) -> None:
         if mask.any():
             k = int(np.argmax(mask))
             raise ProgramError(by.file, part.lines[k], 0, sentence(1e3 * steps[k]))
@@ -183,9 +182,8 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, cl
         speed = float(np.min(by.limits.rate[way > 0.0] / way[way > 0.0]))
     else:
         return
-    steady = replace(motion, profile=Steady(1.0 / speed))
-    t = np.linspace(0.0, steady.duration, FEWEST + 1)
-    for quantity in of_velocities(steady.at(t), by.case):
+    t = np.linspace(0.0, 1.0 / speed, FEWEST + 1)
+    for quantity in of_velocities(replace(motion, profile=Steady(1.0 / speed)).at(t), by.case):
         yield worst_case(quantity, t + clock)
 
 

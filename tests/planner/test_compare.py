@@ -12,10 +12,10 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.schema import Case
-from planner.comparison.advising import groups, recommend
+from planner.comparison.advising import groups, recommend, warnings_of
 from planner.comparison.entries import Conditions, Entry, Level, Sources, Told, read_entry
 from planner.plan_folder import fingerprint_of
-from planner.reports.compare import coloured, warnings_of
+from planner.reports.compare import coloured
 from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened

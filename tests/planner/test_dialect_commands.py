@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from planner.cli.run import exceeded_sentence
-from postprocessors.proving.controller_guarantees import twincat_guarantees
+from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.setpoints import write_csv, write_parquet
 from tests.planner.command_line import call, refused

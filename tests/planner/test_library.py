@@ -20,8 +20,7 @@ from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status
 from planner.families.settings import FAMILIES
 from planner.plans import Plan
-from planner.poses.pose_request import PoseMethod, PoseRequest
-from planner.request import Request
+from planner.request import PoseMethod, PoseRequest, Request
 from tests.helpers import one_line
 from tests.planner.command_line import refused
 
