@@ -236,8 +236,8 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     lines from joint to joint, with the radius that the case says around them, tools likewise. What moves at 1 m/s is
     between two instants of 10 kHz nearer by at most 0.05 mm.
     """
-    labels = guarded(workspace)
     for box in workspace.keep_out:
+        labels = guarded(workspace)
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
         ratio = np.maximum(0.0, 1.0 - distance / box.vicinity)
         ratio = np.nan_to_num(ratio, nan=np.inf)

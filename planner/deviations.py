@@ -15,10 +15,9 @@ from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
 from planner.families.manual import manual_motion, sequence_file
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, of_estimate, seen_through
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, mean_information, of_estimate, seen_through
 from planner.plans import Plan
 from planner.poses.pose_criteria import total_information
-from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 

@@ -19,11 +19,18 @@ from identification.motion import Joined, Measurement, Trajectory, sample
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.saved import motion_of_entries
 from planner.families.settings import FAMILIES
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, standing_model
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    expected_noise,
+    information_of,
+    mean_information,
+    seen_through,
+    standing_model,
+)
 from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
 from planner.poses.pose_criteria import pose_regressors, total_information
 from planner.request import LONGEST, PoseRequest, Request
-from planner.search.problem import information_of, mean_information
 from planner.worth import PoseWorth, Worth
 
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min

@@ -18,7 +18,7 @@ from identification.noise.pose_field import PoseField
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by
-from planner.precision import share_text, std_text
+from planner.precision import legible, share_text, std_text
 from planner.request import PoseRequest, Request
 from planner.worth import PoseWorth, Worth
 
@@ -214,7 +214,7 @@ class Plan:
         """Predicted standard deviations as text, a line for each unit."""
         lines: dict[str, list[str]] = {}
         for p in physical_form(identification_model(self.case, self.model)).parameters:
-            scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+            scale, unit = legible(p.unit)
             lines.setdefault(unit, []).append(f"{p.name} {std_text(self.predicted_std[p.name] * scale)}")
         width = max(map(len, lines))
         return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]

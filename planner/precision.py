@@ -54,6 +54,11 @@ def with_deviation(value: float, std: float) -> str:
     return f"{value_text(value, std)} ± {std_text(std)}"
 
 
+def legible(unit: str) -> tuple[float, str]:
+    """Factor from an SI unit to the one in which people read it, and that one: lengths in mm, all else as it is."""
+    return (1e3, "mm") if unit == "m" else (1.0, unit)
+
+
 def share_text(ratio: float) -> str:
     """Share of a limit in %; two decimals tell 99.99 from 100, and above ten times the limit no number tells more."""
     return f"{100 * ratio:.2f} %" if ratio <= MOST_TIMES else "more than ten times"

@@ -25,12 +25,11 @@ from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.deviations import predicted_std
-from planner.noise import PoseErrors, expected_noise, of_estimate
+from planner.noise import PoseErrors, expected_noise, mean_information, of_estimate
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.recorded import standing_of
-from planner.search.problem import mean_information
 from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]

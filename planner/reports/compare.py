@@ -7,7 +7,7 @@ import numpy as np
 from cases.files import provenance
 from planner.comparison.advising import Comparison
 from planner.comparison.entries import Entry, Level, Told
-from planner.precision import parameter_words, std_text, value_text
+from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.charts import Series, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
@@ -47,7 +47,7 @@ def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str,
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         values = [e.parameters.get(name) for e in entries]
         unit = next(t.unit for t in values if t is not None)
-        yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), values
+        yield name, *legible(unit), values
 
 
 def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from identification.limit import Status
 from identification.motion import sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
-from planner.precision import parameter_words, std_text, value_text
+from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_items
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
@@ -90,7 +90,7 @@ def _truth(chain: Demo) -> tuple[Item, ...]:
 
 def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     """Name, truth, estimate, standard deviation, error, error / std and unit of one row of `truth_rows`."""
-    scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
+    scale, unit = legible(row["unit"])
     std = row["std"] * scale
     texts = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     estimate, error = texts

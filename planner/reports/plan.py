@@ -21,7 +21,7 @@ from identification.parameters import nominal_parameters, physical_form
 from planner.deviations import Beside, beside_manual
 from planner.found import bound_by
 from planner.plans import Plan
-from planner.precision import parameter_words, std_text
+from planner.precision import legible, parameter_words, std_text
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_items
 from planner.reports.machine import moving_machine
@@ -151,7 +151,7 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
             note += f" {manual[0].upper()}{manual[1:]}."
     rows = []
     for p in physical_form(model).parameters:
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        scale, unit = legible(p.unit)
         std = plan.predicted_std[p.name]
         row = [parameter_words(p.name), std_text(std * scale)]
         if other is not None:

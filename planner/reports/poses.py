@@ -9,7 +9,7 @@ from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import places
-from planner.precision import parameter_words, std_text
+from planner.precision import legible, parameter_words, std_text
 from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
@@ -57,7 +57,7 @@ def _pictures(plan: Plan) -> tuple[Section, ...]:
 def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:
     rows = []
     for p in physical_form(model).parameters:
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        scale, unit = legible(p.unit)
         rows.append((parameter_words(p.name), std_text(plan.predicted_std[p.name] * scale), unit))
     note = Note(
         f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."

@@ -8,7 +8,7 @@ import numpy as np
 from cases.files import provenance
 from cases.schema import Case
 from identification.result import Estimate
-from planner.precision import parameter_words, with_deviation
+from planner.precision import legible, parameter_words, with_deviation
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
@@ -18,7 +18,6 @@ from planner.validation.validation import Validation
 from planner.validation.verdict import OFF_COLUMNS, Claim, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
-SCALES = {"zC": (1e3, "mm"), "xC": (1e3, "mm"), "yC": (1e3, "mm")}
 LEAST_DEVIATION = 1e-12  # the first step is its own theory
 
 
@@ -29,8 +28,7 @@ def table_7(steps: Sequence[MethodStep]) -> list[list[str]]:
         row = [f"{step.load:.0f} kg", f"{step.s0:.2f}"]
         for name in SHOWN:
             value = step.estimate.physical.get(name)
-            scale = SCALES.get(name, (1.0, ""))[0]
-            row.append("-" if value is None else f"{value.value * scale:.2f}")
+            row.append("-" if value is None else f"{value.value * legible(value.unit)[0]:.2f}")
             if name[0] != "k":
                 deviation = step.deviation(name)
                 blank = deviation is None or abs(deviation) < LEAST_DEVIATION
@@ -161,9 +159,8 @@ def _std_table(steps: Sequence[MethodStep]) -> Table:
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
     rows.append(("s0", *(f"{s.s0:#.3g} N" for s in bare)))
     for name in names:
-        scale, unit = SCALES.get(name, (1.0, ""))
         estimates = [s.estimate.physical.get(name) for s in bare]
-        unit = unit or next(v.unit for v in estimates if v is not None)
+        scale, unit = legible(next(v.unit for v in estimates if v is not None))
         rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in estimates)))
     return Table(("without payload", *(s.method for s in bare)), tuple(rows))
 
@@ -219,11 +216,10 @@ def models_table(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:
-        scale, unit = SCALES.get(name, (1.0, ""))
         estimates = [e.physical.get(name) for e in columns.values()]
         if not any(estimates):  # standing still tells no inertia
             continue
-        unit = unit or next(v.unit for v in estimates if v is not None)
+        scale, unit = legible(next(v.unit for v in estimates if v is not None))
         texts = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in estimates)
         rows.append((f"{name} [{unit}]", *texts))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."

@@ -21,9 +21,9 @@ from identification.recording import Recording, about_case
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
+from planner.noise import mean_information
 from planner.runs.recorded import stood, way_of
 from planner.runs.written import plan_of_program, written_for_another
-from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom

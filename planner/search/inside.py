@@ -13,8 +13,7 @@ from identification.limit_proof import prove
 from identification.model import Model
 from planner.families.family import Family
 from planner.infeasible import remedy
-from planner.noise import PoseErrors
-from planner.search.problem import information_of
+from planner.noise import PoseErrors, information_of
 
 Array = NDArray[np.float64]
 

@@ -17,10 +17,11 @@ from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import Spline
 from planner.found import Found, notes
+from planner.noise import mean_information
 from planner.plans import Plan
 from planner.request import Request
 from planner.search.inside import MARGIN, keep_limits
-from planner.search.problem import build_problem, mean_information
+from planner.search.problem import build_problem
 from tests.postprocessors.independent import strut_lengths
 
 INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's grid

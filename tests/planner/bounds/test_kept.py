@@ -18,7 +18,7 @@ from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
 from planner.bounds.kept import GAP, Bound, bound, compute_bound
 from planner.families.fourier import FourierFamily
-from planner.search.problem import mean_information
+from planner.noise import mean_information
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 

@@ -23,8 +23,8 @@ from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
+from planner.noise import mean_information
 from planner.search.inside import keep_limits
-from planner.search.problem import mean_information
 from planner.search.solving import Task, run_start
 from tests.helpers import few
 from tests.planner.bounds.test_moments import CASE, FAMILIES

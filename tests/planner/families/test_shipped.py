@@ -16,8 +16,9 @@ from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.saved import FILE, shipped_start
 from planner.families.settings import family_class
+from planner.noise import mean_information
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.problem import build_problem, mean_information
+from planner.search.problem import build_problem
 from planner.search.solving import CLOSE
 
 FAMILIES = ("fourier", "ptp", "ptp, steps", "spline")
