@@ -79,9 +79,9 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
         )
     else:
         print(_rated(answer))
-    peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
+    peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in outcome.rating.peaks.items())
     print(f"reached of the limits in the whole run: {peaks}")
-    for sentence in exceeded_sentence(answer["peaks_of_limit"], outcome):
+    for sentence in exceeded_sentence(outcome.rating.peaks, outcome):
         print(sentence)
     if answer["remark"]:
         print(answer["remark"])

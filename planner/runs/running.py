@@ -265,7 +265,7 @@ def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> d
         "d_efficiency_planned": rating.efficiency_planned,
         "d_efficiency": rating.efficiency,
         "peak_acceleration_of_limit": rating.peak_acceleration,
-        "peaks_of_limit": dict(rating.peaks),
+        "peaks_of_limit": {str(kind): share for kind, share in rating.peaks.items()},
         "poses_m_rad": outcome.poses.tolist(),
         "remark": "; ".join(text for text in (other and f"the program was {other}", outcome.run.remark) if text),
         "units": "SI with the unit in each column name",
