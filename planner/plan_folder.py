@@ -123,7 +123,8 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     try:
         parameters = len(identification_model(own, int(data["model"])).parameters)
-        request, worth = _request(data), PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
+        request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
+        worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
         limits = LimitReport.of_json(data["limits"])
         predicted = {str(name): float(std) for name, std in data["predicted_std"].items()}
         noise, rate = float(data["assumed_noise_N"]), float(data.get("assumed_rate_Hz", RATE_OF_0_1))
@@ -132,10 +133,6 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         raise FileProblem(file, error.typed, "plan again") from error
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
-
-
-def _request(data: dict[str, Any]) -> Request | PoseRequest:
-    return PoseRequest.of_json(data) if data["family"] == PoseRequest.name else Request.of_json(data)
 
 
 Array = NDArray[np.float64]

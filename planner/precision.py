@@ -59,9 +59,9 @@ def legible(unit: str) -> tuple[float, str]:
     return (1e3, "mm") if unit == "m" else (1.0, unit)
 
 
-def share_text(ratio: float) -> str:
+def share_text(ratio: float, decimals: int = 2) -> str:
     """Share of a limit in %; two decimals tell 99.99 from 100, and above ten times the limit no number tells more."""
-    return f"{100 * ratio:.2f} %" if ratio <= MOST_TIMES else "more than ten times"
+    return f"{100 * ratio:.{decimals}f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
 def bounds_text(check: "LimitCheck") -> str:

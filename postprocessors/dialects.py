@@ -13,14 +13,6 @@ from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading.words import Reading
 
 
-def _in_time(reading: Reading, case: Case) -> Forecast:
-    return Forecast()
-
-
-def _as_it_is(program: NeutralProgram, case: Case) -> NeutralProgram:
-    return program
-
-
 @dataclass(frozen=True, slots=True)
 class Language:
     """What a dialect can do."""
@@ -36,9 +28,9 @@ class Language:
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
     # what it will make of the program's time; by default that it keeps it
-    forecast: Callable[[Reading, Case], Forecast] = _in_time
+    forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: Forecast()
     # program and case -> the program in the blocks that this dialect is set up to use
-    prepare: Callable[[NeutralProgram, Case], NeutralProgram] = _as_it_is
+    prepare: Callable[[NeutralProgram, Case], NeutralProgram] = lambda program, case: program
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from planner.cli.console import Json, Overwrite, print_json, status
+from planner.precision import share_text
 
 if TYPE_CHECKING:
     from identification.limit import LimitKind
@@ -79,17 +80,13 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
         )
     else:
         print(_rated(answer))
-    peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in outcome.rating.peaks.items())
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in outcome.rating.peaks.items())
     print(f"reached of the limits in the whole run: {peaks}")
     for sentence in exceeded_sentence(outcome.rating.peaks, outcome):
         print(sentence)
     if answer["remark"]:
         print(answer["remark"])
     print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
-
-
-def _of_limit(share: float) -> str:
-    return f"{100 * share:.0f} %" if share <= 10.0 else "more than ten times"
 
 
 def exceeded_sentence(peaks: Mapping["LimitKind", float], outcome: "RunOutcome") -> Iterator[str]:

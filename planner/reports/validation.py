@@ -15,7 +15,7 @@ from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
 from planner.validation.experiment import TABLE_3
 from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
 from planner.validation.validation import Validation
-from planner.validation.verdict import OFF_COLUMNS, Claim, off_rows
+from planner.validation.verdict import OFF_COLUMNS, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first step is its own theory
@@ -47,6 +47,7 @@ def validation_page(validation: Validation) -> Page:
     assert payloads is not None
     warnings = tuple(f"{method} was not run: {reason}" for method, reason in validation.failed.items())
     warnings += tuple(_warnings(steps))
+    loads = ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps))
     tables: list[Item] = []
     for method in _methods(steps):
         own = [s for s in steps if s.method == method]
@@ -56,7 +57,7 @@ def validation_page(validation: Validation) -> Page:
             Table(TABLE_7, table_7(own)),
         ]
     sections = [
-        Section("What it comes to", (_findings(validation.findings),)),
+        Section("What it comes to", (Answers(tuple((f.holds, f.claim, f.figures) for f in validation.findings)),)),
         Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
         Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
         Section("Residuals grow with the load", (_s0_plot(steps),)),
@@ -73,7 +74,7 @@ def validation_page(validation: Validation) -> Page:
         sections.append(Section("Models side by side, without payload (Table 3)", models_table(case, columns)))
     return Page(
         title=f"Validation with payloads: {case.title}",
-        lead=f"Known weights of {_loads(steps)} mounted one after the other and identified by "
+        lead=f"Known weights of {loads} kg mounted one after the other and identified by "
         f"{len(_methods(steps))} methods on {validation.machine}.",
         inputs=(
             ("case", f"{case.name} (hash {case.hash})"),
@@ -84,14 +85,6 @@ def validation_page(validation: Validation) -> Page:
         warnings=warnings,
         sections=tuple(sections),
     )
-
-
-def _loads(steps: Sequence[MethodStep]) -> str:
-    return ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps)) + " kg"
-
-
-def _findings(verdict: Sequence[Claim]) -> Answers:
-    return Answers(tuple((f.holds, f.claim, f.figures) for f in verdict))
 
 
 def _warnings(steps: Sequence[MethodStep]) -> list[str]:

@@ -20,7 +20,7 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.standstills import Standing, average, find_standstills, match
+from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
 from planner.validation.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
@@ -73,11 +73,8 @@ class Excitation:
         if not len(self.poses):
             return recording, parts
         standing = match(average(recording, find_standstills(recording, 0.0)), self.case, self.poses, source)
-        return standing.averages, ForceParts(*(_averages(part, standing) for part in parts))
-
-
-def _averages(values: Array, standing: Standing) -> Array:
-    return np.array([values[w.start : w.end].mean(axis=0) for w in standing.windows])
+        means = (np.array([part[w.start : w.end].mean(axis=0) for w in standing.windows]) for part in parts)
+        return standing.averages, ForceParts(*means)
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:

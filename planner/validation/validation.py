@@ -19,7 +19,7 @@ from planner.runs.running import require_controller
 from planner.validation.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
 from planner.validation.step import MethodStep
-from planner.validation.verdict import Claim, findings, to_json
+from planner.validation.verdict import Claim, findings
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -53,7 +53,7 @@ class Validation:
             "disturbances": None if self.disturbances is None else self.disturbances.model_dump(),
             "not_run": dict(self.failed),
             "rows": [step.to_json() for step in self.steps],
-            "findings": to_json(list(self.findings)),
+            "findings": [finding._asdict() for finding in self.findings],
             "models": {str(n): {k: v._asdict() for k, v in e.physical.items()} for n, e in self.columns.items()},
             "executed": dict(self.executed),
         }

@@ -1,7 +1,7 @@
 """What a validation comes to: claims about the methods, each answered by the figures of the run."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -172,8 +172,3 @@ def _off(step: MethodStep, name: str) -> str:
     """Masses and inertias in per cent, coordinates in millimetres: those about zero have no per cent."""
     error = step.estimate.physical[name].value - step.truth[name]
     return f"{error * 1e3:+.2f} mm" if name[1:] == "C" else f"{100 * error / step.truth[name]:+.2f} %"
-
-
-def to_json(found: Sequence[Claim]) -> list[dict[str, Any]]:
-    """For the answer."""
-    return [f._asdict() for f in found]

@@ -187,7 +187,9 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
             yield f"line {first.line}: the first move does not go home, {distance}"
     elif isinstance(reading.events[0], Stand):
         yield "the machine must stand at home when it starts"
-    if distance := _away(_end_of(moves[-1]), home, limits):
+    last = moves[-1]
+    end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
+    if distance := _away(end, home, limits):
         yield f"it does not end at home, {distance}"
     if reading.unsaid:
         yield (
@@ -199,10 +201,6 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
         yield "the trigger is never switched on: a recording would not know what to evaluate"
     elif switches[-1].on:
         yield f"line {switches[-1].line}: the trigger is never switched off again"
-
-
-def _end_of(part: Timed | Untimed) -> Array:
-    return part.end if isinstance(part, Untimed) else part.points.at([part.points.duration]).pose[0]
 
 
 def _away(pose: Array, home: Array, limits: Box) -> str:
