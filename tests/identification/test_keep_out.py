@@ -11,7 +11,9 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
+from identification.limit import LimitReport
 from identification.limit_proof import prove
+from identification.motion import Standstill
 from identification.trajectories.profile import StraightMove
 from planner.poses.space import valid_poses
 from planner.search.state_limits import state_limits
@@ -82,6 +84,15 @@ def test_a_strut_that_enters_a_box_while_the_platform_stays_away_is_named(far: f
     assert check.worst == pytest.approx(1e3 * least, abs=0.5)
     assert report.kept == (least >= 0.0) == (far < 0.1)
     assert valid_poses(guarded, move.end[None])[0] == (far < 0.1)
+
+
+def test_boxes_that_are_told_apart_in_brackets_are_limits_of_their_own(hexapod_case: Case):
+    names = [f"vice ({side})" for side in ("left", "right, behind")]
+    boxes = [{**beside_strut(hexapod_case, 0.05), "name": name} for name in names]
+    report = prove(Standstill(HOME, 0.01), changed(hexapod_case, workspace__keep_out=boxes), 100.0)
+    data = report.to_json()
+    assert {f"distance from {name}" for name in names} <= set(data)
+    assert LimitReport.of_json(data) == report
 
 
 def test_a_strut_has_the_radius_that_the_case_says(hexapod_case: Case):
