@@ -1,6 +1,6 @@
 """What belongs together among plans, runs and results, and which excitation to prefer."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,6 +14,7 @@ from cases.schema import Case
 from identification.noise.pose_field import PoseField
 from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
 from planner.plans import Plan
+from planner.vibration import least_shaken
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
 ONE_NOISE = 1.0001  # ratio of noises that are one
@@ -104,7 +105,8 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
     alike = under_equal_conditions(selection)
     if len(alike) == 1:
         found_best = _among(selection, level, remarks)
-        return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(selection)))
+        vibrations = [(e.name, e.vibration) for e in selection if e.vibration is not None]
+        return found_best._replace(sentences=(*found_best.sentences, *least_shaken(vibrations)))
     text = "; ".join(
         f"{', '.join(e.name for e in group)} ({_in_words([e.conditions for e in group])})" for group in alike
     )
@@ -117,19 +119,6 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
             f"these were planned or measured under different conditions, and none is preferred across them: {text}",
             *(sentence for part in parts for sentence in part.sentences),
         ),
-    )
-
-
-def _where_it_vibrates(entries: Sequence[Entry]) -> Iterator[str]:
-    """Which planned motion to prefer on a machine with a structural mode, by the errors to be expected there."""
-    vibrations = [(e.name, e.vibration) for e in entries if e.vibration is not None]
-    if len(vibrations) < 2 or len({frozenset(v.errors) for _, v in vibrations}) > 1:
-        return
-    best, least = min(vibrations, key=lambda pair: pair[1].over(vibrations[0][1]))
-    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in vibrations if name != best)
-    yield (
-        f"on a machine with a structural mode at {least.frequency:.3g} Hz (simulation.disturbances) {best} is expected "
-        f"to err least: {others}"
     )
 
 
