@@ -110,7 +110,7 @@ def check(
     if json:
         print_json(answer)
     else:
-        show_check(answer)
+        show_check(answer, read)
     read.proof.require()
 
 
@@ -130,9 +130,9 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
     }
 
 
-def show_check(answer: dict[str, Any]) -> None:
+def show_check(answer: dict[str, Any], program: "Program") -> None:
     """Prints a proof for people."""
-    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(answer["limits"]))
+    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(program.proof.limits.checks))
     for violation in answer["violations"]:
         print(f"line {violation['line']}: {violation['sentence']}")
     for remark in answer["remarks"]:
