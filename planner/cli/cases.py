@@ -125,27 +125,28 @@ def _print_proposal(box: "MotionBox") -> None:
 def show(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Page to write; NAME-machine.html by default.")
+        Path | None, typer.Option("-o", "--output", help="Picture to write: .svg, .png or .pdf; SVG by default.")
     ] = None,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Draw the machine at home and which part of its motion box it reaches."""
-    from cases.files import check_file, output_place, write_text
+    from cases.files import atomic_file, check_file, output_place
     from cases.loading import find_case, load_case
 
     loaded = load_case(case)
     loaded.need_motion("the picture of the machine")
-    file = output_place(output, Path(f"{loaded.name}-machine.html"), overwrite)
-    check_file(file, (".html",), [find_case(case)], overwrite)
+    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.case_page import case_page
-        from planner.reports.page import render
+        from planner.reports.case_plots import case_figure, chain_figure
 
         reach = reach_of(loaded)
-        write_text(file, render(case_page(loaded, reach)))
+        figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)
+        with atomic_file(file) as part:
+            figure.savefig(part, format=file.suffix[1:].lower())
     if json:
         print_json({"ok": True, "figure": str(file)})
     else:
