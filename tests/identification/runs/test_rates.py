@@ -30,7 +30,7 @@ def two_rates(ratio: float, noise: float = 0.0, step: float = 2e-3, late: float 
     t, fine = np.arange(0.0, 3.0, step), np.arange(0.0, 3.0 - step / 2, step / ratio)
     draw = np.random.default_rng(seed)
     forces = true_forces(CASE, EXECUTION, fine - late) + noise * draw.normal(size=(len(fine), 6))
-    struts = Stream("struts.csv", t, struts=EXECUTION.struts(t), trigger=(t > 0.2) & (t < 2.8))
+    struts = Stream("struts.csv", t, EXECUTION.struts(t), None, None, (t > 0.2) & (t < 2.8))
     return Recording("forces.csv", fine, None, None, forces, None, others=(struts,))
 
 
@@ -130,7 +130,7 @@ def test_a_run_with_one_rate_is_left_alone() -> None:
 
 def test_struts_that_are_faster_than_the_forces_are_read_at_the_forces() -> None:
     t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
-    struts = Stream("struts.csv", fine, struts=EXECUTION.struts(fine))
+    struts = Stream("struts.csv", fine, EXECUTION.struts(fine), None, None, None)
     joined = on_one_clock(
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )
@@ -164,7 +164,7 @@ def test_averages_over_missing_forces_are_marked() -> None:
 def test_forces_where_struts_of_their_own_clock_are_missing_are_marked() -> None:
     t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
     keep = (fine < 1.0) | (fine > 1.2)
-    struts = Stream("struts.csv", fine[keep], struts=EXECUTION.struts(fine[keep]))
+    struts = Stream("struts.csv", fine[keep], EXECUTION.struts(fine[keep]), None, None, None)
     joined = on_one_clock(
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )
