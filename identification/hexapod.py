@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.hexapod_limits import hexapod_shares
+from identification.machine_limits import hexapod_shares
 from identification.machines import FrameMotion, Share
 from identification.pose import rotation, rpy, skew, twist, twist_rate
 

@@ -25,8 +25,7 @@ from identification.limited import (
 )
 from identification.limited_chain import body_clearances, chain_frames, frame_motion, joint_efforts, joint_ranges
 from identification.motion import Motion, Trajectory
-from identification.overload import Loads, sensor_loads
-from identification.strut_loads import StrutLoads
+from identification.overload import Loads, StrutLoads, sensor_loads
 
 Array = NDArray[np.float64]
 

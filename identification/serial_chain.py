@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from cases.chain import Chain
 from cases.schema import Case
 from cases.sensors import RigidBody
-from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
+from identification.machine_limits import Placed, clearance_shares
 from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
 from identification.pose import rpy, skew

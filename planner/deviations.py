@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.motion import Trajectory
-from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
 from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through
 from planner.poses.pose_criteria import total_information

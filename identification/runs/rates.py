@@ -109,7 +109,8 @@ def _samples(recording: Recording, ratio: int, phase: int) -> Stream:
     lines = recording.lines.later(phase, ratio)
     missing = None if recording.missing is None else recording.missing[rows]
     return Stream(
-        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger, lines=lines, missing=missing, missing_in=recording.missing_in,
+        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger, lines=lines,
+        missing=missing, missing_in=recording.missing_in,
     )  # fmt: skip
 
 

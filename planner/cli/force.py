@@ -180,7 +180,7 @@ def payload(
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
-    from identification.payload import payload_between, payload_on_table, require_two
+    from identification.external import payload_between, payload_on_table, require_two
     from identification.saved_result import load_result
     from planner.cli.shown_result import PARAMETER_COLUMNS, parameter_rows
 

@@ -16,8 +16,7 @@ from cases.schema import Case
 from identification.limited import Box, rotation_motion
 from identification.limits import LimitCheck, Status, load_motion, loaded_forces, loads_of
 from identification.motion import Array, Motion, Trajectory
-from identification.overload import PAIRS, Loads
-from identification.strut_loads import StrutLoads
+from identification.overload import PAIRS, Loads, StrutLoads
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
 

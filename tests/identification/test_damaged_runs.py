@@ -37,12 +37,12 @@ def within_3_std(seeds: range, folder: Path) -> float:
     write_recording(file, simulate_recording(HEXAPOD, execution, np.array([[0.2, 1.8]]), 1), HEXAPOD)
     text = file.read_text()
     clean = identify(read_recording(file, HEXAPOD), HEXAPOD)
-    std = np.sqrt(np.diag(clean.covariance))
+    std = np.sqrt(np.diag(clean.fit.covariance))
     good = 0
     for seed in seeds:
         file.write_text(mildly_damaged(text, seed))
         estimate = answer(lambda: identify(read_recording(file, HEXAPOD), HEXAPOD), str(file))
-        good += estimate is not None and bool((np.abs(estimate.values - clean.values) < 3.0 * std).all())
+        good += estimate is not None and bool((np.abs(estimate.fit.values - clean.fit.values) < 3.0 * std).all())
     return good / len(seeds)
 
 

@@ -96,8 +96,8 @@ def test_damage_costs_itself_and_the_filters_reach(damage: str, lines: list[str]
     sound = identified(damaged(lines, tmp_path))
     estimate = identified(damaged(lines, tmp_path, edit))
     expected = 3600 - (1e3 if "pause" not in damage else 0.0) * lost - 2e3 * MARGIN
-    assert estimate.samples == pytest.approx(expected, abs=4)
-    apart = np.abs(estimate.values - sound.values) / np.sqrt(np.diag(sound.covariance))
+    assert estimate.evaluation.evaluated.samples == pytest.approx(expected, abs=4)
+    apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert apart.max() < 3.0
     assert all(any(w.startswith(text) for w in estimate.warnings) for text in says)
     (share,) = [w for w in estimate.warnings if "of the motion is left out" in w]
@@ -130,9 +130,9 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
 )
 def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], tmp_path: Path) -> None:
     sound, estimate = identified(damaged(lines, tmp_path)), identified(damaged(lines, tmp_path, edit))
-    assert estimate.samples == sound.samples
+    assert estimate.evaluation.evaluated.samples == sound.evaluation.evaluated.samples
     assert len(estimate.warnings) == len(sound.warnings) + 1
-    apart = np.abs(estimate.values - sound.values) / np.sqrt(np.diag(sound.covariance))
+    apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert 0.0 < apart.max() < 1.0
 
 
@@ -154,9 +154,9 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
 
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
-    assert sound.delay is not None
-    covariances = sound.covariance, sound.covariance_robust
-    result = SavedResult("here", CASE.name, 9, sound.values, *covariances, (), sound.delay.value)
+    assert sound.evaluation.delay is not None
+    covariances = sound.fit.covariance, sound.fit.covariance_robust
+    result = SavedResult("here", CASE.name, 9, sound.fit.values, *covariances, (), sound.evaluation.delay.value)
     before = external_force(read_recording(damaged(lines, tmp_path), CASE), CASE, result)
     force = external_force(read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.hexapod_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
 from identification.limits import prove
+from identification.machine_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.trajectories.profile import StraightMove
 from planner.poses.space import valid_poses
 from planner.search.state_limits import state_limits

@@ -282,7 +282,7 @@ def tally_of_runs(seeds: range, folder: Path) -> Tally:
         values = np.array([[p.value, p.reported] for p in found.physical.values()])
         if not np.isfinite(values).all():
             tally.defect(seed, f"{names}: values that are not finite")
-        elif found.model == 9 and not found.warnings:
+        elif found.model.number == 9 and not found.warnings:
             off = np.abs(values[:, 0] - simulated().truth) / values[:, 1]
             if off.max() > DEVIATIONS:
                 worst = list(found.physical)[int(np.argmax(off))]
@@ -332,7 +332,9 @@ def tally_of_other_files(seeds: range, folder: Path) -> Tally:
         file.write_bytes(content)
         if name in ("standstills", "wrist"):
             found = tally.attempt(seed, lambda: identify(read_recording(file, case), case), str(file))
-            if found is not None and not (np.isfinite(found.values).all() and np.isfinite(found.covariance).all()):
+            if found is not None and not (
+                np.isfinite(found.fit.values).all() and np.isfinite(found.fit.covariance).all()
+            ):
                 tally.defect(seed, f"{name}: values that are not finite")
             return
         recording = tally.attempt(seed, lambda: read_recording(file, case), str(file))

@@ -105,7 +105,7 @@ def test_the_deviations_grow_with_what_the_offsets_are_uncertain_by() -> None:
     sure = identify(RUN, CASE, how=method(biases=given(values, 1e-9 * STD)))
     unsure = identify(RUN, CASE, how=method(biases=given(values, STD)))
     moved = [
-        (identify(RUN, CASE, how=method(known=given(values + step).known)).values - sure.values) / 1e-3
+        (identify(RUN, CASE, how=method(known=given(values + step).known)).fit.values - sure.fit.values) / 1e-3
         for step in 1e-3 * np.eye(6)
     ]
     expected = np.array(moved).T @ np.diag(STD**2) @ np.array(moved)
