@@ -142,7 +142,7 @@ class SensorFrame(Part):
         """Whether the last three channels are moments; else all six are forces."""
         return self.transducer is not None
 
-    @cached_property
+    @property
     def structure(self) -> Array:
         """J^-T of (2), six sensor forces -> force and moment on the platform in {P}, shape (6, 6).
 
@@ -155,10 +155,10 @@ class SensorFrame(Part):
         if self.bars is not None:
             lower, upper = self.bars.lower.points, self.bars.upper.points
             direction = (upper - lower) / np.linalg.norm(upper - lower, axis=1)[:, None]
-            return frozen(np.vstack([direction.T, np.cross(lower, direction).T]))
+            return np.vstack([direction.T, np.cross(lower, direction).T])
         if self.transducer is None:
             raise ValueError("the structure matrix of sensors in struts depends on the pose: `strut_sensors.structure`")
-        return frozen(np.eye(6) * {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.transducer.sense])
+        return np.eye(6) * {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.transducer.sense]
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.sensors import RigidBody, Truth
-from identification.pose import skew
 
 if TYPE_CHECKING:
     from identification.model import Model
@@ -78,11 +77,11 @@ def _mass(s: State) -> ca.SX:  # first column of (19)
 
 
 def _first_moment(s: State) -> ca.SX:  # second column of (19)
-    return ca.vertcat(skew(s.alpha) + skew(s.omega) @ skew(s.omega), skew(s.specific).T)
+    return ca.vertcat(ca.skew(s.alpha) + ca.skew(s.omega) @ ca.skew(s.omega), ca.skew(s.specific).T)
 
 
 def _inertia(s: State) -> ca.SX:  # third column of (19)
-    return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + skew(s.omega) @ _inertia_operator(s.omega))
+    return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + ca.skew(s.omega) @ _inertia_operator(s.omega))
 
 
 def _offsets(_: State) -> ca.SX:
@@ -176,7 +175,7 @@ def physical_form(model: "Model") -> PhysicalForm:
             values.append(centre)
             parameters += _CENTRE
         elif block is INERTIA:
-            steiner = mass * skew(centre).T @ skew(centre)
+            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
             values.append(part - ca.vertcat(*(steiner[i, j] for i, j in _INERTIA_INDEX)))
             parameters += _CENTRAL_INERTIA
         else:

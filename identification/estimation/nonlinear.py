@@ -21,7 +21,6 @@ from identification.estimation.selection import require_names
 from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, physical_form
-from identification.pose import skew
 
 Array = NDArray[np.float64]
 
@@ -44,7 +43,7 @@ def linear_map(model: Model) -> ca.Function:
         if block is FIRST_MOMENT:
             part = mass * centre
         elif block is INERTIA:
-            steiner = mass * skew(centre).T @ skew(centre)
+            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
             part = part + ca.vertcat(*(steiner[i, j] for i, j in _INERTIA_INDEX))
         values.append(part)
     u = ca.vertcat(*values)

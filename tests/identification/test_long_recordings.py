@@ -98,4 +98,4 @@ def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.Mon
 def test_what_a_part_tells_of_identifiability_is_that_of_the_whole(few: None) -> None:
     estimate = identify(RUN, CASE)
     found = identifiability(estimate)
-    assert (found.fit.rank, len(found.model.names)) == (20, 20)
+    assert (found.rank, len(found.names)) == (20, 20)
