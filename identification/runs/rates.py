@@ -138,10 +138,10 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
         trigger = _latest(recording, "trigger", motion.t)
     noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
     assert motion.struts is not None
-    return Recording(
-        motion.source, motion.t[inside], motion.struts[inside], None, means,
-        None if trigger is None else trigger[inside],
-        lines=motion.lines.later(int(inside[0])),
+    return replace(
+        recording, source=motion.source, t=motion.t[inside], struts=motion.struts[inside], forces=means,
+        rotations=None, poses=None, specific_forces=None, others=(), lines=motion.lines.later(int(inside[0])),
+        trigger=None if trigger is None else trigger[inside],
         averaged=Averaged(interval / step, interval, noise),
         override=None if override is None else override[inside],
         temperature=None if temperature is None else temperature[inside],

@@ -74,7 +74,7 @@ def identify(
 
 def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
     """`identify` for what is asked as one value."""
-    whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
+    whole = on_one_clock(recording, case)
     run, standing = standing_of(whole, case, wish.still)
     number = default_model(run, case) if wish.model is None else wish.model
     method = wish.how(identification_model(case, number, wish.terms))
