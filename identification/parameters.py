@@ -134,9 +134,9 @@ WRENCH_OFFSETS = OFFSETS._replace(
 
 Array = NDArray[np.float64]
 
-_INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of the six components of an inertia
 _CENTRE = (Parameter("xC", "m"), Parameter("yC", "m"), Parameter("zC", "m"))
-_CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in _INERTIA_INDEX)
+_CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in INERTIA_INDEX)
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ def physical_form(model: "Model") -> PhysicalForm:
             parameters += _CENTRE
         elif block is INERTIA:
             steiner = mass * ca.skew(centre).T @ ca.skew(centre)
-            values.append(part - ca.vertcat(*(steiner[i, j] for i, j in _INERTIA_INDEX)))
+            values.append(part - ca.vertcat(*(steiner[i, j] for i, j in INERTIA_INDEX)))
             parameters += _CENTRAL_INERTIA
         else:
             values.append(part)
@@ -192,7 +192,7 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
     inertia = body.inertia + body.mass_kg * cross.T @ cross
     values = {"m": body.mass_kg}
     values |= {f"m{c}C": float(body.mass_kg * v) for c, v in zip("xyz", centre, strict=True)}
-    return values | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
+    return values | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in INERTIA_INDEX}
 
 
 def nominal_parameters(model: "Model", body: RigidBody) -> Array:

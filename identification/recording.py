@@ -34,13 +34,10 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.reading import files_of, read_recording, read_run
+from identification.formats.reading import files_of, read_run
 from identification.formats.stream import Recording
 
-__all__ = [
-    "Recording", "about_case", "files_of", "load_recording", "read", "read_recording",
-    "read_run", "save_recording", "write_recording",
-]  # fmt: skip
+__all__ = ["Recording", "about_case", "files_of", "load_recording", "read", "save_recording", "write_recording"]
 
 SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read

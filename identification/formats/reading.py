@@ -122,18 +122,6 @@ def _whole(parts: list[Any]) -> Any:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def read_recording(path: Path, case: Case) -> Recording:
-    """Reads a recording: a file in the case's format, the folder that `hexcite run` wrote, or a ROS 2 bag.
-
-    Args:
-        case: says which columns to expect and how the file writes them.
-
-    Raises:
-        RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
-    """
-    return read_run([path], case)
-
-
 def read_run(paths: Sequence[Path], case: Case) -> Recording:
     """Reads the files of one run, told apart by their columns.
 

@@ -12,7 +12,7 @@ from cases.loading import load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.recording import Recording, read_recording, read_run
+from identification.recording import Recording, read
 from identification.saved_result import biases_of
 from identification.simulate import simulate_recording
 from tests.bench.coverage import coloured_coverage
@@ -78,7 +78,7 @@ def _wrist() -> Rows:
     if not STATIC.is_file():
         return [["real force/torque sensor", "the recording is not there", ""]]
     case = load_case("ft_wrist")
-    run = read_recording(STATIC, case)
+    run = read(STATIC, case)
     assert run.rotations is not None
     halves = (slice(0, 12), slice(12, 24))
     half = [replace(run, forces=run.forces[k], rotations=run.rotations[k], specific_forces=None) for k in halves]
@@ -96,10 +96,10 @@ def _wrist() -> Rows:
 def _moving_wrist() -> Rows:
     """The same sensor in motion: offsets free, or from the standstills; the delay at several cut-offs."""
     case = load_case("ft_wrist")
-    run = read_run([STATIC.with_name(f"1-baseline_{n}.csv") for n in ("accel", "wrench", "orientations")], case)
+    run = read([STATIC.with_name(f"1-baseline_{n}.csv") for n in ("accel", "wrench", "orientations")], case)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "result.json"
-        file.write_text(json.dumps(identify(read_recording(STATIC, case), case).to_json()))
+        file.write_text(json.dumps(identify(read(STATIC, case), case).to_json()))
         given = method(biases=biases_of(file, case))
     masses = [identify(run, case, how=how).physical["m"] for how in (method(), given)]
     delays = []

@@ -11,7 +11,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.identify import identify
-from identification.recording import Recording, read_recording, read_run
+from identification.recording import Recording, read
 from tests.helpers import few, one_line
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(not FILE.is_file(), reason=f"the recording is no
 
 @pytest.fixture(scope="module")
 def recording() -> Recording:
-    return read_recording(FILE, CASE)
+    return read(FILE, CASE)
 
 
 def with_sense(sense: str) -> Case:
@@ -33,7 +33,7 @@ def with_sense(sense: str) -> Case:
 
 
 def moving(case: Case) -> Recording:
-    return read_run([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
+    return read([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
 
 
 def rows(recording: Recording, which: slice) -> Recording:
