@@ -118,8 +118,7 @@ def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovarian
     felt = toeplitz(autocovariance, answer)
     meat = answer.T @ felt
     crossed = rfft(felt * here[:, None], len(answer), axis=0)
-    left = raw - 2.0 * np.sum(crossed * taken.conj(), axis=1).real
-    return left + np.einsum("fi,ij,fj->f", taken, meat, taken.conj()).real, meat
+    return raw + np.sum((taken @ meat - 2.0 * crossed) * taken.conj(), axis=1).real, meat
 
 
 def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float) -> Array:
