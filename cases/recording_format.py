@@ -31,6 +31,7 @@ COLUMNS = (
     *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
     *WRENCH, TRIGGER, OVERRIDE, TEMPERATURE,
 )  # fmt: skip
+VELOCITIES = (*STRUT_VELOCITIES, *DRIVE_VELOCITIES)  # known by name, and not read: motion is that of the positions
 
 
 def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:

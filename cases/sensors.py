@@ -143,6 +143,24 @@ class SensorFrame(Part):
         return self.transducer is not None
 
     @property
+    def structure(self) -> Array:
+        """J^-T of (2), six sensor forces -> force and moment on the platform in {P}, shape (6, 6).
+
+        Columns (n_k; h_k x n_k) of bars [-, m], n_k along bar k from its lower point h_k to its upper one; 1 of a
+        sensor that reads the support's push, -1 of one that reads the load's pull.
+
+        Raises:
+            ValueError: of sensors in struts it depends on the pose (`strut_sensors.structure`).
+        """
+        if self.bars is not None:
+            lower, upper = self.bars.lower.points, self.bars.upper.points
+            direction = (upper - lower) / np.linalg.norm(upper - lower, axis=1)[:, None]
+            return np.vstack([direction.T, np.cross(lower, direction).T])
+        if self.transducer is None:
+            raise ValueError("the structure matrix of sensors in struts depends on the pose: `strut_sensors.structure`")
+        return np.eye(6) * {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[self.transducer.sense]
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """Names of the columns of what it measures."""
         return WRENCH if self.has_moments else BAR_FORCES

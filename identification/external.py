@@ -1,21 +1,26 @@
-"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), and tare.
+"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), tare, and payloads.
 
-With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}.
+With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}. A
+payload is the rigid body that was added from one identification to another.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
+from cases.basis import KEPT
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.finding import Severity, sentences
 from identification.findings.drift import drifted_since, shifted_all_along
 from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
-from identification.parameters import OFFSETS
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block, physical_form
 from identification.recording import Recording
+from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.saved_result import SavedResult
 
@@ -132,3 +137,128 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
 def _offset_columns(model: Model) -> NDArray[np.int64]:
     names = [p.name for p in OFFSETS.parameters]
     return np.array([model.names.index(name) for name in names])
+
+
+LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
+UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
+
+
+Payload = tuple[dict[str, Value], tuple[str, ...]]
+"""Mass, centre of gravity in {P} and inertia about it (where both results have it), by name; warnings."""
+
+
+def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> Payload:
+    """What was put on a frame that does not move, from the offsets without and with it (setup 1a).
+
+    Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
+    all of xC, yC, zC that have a share in it; the warnings name them.
+
+    Args:
+        model: model of both; offsets only.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant.
+    """
+    body = replace(model, blocks=(MASS, FIRST_MOMENT))
+    still = np.zeros((1, 6))
+    matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
+    white, robust = (np.diag(b + a) for b, a in _pairs(before, after))
+    variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
+    root = 1.0 / np.sqrt(variance)
+    along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
+    indices = np.flatnonzero(np.r_[True, ~along])
+    # With the unknown direction left free the others do not take what belongs to it.
+    spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
+    u = spread @ (after.values - before.values)
+    of_u = (spread * variance) @ spread.T
+    std = float(np.sqrt(of_u[0, 0]))
+    if not abs(u[0]) > 3.0 * std:
+        raise _no_payload(before, after, float(u[0]), std)
+    residuals = (after.values - before.values - matrix @ u) * root
+    warnings = _about(before, after, float(u[0]))
+    if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
+        warnings.append("the change of the forces is not a weight alone: something pushes, or a sensor has drifted")
+    names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
+    warnings.append(
+        f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the payload in "
+        "another orientation"
+    )
+    jacobian = np.eye(4)
+    jacobian[1:, 0], jacobian[1:, 1:] = -u[1:] / u[0] ** 2, np.eye(3) / u[0]
+    values, deviations = np.r_[u[0], u[1:] / u[0]], np.sqrt(np.diag(jacobian @ of_u @ jacobian.T))
+    units = {"m": "kg", "xC": "m", "yC": "m", "zC": "m"}
+    parameters = {
+        name: Value(float(values[k]), float(deviations[k]), float(deviations[k]), units[name])
+        for k, name in enumerate(units)
+        if k in indices
+    }
+    return parameters, tuple(warnings)
+
+
+def require_two(before: SavedResult, after: SavedResult) -> None:
+    """Refuses one recording as both.
+
+    Raises:
+        IdentificationError: both results are of the same files.
+    """
+    if before.source == after.source:
+        raise IdentificationError(f"{after.source}: is named twice; name the result without the payload, then with it")
+    if before.recordings and before.recordings == after.recordings:
+        raise IdentificationError(
+            f"{after.source}: is of the same recording as {before.source}; name the result of a run without the "
+            "payload, then of one with it"
+        )
+
+
+def _pairs(before: SavedResult, after: SavedResult) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    return (before.covariance, after.covariance), (before.covariance_robust, after.covariance_robust)
+
+
+def _no_payload(before: SavedResult, after: SavedResult, mass: float, std: float) -> IdentificationError:
+    return IdentificationError(
+        f"{after.source}: mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
+        "results without and with payload, in this order"
+    )
+
+
+def _about(before: SavedResult, after: SavedResult, mass: float) -> list[str]:
+    warnings = []
+    if before.model != after.model:
+        warnings.append(f"models {before.model} and {after.model} differ: masses of different models do not compare")
+    if before.about.get(KEPT) != after.about.get(KEPT):
+        warnings.append("the case was changed between the two identifications")
+    if mass < 0.0:
+        warnings.append("the mass became smaller: this is what was taken off, as a negative payload")
+    return warnings
+
+
+def payload_between(before: SavedResult, after: SavedResult, model_before: Model, model_after: Model) -> Payload:
+    """The body that has to be added to `before` to get `after`; the two runs are independent.
+
+    Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
+    payload, and covariances add. What two different models blame on mass differs (section 5): then a warning says so.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.
+    """
+    shared: tuple[Block, ...] = (MASS, FIRST_MOMENT)
+    if INERTIA in model_before.blocks and INERTIA in model_after.blocks:
+        shared = (*shared, INERTIA)
+    body = Model(after.model, shared, model_after.structure, model_after.gravity)
+    old = [model_before.names.index(name) for name in body.names]
+    new = [model_after.names.index(name) for name in body.names]
+    difference = after.values[new] - before.values[old]
+    covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
+    robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
+    std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
+    if not abs(difference[0]) > 3.0 * std:
+        raise _no_payload(before, after, float(difference[0]), std)
+    warnings = _about(before, after, float(difference[0]))
+    form = physical_form(body)
+    values, physical = form.of(difference, covariance)
+    white, long_run = np.sqrt(np.diag(physical)), np.sqrt(np.diag(form.of(difference, robust)[1]))
+    parameters = {
+        p.name: Value(float(v), float(s), float(r), p.unit)
+        for p, v, s, r in zip(form.parameters, values, white, long_run, strict=True)
+    }
+    return parameters, tuple(warnings)

@@ -39,6 +39,7 @@ class Fitted(NamedTuple):
     residuals: Array  # residuals of the forces as recorded, shape (m, 6)
     whitening: Array | None  # W is its square, where it is given
     columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
+    forces: Array  # forces as the estimator saw them, shape (n, 6)
 
     @property
     def at(self) -> float:
@@ -78,12 +79,13 @@ def fit_samples(
         part = samples.excerpt(times)
         if part is not samples:
             with suppress(IdentificationError):  # where a part tells too little, the whole is asked alone
-                delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)
-    delay, columns, _, whitening = _converged(samples, forces, how, problem, delay, held, near)
+                steps = DELAY_STEPS if near is None else 1
+                delay, _, near, _, _ = _converged(part, part.forces, how, problem, delay, near, steps)
+    delay, columns, _, whitening, fit = _converged(samples, forces, how, problem, delay, near)
     selection = how.selection(model)
     basis = block_diag(selection.basis, np.eye(beside))
     white = whitened(whitening, columns, forces)
-    fit = how.estimator(problem)(*white, names)
+    fit = fit if fit is not None and how.plain else how.estimator(problem)(*white, names)
     if how.name in SANDWICHED and not how.priors:
         free = white[0] if np.array_equal(basis, np.eye(len(basis))) else white[0] @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
@@ -104,7 +106,7 @@ def fit_samples(
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
-    return Fitted(samples, fit, held, residuals, whitening, columns)
+    return Fitted(samples, fit, held, residuals, whitening, columns, forces)
 
 
 def _converged(
@@ -113,17 +115,17 @@ def _converged(
     method: Method,
     problem: FitProblem,
     delay: float,
-    fixed_delay: Delay | None,
     near: Array | None = None,
-) -> tuple[float, Array, Array, Array | None]:
-    """Gauss-Newton over the delay.
+    steps: int = DELAY_STEPS,
+) -> tuple[float, Array, Array, Array | None, Fit | None]:
+    """Gauss-Newton over the delay: the delay, A and the nuisances there, u, whitening, and the Gauss-Markov fit.
 
     Args:
         forces: forces of that, shape (n, 6).
-        problem: problem with the nuisances and the filter of the run.
+        problem: problem with the nuisances and the filter of the run; without one for the delay, the delay is fixed.
         delay: delay to start from [s].
-        fixed_delay: a delay that is not estimated.
         near: u that a part of the run told, shape (u,), with its delay: one step is then enough.
+        steps: number of steps, at most.
 
     Raises:
         IdentificationError: no delay brings forces and motion together.
@@ -131,15 +133,15 @@ def _converged(
     search, beside = gauss_markov_of(problem), problem.nuisance
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
-    selection, whitening, values = method.selection(run.model), None, near
+    selection, whitening, values, fit = method.selection(run.model), None, near, None
     if not run.nuisances:
         still = run.regressors(delay)
         if problem.noise is not None:
             whitening = problem.noise.whitening_from(still, forces, selection)
-        return delay, still, np.zeros(0), whitening
+        return delay, still, np.zeros(0), whitening, None
     names = [*selection.names, *run.nuisances[:beside]]
     whole = selection.basis.shape[0] == selection.basis.shape[1]
-    for _ in range(DELAY_STEPS):
+    for _ in range(steps):
         columns = free = None  # of a long run there is room for one
         if values is None:
             # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
@@ -160,7 +162,7 @@ def _converged(
         free = columns if whole else np.dstack([matrices @ selection.basis, nuisances[:, :, :beside]])
         fit = search(*whitened(whitening, free, rest), names)
         values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
-        if fixed_delay is not None:
+        if len(run.nuisances) > beside:
             break
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
         if abs(step) < (DELAY_TOLERANCE if near is None else CLOSE):
@@ -173,7 +175,7 @@ def _converged(
         )
     assert columns is not None
     assert values is not None
-    return delay, columns, values, whitening
+    return delay, columns, values, whitening, fit
 
 
 def _of_known_motion(biases: Biases | None, fixed_delay: Delay | None) -> Array:

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.hexapod_limits import hexapod_shares
+from identification.machine_limits import hexapod_shares
 from identification.machines import FrameMotion, Share
-from identification.pose import rotation, rpy, skew, twist, twist_rate
+from identification.pose import rotation, rpy, twist, twist_rate
 
 Array = NDArray[np.float64]
 
@@ -192,7 +192,7 @@ class Hexapod:
         """(pose, step in position and rotation vector) -> pose; turns about the axes of {B}."""
         pose, step = ca.SX.sym("pose", 6), ca.SX.sym("step", 6)
         half = step[3:] / 2  # Cayley: a proper rotation for every step, equal to it to second order
-        turn = ca.solve(ca.SX.eye(3) - skew(half), (ca.SX.eye(3) + skew(half)) @ rotation(pose[3:]))
+        turn = ca.solve(ca.SX.eye(3) - ca.skew(half), (ca.SX.eye(3) + ca.skew(half)) @ rotation(pose[3:]))
         return ca.Function("newton_step", [pose, step], [ca.vertcat(pose[:3] + step[:3], rpy(turn))])
 
     def strut_lengths(self, poses: ArrayLike) -> Array:

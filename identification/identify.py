@@ -101,9 +101,9 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     estimate = _evaluated(recording, case, model, method, conditioning)
     softer = below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
     if softer is not None:
-        estimate = replace(_evaluated(recording, softer, model, method, conditioning), case_hash=case.hash)
-    require_scale(model, estimate.values, case)
-    return replace(estimate, findings=(*estimate.findings, *other_mass(model, estimate.values, case)))
+        estimate = replace(_evaluated(recording, softer, model, method, conditioning), case=case)
+    require_scale(model, estimate.fit.values, case)
+    return replace(estimate, findings=(*estimate.findings, *other_mass(model, estimate.fit.values, case)))
 
 
 def samples_of(
@@ -179,8 +179,8 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
         good = ~scanned.bad
         bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
-    about = Evaluation(fitted.samples, fitted.residuals, fitted.delay, noise, bias, conditioning, tuple(findings))
-    return estimate_of(model, fitted.fit, recording.source, case, about, method)
+    about = Evaluation(fitted.samples, fitted.residuals, fitted.delay, noise, bias, conditioning)
+    return estimate_of(fitted.fit, recording.source, case, method, about, tuple(findings))
 
 
 def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None:
@@ -195,9 +195,9 @@ def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None
 
 def identifiability(estimate: Estimate) -> Identifiability:
     """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
-    samples = estimate.evaluated.excerpt()
+    samples = estimate.evaluation.evaluated.excerpt()
     selection = estimate.how.selection(samples.model)
-    matrices = samples.regressors(0.0 if estimate.delay is None else estimate.delay.value)
+    matrices = samples.regressors(estimate.evaluation.at)
     return analyse(matrices @ selection.basis, selection.names)
 
 

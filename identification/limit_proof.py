@@ -23,8 +23,7 @@ from identification.limited_quantities import (
     strut_velocities,
 )
 from identification.motion import Motion, Trajectory
-from identification.overload import Loads, sensor_loads
-from identification.strut_loads import StrutLoads
+from identification.overload import Loads, StrutLoads, sensor_loads
 
 Array = NDArray[np.float64]
 

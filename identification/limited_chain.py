@@ -2,19 +2,23 @@
 
 Frames are homogeneous matrices T, multiplied from the base to the sensor; their derivatives follow by the product rule.
 Torques are those of Lagrange's equations in this form: the sum over bodies of tr(dT/dq J (T'' - G)^T), J the integral
-of r r^T over the mass (Uicker 1965), G the acceleration of gravity.
+of r r^T over the mass (Uicker 1965), G the acceleration of gravity. Of bodies nothing passes between two instants: a
+distance is less what the axes of its bodies can move by in half a step.
 """
 
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
+from cases.machine import Tool
 from cases.sensors import RigidBody
-from identification.limit import LimitKind
-from identification.limited_bodies import clearances
+from cases.units import MM
+from identification.keep_out import distance_of_segments
+from identification.limit import Limit, LimitKind
 from identification.limited_quantities import Quantity, axis_rotation
 from identification.motion import Motion
 from identification.overload import SHARE
@@ -99,12 +103,6 @@ def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:
     return tuple(frame[0] for frame in chain_frames(Motion(np.zeros(len(q)), q.copy(), still, still, still), chain))
 
 
-def body_clearances(motion: Motion, chain: Chain, frames: Frames | None = None) -> Iterable[Quantity]:
-    """Distances of the chain's bodies from boxes and from each other; see `clearances`."""
-    if chain.tool or any(joint.bodies for joint in chain.joints):
-        yield from clearances(chain, chain_frames(motion, chain) if frames is None else frames, motion.t)
-
-
 def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:
     """T J (T'' - G)^T of a body in a frame, shape (n, 4, 4)."""
     centre = np.append(body.centre_of_gravity, 1.0)
@@ -171,3 +169,78 @@ def _moved(joint: Joint, position: Array, rate: Array, acceleration: Array) -> _
             frame[:, 2, 3] = value
     back = aligned.T
     return aligned @ frames[0] @ back, aligned @ frames[1] @ back, aligned @ frames[2] @ back
+
+
+class _Body(NamedTuple):
+    """A round body: number of its link, ends of its axis, shapes (n, 3), radius, way of the axis in half a step [m]."""
+
+    link: int
+    name: str
+    start: Array
+    end: Array
+    radius: float
+    way: Array
+
+
+def body_clearances(motion: Motion, chain: Chain, frames: Frames | None = None) -> Iterable[Quantity]:
+    """Distances of bodies from boxes and from each other, at each instant and until half way to the next.
+
+    Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. Of a box it
+    falls to 0 at a distance of half the box's diagonal, of two bodies at one of the sum of their radii.
+
+    Args:
+        frames: frames of the motion, where they are known.
+    """
+    if not chain.tool and not any(joint.bodies for joint in chain.joints):
+        return
+    frames, t = chain_frames(motion, chain) if frames is None else frames, motion.t
+    count = len(t)
+    still = np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4))
+    half = float(np.diff(t).max()) / 2 if count > 1 else 0.0
+    last = len(chain.joints)
+    owners = [(0, still, chain.base), *((k + 1, frames[k], joint.bodies) for k, joint in enumerate(chain.joints))]
+    bodies = [
+        _body(link, frame, body, half) for link, frame, own in (*owners, (last, frames[-1], chain.tool)) for body in own
+    ]
+    moving = [body for body in bodies if body.link]
+    for box in chain.keep_out:
+        if moving:
+            columns = [_from_box(body, box.corners) for body in moving]
+            limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
+            yield _kept(limit, [body.name for body in moving], columns, [box.vicinity] * len(moving))
+    pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
+    if pairs:
+        labels, reach = [f"{a.name}, {b.name}" for a, b in pairs], [a.radius + b.radius for a, b in pairs]
+        limit = Limit(LimitKind.DISTANCE_BETWEEN_LINKS)
+        yield _kept(limit, labels, [_between(a, b) for a, b in pairs], reach)
+
+
+def _kept(limit: Limit, labels: list[str], columns: list[Array], reach: list[float]) -> Quantity:
+    distance = np.column_stack(columns)
+    ratio = np.nan_to_num(np.maximum(0.0, 1.0 - distance / np.array(reach)), nan=np.inf)
+    return Quantity(limit, tuple(labels), distance, np.zeros((2, len(labels))), ratio)
+
+
+def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float) -> _Body:
+    """Of a point of the axis the velocity is affine along it, so that none is faster than one of the ends."""
+    ends = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.axis] for frame in frames]
+    speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
+    way = (speed + acceleration * half / 2) * half
+    return _Body(link, body.name, ends[0][0], ends[0][1], body.radius_mm * MM, way)
+
+
+def _from_box(body: _Body, corners: Array) -> Array:
+    distances = distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], corners)
+    return np.asarray(distances[:, 0] - body.radius - body.way)
+
+
+def _between(one: _Body, other: _Body) -> Array:
+    """Distance of two bodies, shape (n,) [m]: that of their axes (Ericson, Real-Time Collision Detection, 5.1.9)."""
+    d, e, r = one.end - one.start, other.end - other.start, one.start - other.start
+    dd, ee, de, dr, er = (np.einsum("ni,ni->n", u, v) for u, v in ((d, d), (e, e), (d, e), (d, r), (e, r)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = np.nan_to_num(np.clip((de * er - dr * ee) / (dd * ee - de**2), 0.0, 1.0))
+        t = np.nan_to_num(np.clip((de * s + er) / ee, 0.0, 1.0))
+        s = np.nan_to_num(np.clip((de * t - dr) / dd, 0.0, 1.0))
+    gap = r + s[:, None] * d - t[:, None] * e
+    return np.asarray(np.linalg.norm(gap, axis=1) - one.radius - other.radius - one.way - other.way)

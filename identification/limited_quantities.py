@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.chain import JointMotionLimits
 from cases.machine import HexapodMachine, MotionLimits, Workspace
 from cases.units import DEG
 from identification.keep_out import distances, guarded
@@ -54,36 +54,8 @@ class Quantity:
         return float(high if self.values[row, column] >= (low + high) / 2 else low)
 
 
-class Box(Protocol):
-    """Limits of the coordinates of a machine: of a case, from home, all in SI."""
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the coordinates."""
-
-    @property
-    def turns(self) -> NDArray[np.bool_]:
-        """Which of them are angles, shape (k,)."""
-
-    @property
-    def pose(self) -> Array:
-        """Lower and upper limit relative to home, shape (2, k)."""
-
-    @property
-    def rate(self) -> Array:
-        """Largest rate of each, shape (k,)."""
-
-    @property
-    def acceleration(self) -> Array:
-        """Largest second derivative of each, shape (k,)."""
-
-    @property
-    def jerk(self) -> Array:
-        """Largest third derivative of each, shape (k,)."""
-
-    @property
-    def limits_jerk(self) -> bool:
-        """Whether jerks are limited."""
+Box = MotionLimits | JointMotionLimits
+"""Limits of the coordinates of a machine: of a case, from home, all in SI."""
 
 
 def limited_coordinates(

@@ -44,38 +44,30 @@ class Machine(Protocol):
     @property
     def count(self) -> int:
         """Number of coordinates n."""
-        ...
 
     @property
     def of_pose(self) -> bool:
         """Whether its coordinates are the pose (x, y, z, roll, pitch, yaw) of the load's frame."""
-        ...
 
     @property
     def elastic(self) -> bool:
         """Whether its sensors err with the pose as the error terms K1 to K5 say."""
-        ...
 
     @property
     def turns(self) -> NDArray[np.bool_]:
         """Which drives measure angles, shape (n,)."""
-        ...
 
     def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of the load's frame from coordinates and their derivatives, shapes (n,)."""
-        ...
 
     def shares(self, case: Case, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Limits of the case beside those of the coordinates, for the search; the proof has its own."""
-        ...
 
     def positions(self, coordinates: Array) -> Array:
         """Where the origin of the load's frame is, shape (k, 3) [m]."""
-        ...
 
     def drives(self, coordinates: ArrayLike) -> Array:
         """What encoders measure at coordinates, shape (k, n) [m or rad]."""
-        ...
 
     def coordinates(self, drives: ArrayLike) -> Array:
         """The coordinates that belong to measured drives, shape (k, n) [m or rad].
@@ -83,7 +75,6 @@ class Machine(Protocol):
         Raises:
             IdentificationError: no coordinates do.
         """
-        ...
 
     def kinematics(
         self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None
@@ -99,11 +90,9 @@ class Machine(Protocol):
         Raises:
             IdentificationError: no coordinates belong to the drives.
         """
-        ...
 
     def earlier(self, motion: "Kinematics", time: float) -> Array | None:
         """Poses about a short time [s] before, for `start`, shape (k, 6); None where they are of no use."""
-        ...
 
 
 def machine_of(case: Case) -> Machine:

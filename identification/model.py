@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.frame import structure_matrix
 from identification.hexapod import Hexapod, Kinematics
 from identification.machines import Machine, machine_if_any
 from identification.parameters import (
@@ -263,7 +262,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
     if case.sensor_frame.struts is not None:
         struts = StrutLayout(Hexapod.of(case), case.sensor_frame.struts)
         blocks = (*blocks, *struts.blocks(INERTIA in blocks))
-    frame = structure_matrix(case.sensor_frame) if struts is None else struts.structure_at_home
+    frame = case.sensor_frame.structure if struts is None else struts.structure_at_home
     model = Model(number, blocks, frame, case.gravity, machine=machine_if_any(case), struts=struts)
     for name in terms:
         if name not in ERROR_TERMS:

@@ -43,11 +43,9 @@ class Trajectory(Protocol):
     @property
     def duration(self) -> float:
         """Duration [s]."""
-        ...
 
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from cases.files import RESULT, atomic_folder, check_folder, json_text, read_jso
 from cases.schema import Case
 from cases.units import as_html
 from identification.criteria import Identifiability
+from identification.model import expected_forces
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.result import Estimate, Value
@@ -217,20 +218,19 @@ class Residuals:
 
 def residuals_of(estimate: Estimate) -> Residuals:
     """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`."""
-    samples = estimate.evaluated
-    delay = 0.0 if estimate.delay is None else estimate.delay.value
+    samples, delay, u = estimate.evaluation.evaluated, estimate.evaluation.at, estimate.fit.values
     if isinstance(samples, Standstills):
-        return Residuals(samples.t, samples.recorded, samples.matrices @ estimate.values, None)
+        return Residuals(samples.t, samples.recorded, samples.matrices @ u, None)
     if isinstance(samples, WristRun):
-        values, step = samples.regressors(delay) @ estimate.values, samples.filter.step * samples.filter.stride
+        values, step = samples.regressors(delay) @ u, samples.filter.step * samples.filter.stride
         return Residuals(samples.t, samples.recorded_forces, values, step)
     if isinstance(samples, PeriodicRun):
         assert samples.recording.t is not None
         t = samples.recording.t[samples.used][:MOST_SAMPLES]
-        expected = samples.predicted(samples.regressors(delay) @ estimate.values, t)
+        expected = samples.predicted(samples.regressors(delay) @ u, t)
         return Residuals(t, samples.recording.forces[samples.used][:MOST_SAMPLES], expected, samples.recording.step)
     assert isinstance(samples, Run)
     rows = np.arange(samples.rows[0], samples.rows[-1] + 1)
     every = replace(samples, rows=(rows if samples.spoilt is None else rows[~samples.spoilt[rows]])[:MOST_SAMPLES])
-    predicted = every.regressors(delay) @ estimate.values
+    predicted = expected_forces(every.model, every.kinematics(delay), u)
     return Residuals(every.t, every.recorded_forces, predicted, samples.filter.step, every.forces)

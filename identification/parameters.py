@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.sensors import RigidBody, Truth
-from identification.pose import skew
 
 if TYPE_CHECKING:
     from identification.model import Model
@@ -78,11 +77,11 @@ def _mass(s: State) -> ca.SX:  # first column of (19)
 
 
 def _first_moment(s: State) -> ca.SX:  # second column of (19)
-    return ca.vertcat(skew(s.alpha) + skew(s.omega) @ skew(s.omega), skew(s.specific).T)
+    return ca.vertcat(ca.skew(s.alpha) + ca.skew(s.omega) @ ca.skew(s.omega), ca.skew(s.specific).T)
 
 
 def _inertia(s: State) -> ca.SX:  # third column of (19)
-    return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + skew(s.omega) @ _inertia_operator(s.omega))
+    return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + ca.skew(s.omega) @ _inertia_operator(s.omega))
 
 
 def _offsets(_: State) -> ca.SX:
@@ -135,9 +134,9 @@ WRENCH_OFFSETS = OFFSETS._replace(
 
 Array = NDArray[np.float64]
 
-_INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of the six components of an inertia
 _CENTRE = (Parameter("xC", "m"), Parameter("yC", "m"), Parameter("zC", "m"))
-_CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in _INERTIA_INDEX)
+_CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in INERTIA_INDEX)
 
 
 @dataclass(frozen=True)
@@ -176,8 +175,8 @@ def physical_form(model: "Model") -> PhysicalForm:
             values.append(centre)
             parameters += _CENTRE
         elif block is INERTIA:
-            steiner = mass * skew(centre).T @ skew(centre)
-            values.append(part - ca.vertcat(*(steiner[i, j] for i, j in _INERTIA_INDEX)))
+            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
+            values.append(part - ca.vertcat(*(steiner[i, j] for i, j in INERTIA_INDEX)))
             parameters += _CENTRAL_INERTIA
         else:
             values.append(part)
@@ -193,7 +192,7 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
     inertia = body.inertia + body.mass_kg * cross.T @ cross
     values = {"m": body.mass_kg}
     values |= {f"m{c}C": float(body.mass_kg * v) for c, v in zip("xyz", centre, strict=True)}
-    return values | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
+    return values | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in INERTIA_INDEX}
 
 
 def nominal_parameters(model: "Model", body: RigidBody) -> Array:

@@ -7,11 +7,6 @@ vectors of {P} into {B}.
 import casadi as ca
 
 
-def skew(r: ca.SX) -> ca.SX:
-    """Cross product matrix: S(r) b = r x b."""
-    return ca.skew(r)
-
-
 def rotation(rpy: ca.SX) -> ca.SX:
     """R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3).
 

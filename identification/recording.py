@@ -2,9 +2,9 @@
 
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
 joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
-sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally strut velocities `ld1_mm_s`.., an accelerometer
-`ax`..`az`, `trigger` 0/1, `override_percent` of the feed, `temperature_degC` of the sensor. The case's `[recording]`
-maps file formats, other names, units and clocks. A run may come as several files with their own clocks.
+sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally an accelerometer `ax`..`az`, `trigger` 0/1,
+`override_percent` of the feed, `temperature_degC` of the sensor. The case's `[recording]` maps file formats, other
+names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,6 @@ from cases.recording_format import (
     JOINT_WAYS,
     OVERRIDE,
     ROTATION,
-    STRUT_VELOCITIES,
     STRUTS,
     TEMPERATURE,
     TRIGGER,
@@ -35,13 +34,10 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.reading import files_of, read_recording, read_run
+from identification.formats.reading import files_of, read_run
 from identification.formats.stream import Recording
 
-__all__ = [
-    "Recording", "about_case", "files_of", "load_recording", "read", "read_recording",
-    "read_run", "save_recording", "write_recording",
-]  # fmt: skip
+__all__ = ["Recording", "about_case", "files_of", "load_recording", "read", "save_recording", "write_recording"]
 
 SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
@@ -149,7 +145,6 @@ def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]
     groups = (
         (case.drive_columns, recording.struts, MM if case.chain is None else case.chain.units),
         (ROTATION, None if recording.rotations is None else recording.rotations.reshape(-1, 9), 1.0),
-        (STRUT_VELOCITIES, recording.strut_velocities, MM),
         (case.sensor_frame.channels, recording.forces, 1.0),
         (ACCELEROMETER, recording.specific_forces, 1.0),
         ((TEMPERATURE,), None if recording.temperature is None else recording.temperature[:, None], 1.0),

@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from cases.chain import Chain
 from cases.schema import Case
 from cases.sensors import RigidBody
-from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
 from identification.limit import LimitKind
+from identification.machine_limits import Placed, clearance_shares
 from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
-from identification.pose import rpy, skew
+from identification.pose import rpy
 
 Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
@@ -244,5 +244,5 @@ def _turned(angles: Array) -> Array:
 
 def _about(axis: Array, angle: ca.SX) -> ca.SX:
     """Rodrigues' rotation about a unit vector."""
-    cross = skew(ca.sparsify(ca.DM(axis)))
+    cross = ca.skew(ca.sparsify(ca.DM(axis)))
     return ca.SX.eye(3) + ca.sin(angle) * cross + (1 - ca.cos(angle)) * (cross @ cross)

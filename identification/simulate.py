@@ -169,7 +169,7 @@ def truth_rows(case: Case, estimate: Estimate) -> list[dict[str, Any]]:
     Raises:
         CaseError: the case describes no simulated machine.
     """
-    model = identification_model(case, estimate.model)
+    model = estimate.model
     u = linear_parameters(model, case.need_simulation("the comparison with the truth").parameters)
     truth, _ = physical_form(model).of(u, np.zeros((len(u), len(u))))
     return [

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.criteria import reference_scaling
+from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
-from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import ExpectedNoise, PoseErrors, expected_noise, mean_information, of_estimate, seen_through

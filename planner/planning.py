@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
-from identification.noise.pose_field import PoseField
 from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std

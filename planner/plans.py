@@ -11,10 +11,10 @@ from cases.basis import KEPT, plan_basis
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.estimation.fit import PoseField
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Motion, Trajectory
-from identification.noise.pose_field import PoseField
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by

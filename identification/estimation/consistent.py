@@ -17,12 +17,11 @@ from scipy.special import fdtrc
 
 from cases.errors import IdentificationError
 from identification.estimation.fit import Fit
-from identification.parameters import FIRST_MOMENT, INERTIA, MASS
+from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS
 
 Array = NDArray[np.float64]
 
 BODY = tuple(p.name for block in (MASS, FIRST_MOMENT, INERTIA) for p in block.parameters)
-_INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _NONE = "no consistent body was found"
 ACCURACIES = (1e-9, 1e-7)  # of the solver: 1e-9 gives 1e-6 standard deviations, but is not always within its reach
 
@@ -38,7 +37,7 @@ def _basis() -> Array:
     basis[0, 3, 3] = 1.0
     for axis in range(3):
         basis[1 + axis, axis, 3] = basis[1 + axis, 3, axis] = 1.0
-    for k, (i, j) in enumerate(_INERTIA_INDEX):
+    for k, (i, j) in enumerate(INERTIA_INDEX):
         unit = np.zeros((3, 3))
         unit[i, j] = unit[j, i] = 1.0
         basis[4 + k, :3, :3] = 0.5 * np.trace(unit) * np.eye(3) - unit

@@ -84,6 +84,11 @@ class Method:
     biases: Biases | None = None
 
     @property
+    def plain(self) -> bool:
+        """Whether it is Gauss-Markov with all parameters free and nothing known beforehand."""
+        return self.maker is gauss_markov_of and not (self.known or self.dropped or self.priors)
+
+    @property
     def without_biases(self) -> "Method":
         """The same with the offsets of the forces free."""
         offsets = {} if self.biases is None else self.biases.known

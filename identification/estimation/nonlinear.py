@@ -20,12 +20,10 @@ from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.selection import require_names
 from identification.finding import Kind, note
 from identification.model import Model
-from identification.parameters import FIRST_MOMENT, INERTIA, MASS, physical_form
-from identification.pose import skew
+from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS, physical_form
 
 Array = NDArray[np.float64]
 
-_INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 TOLERANCE = 1e-9  # of a standard deviation of each parameter
 ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
 
@@ -44,8 +42,8 @@ def linear_map(model: Model) -> ca.Function:
         if block is FIRST_MOMENT:
             part = mass * centre
         elif block is INERTIA:
-            steiner = mass * skew(centre).T @ skew(centre)
-            part = part + ca.vertcat(*(steiner[i, j] for i, j in _INERTIA_INDEX))
+            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
+            part = part + ca.vertcat(*(steiner[i, j] for i, j in INERTIA_INDEX))
         values.append(part)
     u = ca.vertcat(*values)
     return ca.Function("linear", [p], [u, ca.jacobian(u, p)])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.estimation.fit import Estimator, Fit
 from identification.model import Model
-from identification.parameters import PhysicalForm, physical_form
+from identification.parameters import physical_form
 
 Array = NDArray[np.float64]
 
@@ -27,18 +27,8 @@ class Selection:
     """Which parameters of a model are estimated, and how u follows from them: u = offset + basis @ free."""
 
     names: tuple[str, ...]  # names of the free parameters, in the order of (17)
-    known: Mapping[str, float]  # values that were given, by linear or physical name [SI]
-    dropped: tuple[str, ...]  # linear parameters that were left out, u = 0
     offset: Array  # u0, shape (u,)
     basis: Array  # B, shape (u, free)
-
-    def estimated(self, form: PhysicalForm) -> tuple[str, ...]:
-        """Physical parameters that the data have a say in; the others are known, left out, or follow from such."""
-        without = {*self.known, *self.dropped} | {f"IC{name[1:]}" for name in self.dropped if name[0] == "I"}
-        jacobian = form.map(self.offset + self.basis.sum(axis=1))[1].full()
-        # What follows from known values alone cancels to rounding.
-        sensitive = np.abs(jacobian @ self.basis).max(axis=1) > 1e-9 * np.abs(jacobian).max(axis=1)
-        return tuple(p.name for p, r in zip(form.parameters, sensitive, strict=True) if r and p.name not in without)
 
 
 def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
@@ -84,7 +74,7 @@ def select(model: Model, known: Mapping[str, float], dropped: Iterable[str] = ()
     if not names:
         raise IdentificationError("all parameters are known; leave at least one to estimate")
     rows = _rows(pairs, constants, names)
-    return Selection(names, dict(known), dropped, rows[:, 0], rows[:, 1:])
+    return Selection(names, rows[:, 0], rows[:, 1:])
 
 
 def _rows(pairs: Sequence[tuple[str, str]], constants: Mapping[str, float], names: Sequence[str]) -> Array:

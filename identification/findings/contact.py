@@ -218,7 +218,7 @@ def free_of_contact(
     run, moving = fitted.samples, fitted
     if not run.consecutive:
         return fitted, contacts
-    forces, matrices = run.forces, fitted.matrices
+    forces, matrices = fitted.forces, fitted.matrices
     for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
         residuals = forces - matrices @ _without_pull(matrices, forces, run, how, problem)

@@ -4,11 +4,9 @@ A new check is one more function in `CHECKS`. What cannot be at all is refused.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from cases.errors import IdentificationError
 from cases.schema import Case
@@ -19,7 +17,7 @@ from identification.findings.drift import drifting
 from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
-from identification.noise.stated import acceleration_to_force, inverse_root
+from identification.noise.stated import noise_components
 from identification.parameters import MASS
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
@@ -188,7 +186,7 @@ def _late(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> l
 def _unlikely(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
     """Residuals that the standard deviations or the model do not fit."""
     own = systematic(fitted.fit, fitted.samples.noise_correlation) if fitted.samples.nuisances else []
-    return [*unlikely(fitted.fit, fitted.samples.forces), *own]
+    return [*unlikely(fitted.fit, fitted.forces), *own]
 
 
 def _not_compared(_recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
@@ -219,7 +217,8 @@ def _looks_like(_recording: Recording, case: Case, method: Method, fitted: Fitte
     """What noise the residuals look like."""
     if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
         return []
-    components = noise_components(fitted.samples, fitted.fit, case.sensor_frame.has_moments)
+    samples = fitted.samples
+    components = noise_components(fitted.fit, samples.model, samples.filtered, case.sensor_frame.has_moments)
     return [] if components is None else [components.finding(method.weights or case.sensors.weights)]
 
 
@@ -250,80 +249,3 @@ CHECKS: tuple[Check, ...] = (
     drifting,
 )
 """What is looked at after every fit, in the order in which it is told."""
-
-
-TURNS = 10  # of covariance and metric
-LEAST = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
-TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
-
-
-@dataclass(frozen=True, slots=True)
-class NoiseComponents:
-    """Standard deviations of white noise of one recorded sample that would leave such residuals."""
-
-    force: float  # standard deviation of a force channel [N]
-    moment: float | None  # standard deviation of a moment channel of a force/torque sensor [N m]; None for bars
-    acceleration: float  # standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2]
-    angular: float  # standard deviation of the angular acceleration [rad/s^2]
-    share: float  # share of the residuals' variance, in units of the channels' own, that the accelerations explain
-
-    def finding(self, weights: str) -> Finding:
-        """What is to be told of it, `weights` being those of the identification; keys as in the case."""
-        moments = "" if self.moment is None else f" and {self.moment:.3g} N m"
-        sentence = (
-            f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
-            f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
-            "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
-            "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated; the vibration of a "
-            "structure looks alike, and identify --flexible estimates its mode"
-        )
-        entries = {
-            "force_noise_N": self.force,
-            **({} if self.moment is None else {"moment_noise_Nm": self.moment}),
-            "acceleration_noise_m_s2": self.acceleration,
-            "angular_acceleration_noise_rad_s2": self.angular,
-            "share_of_accelerations": self.share,
-        }
-        silent = self.share < TELLING or weights == "stated"
-        return note(Kind.NOISE, "" if silent else sentence, noise_components=entries)
-
-
-def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None:
-    """Takes the residuals of a run apart; None where they are too few.
-
-    Args:
-        run: run that was fitted.
-        fit: its values begin with u; its residuals are those of the forces behind the filter.
-        wrench: whether the channels are three forces and three moments.
-    """
-    freedom = len(run.rows) * run.filter.noise_gain * run.filter.stride - len(fit.values) / 6
-    if freedom < LEAST:
-        return None
-    covariance = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
-    if np.linalg.matrix_rank(covariance) < len(covariance):
-        return None
-    return components_of(covariance, run.model, fit.values[: len(run.model.parameters)], wrench)
-
-
-def components_of(total: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
-    """The components of a covariance of the channels, shape (6, 6)."""
-    effects = acceleration_to_force(model, values)
-    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
-    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
-    covariance = total
-    theta = np.zeros(len(parts))
-    for _ in range(TURNS):
-        root = inverse_root(covariance)
-        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
-        size = np.linalg.norm(columns, axis=0)
-        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
-        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
-        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
-    remainder = np.diag(
-        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
-    )
-    std = np.sqrt(theta)
-    return NoiseComponents(
-        float(std[0]), float(std[1]) if wrench else None, float(std[-2]), float(std[-1]),
-        float(np.mean(remainder / np.diag(covariance))),
-    )  # fmt: skip

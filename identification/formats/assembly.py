@@ -9,14 +9,12 @@ from cases.errors import RecordingError
 from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
-    DRIVE_VELOCITIES,
     DRIVES,
     JOINT_ANGLES,
     JOINT_WAYS,
     OVERRIDE,
     POSE,
     ROTATION,
-    STRUT_VELOCITIES,
     STRUTS,
     TEMPERATURE,
     TRIGGER,
@@ -101,7 +99,6 @@ def _stream(source: Marked, t: Array | None, case: Case, form: RecordingFormat) 
         rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
         forces=forces,
         trigger=None if trigger is None else require_switch(table, trigger[:, 0], form),
-        strut_velocities=_strut_velocities(table, form),
         override=None if override is None else override[:, 0],
         temperature=None if temperature is None else temperature[:, 0],
         poses=_group(table, form, POSE),
@@ -171,13 +168,6 @@ def _unwrapped(positions: Array | None, chain: Chain) -> Array | None:
             rows = np.flatnonzero(np.isfinite(positions[:, k]))
             positions[rows, k] = np.unwrap(positions[rows, k])
     return positions
-
-
-def _strut_velocities(table: ColumnTable, form: RecordingFormat) -> Array | None:
-    struts, drives = _group(table, form, STRUT_VELOCITIES), _group(table, form, DRIVE_VELOCITIES)
-    if drives is None or form.drives is None:
-        return struts
-    return np.array(form.drives.sign) * drives[:, form.drives.index]
 
 
 def _specific_forces(table: ColumnTable, form: RecordingFormat) -> Array | None:

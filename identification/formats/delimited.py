@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
 from identification.formats.table import ColumnTable, listed, shown
 from identification.formats.text import Fields, TextBlock, TextFormat, lines_of, not_text, parse, read_blocks, read_head
 
@@ -73,6 +73,8 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> ColumnCho
     """
     positions = {}
     for ours in COLUMNS:
+        if ours in VELOCITIES:
+            continue
         theirs = form.file_name(ours)
         if names.count(theirs) > 1:
             raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from cases.errors import RecordingError
 from identification.formats.text import SIZE, TextFormat, is_number, read_head, unreadable
@@ -32,6 +32,21 @@ class TextLayout:
     numeric: tuple[bool, ...]  # whether each column holds numbers
     trailing_rows: int  # lines below the numbers
     cut_off: bool  # whether the last line ends early
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What differs from `csv` by default, as `[recording]` has it."""
+        settings: dict[str, Any] = {} if self.format == "csv" else {"format": self.format}
+        usual = {"csv": ",", "halsampler": " "}.get(self.format, self.dialect.delimiter)
+        if self.dialect.delimiter != usual:
+            settings["delimiter"] = self.dialect.delimiter
+        if self.dialect.decimal != "." or self.format == "twincat-scope":
+            settings["decimal"] = self.dialect.decimal
+        if self.format == "csv":
+            settings |= {"header_rows": self.header_rows} if self.header_rows != 1 else {}
+            settings |= {"names_row": self.names_row} if self.names_row not in (0, self.header_rows) else {}
+            settings |= {"trailing_rows": self.trailing_rows} if self.trailing_rows else {}
+        return settings | ({"encoding": self.dialect.encoding} if self.dialect.encoding != "utf-8" else {})
 
 
 def layout_of(file: Path) -> TextLayout:

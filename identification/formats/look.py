@@ -26,8 +26,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
-from identification.formats.look_ros import look_at_bag
-from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities, strut_range
+from identification.formats.looked import CLOCKS, RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import read_run, read_tables
 from identification.formats.ros import bag_of, is_bag
@@ -72,7 +71,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
             places |= dict(zip(WRENCH, next(iter(wrenches(names, sorted(columns))), ()), strict=False))
     guessed = _by_values(names, columns, places, case)
     units |= _units(columns, places, units, case, guessed)
-    settings = _layout_settings(layout) | _meaning_settings(names, places, units, scope, layout)
+    settings = ({} if layout is None else layout.settings) | _meaning_settings(names, places, units, scope, layout)
     settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
     ours = {k: name for name, k in places.items()}
     shown_columns = tuple(
@@ -227,23 +226,6 @@ def _unit(ours: str | None, units: Mapping[str, str]) -> str:
     if ours is None:
         return ""
     return units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
-
-
-def _layout_settings(layout: TextLayout | None) -> dict[str, Any]:
-    """What of the layout differs from what `csv` is by default."""
-    if layout is None:
-        return {}
-    settings: dict[str, Any] = {} if layout.format == "csv" else {"format": layout.format}
-    usual = {"csv": ",", "halsampler": " "}.get(layout.format, layout.dialect.delimiter)
-    if layout.dialect.delimiter != usual:
-        settings["delimiter"] = layout.dialect.delimiter
-    if layout.dialect.decimal != "." or layout.format == "twincat-scope":
-        settings["decimal"] = layout.dialect.decimal
-    if layout.format == "csv":
-        settings |= {"header_rows": layout.header_rows} if layout.header_rows != 1 else {}
-        settings |= {"names_row": layout.names_row} if layout.names_row not in (0, layout.header_rows) else {}
-        settings |= {"trailing_rows": layout.trailing_rows} if layout.trailing_rows else {}
-    return settings | ({"encoding": layout.dialect.encoding} if layout.dialect.encoding != "utf-8" else {})
 
 
 def _meaning_settings(

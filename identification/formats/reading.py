@@ -4,7 +4,7 @@ From files to a run: each file in its format, streams told apart by their column
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -122,18 +122,6 @@ def _whole(parts: list[Any]) -> Any:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def read_recording(path: Path, case: Case) -> Recording:
-    """Reads a recording: a file in the case's format, the folder that `hexcite run` wrote, or a ROS 2 bag.
-
-    Args:
-        case: says which columns to expect and how the file writes them.
-
-    Raises:
-        RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
-    """
-    return read_run([path], case)
-
-
 def read_run(paths: Sequence[Path], case: Case) -> Recording:
     """Reads the files of one run, told apart by their columns.
 
@@ -169,11 +157,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         main = _with_kinematics(main, main.poses, case)
     assert main.forces is not None
     others = tuple(s for s in streams if s.forces is None)
-    return Recording(
-        main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
-        main.specific_forces, others, main.lines, override=main.override, temperature=main.temperature,
-        missing=main.missing, missing_in=main.missing_in, case=case, paths=tuple(paths),
-    )  # fmt: skip
+    own: dict[str, Any] = {part.name: getattr(main, part.name) for part in fields(main)}
+    return Recording(**own, others=others, case=case, paths=tuple(paths))
 
 
 def files_of(paths: Sequence[Path]) -> list[Path]:

@@ -18,7 +18,6 @@ Channel = Literal[
     "rotations",
     "forces",
     "trigger",
-    "strut_velocities",
     "poses",
     "specific_forces",
     "override",
@@ -36,11 +35,10 @@ class Stream:
     source: str  # the file, for messages
     t: Array | None  # time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill
     # what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad]
-    struts: Array | None = None
-    rotations: Array | None = None  # R, shape (n, 3, 3)
-    forces: Array | None = None  # forces of the sensors, shape (n, 6) [N, or N and N m]
-    trigger: NDArray[np.bool_] | None = None  # shape (n,)
-    strut_velocities: Array | None = None  # measured, shape (n, 6) [m/s]
+    struts: Array | None
+    rotations: Array | None  # R, shape (n, 3, 3)
+    forces: Array | None  # forces of the sensors, shape (n, 6) [N, or N and N m]
+    trigger: NDArray[np.bool_] | None  # shape (n,)
     poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
     specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
     override: Array | None = None  # override of the feed, shape (n,); 1 is none
@@ -53,7 +51,8 @@ class Stream:
     @property
     def channels(self) -> dict[Channel, Any]:
         """The arrays that are there, by name."""
-        return _present(self)
+        arrays = {name: getattr(self, name) for name in CHANNELS}
+        return {name: array for name, array in arrays.items() if array is not None}
 
     @property
     def rows(self) -> int:
@@ -102,54 +101,17 @@ class Averaged(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Recording:
-    """A run: the samples of the forces, with all channels of their clock, and streams of other clocks.
+class Recording(Stream):
+    """A run: the samples of the forces, with all channels of their clock, and streams of other clocks."""
 
-    Arrays are None where there are no such channels at the samples of the forces.
-
-    Args:
-        source: the file, for messages.
-        t: time, shape (n,) [s]; None: every row is an averaged standstill.
-        struts: what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad].
-        rotations: R, shape (n, 3, 3).
-        forces: forces of the sensors, shape (n, 6) [N, or N and N m].
-        trigger: shape (n,).
-        strut_velocities: measured, shape (n, 6) [m/s].
-        poses: poses of {P} in {B}, shape (n, 6) [m, rad].
-        specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
-        others: what was sampled by other clocks, on the same time axis.
-        lines: places of the rows in the file.
-        weights: weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
-        averaged: how forces were averaged that were sampled faster than the motion.
-        override: override of the feed, shape (n,); 1 is none.
-        temperature: temperature of the sensor, shape (n,) [degC].
-        missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
-        missing_in: the columns in which they are, as the file calls them.
-        case: case that it is of; None where that is not known.
-        paths: paths of the files that it was read from.
-        record: what `recording.json` says of the run; empty where there is none.
-    """
-
-    source: str
-    t: Array | None
-    struts: Array | None
-    rotations: Array | None
-    forces: Array
-    trigger: NDArray[np.bool_] | None
-    strut_velocities: Array | None = None
-    poses: Array | None = None
-    specific_forces: Array | None = None
-    others: tuple[Stream, ...] = ()
-    lines: Lines = _BELOW_A_HEADER
+    forces: Array  # forces of the sensors, shape (n, 6) [N, or N and N m]
+    others: tuple[Stream, ...] = ()  # what was sampled by other clocks, on the same time axis
+    # weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,)
     weights: Array | None = None
-    averaged: Averaged | None = None
-    override: Array | None = None
-    temperature: Array | None = None
-    missing: Rows | None = None
-    missing_in: tuple[str, ...] = ()
-    case: Case | None = None
-    paths: tuple[Path, ...] = ()
-    record: Mapping[str, Any] = field(default_factory=dict)
+    averaged: Averaged | None = None  # how forces were averaged that were sampled faster than the motion
+    case: Case | None = None  # case that it is of; None where that is not known
+    paths: tuple[Path, ...] = ()  # paths of the files that it was read from
+    record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
         """Makes a folder with recording.csv and recording.json; numbers as in `identification.recording`."""
@@ -179,16 +141,6 @@ class Recording:
         return as_html(repr(self))
 
     @property
-    def channels(self) -> dict[Channel, Any]:
-        """The arrays at the samples of the forces, by name."""
-        return _present(self)
-
-    @property
-    def step(self) -> float:
-        """Time between samples [s]; raises RecordingError where there is no clock or it is not uniform."""
-        return uniform_step(self.source, self.t, self.lines)
-
-    @property
     def lost(self) -> NDArray[np.int64]:
         """How many samples were lost between each row and the next, shape (n - 1,)."""
         return lost_samples(self.t)
@@ -196,20 +148,11 @@ class Recording:
     @property
     def streams(self) -> tuple[Stream, ...]:
         """All streams of the run, that of the forces first."""
-        own: dict[Any, Any] = {**_present(self)}
-        main = Stream(
-            source=self.source, t=self.t, lines=self.lines, missing=self.missing, missing_in=self.missing_in, **own
-        )
-        return main, *self.others
+        return self, *self.others
 
     def stream_with(self, channel: Channel) -> Stream | None:
         """The stream that has a channel; None where the run has no such channel."""
         return next((s for s in self.streams if channel in s.channels), None)
-
-
-def _present(samples: "Stream | Recording") -> dict[Channel, Any]:
-    arrays = {name: getattr(samples, name) for name in CHANNELS}
-    return {name: array for name, array in arrays.items() if array is not None}
 
 
 def either(one: Rows | None, other: Rows | None) -> Rows | None:

@@ -1,8 +1,6 @@
-"""A text file in blocks of whole lines: memory does not grow with its length, and every line keeps its number.
+"""A text file in blocks of whole lines, so that memory does not grow with its length, and these as columns of numbers.
 
-Lines of text to columns of numbers, by pyarrow; what it cannot read is explained by `diagnosis`.
-
-What is wrong with a line that could not be read: one message with line, column, value and remedy.
+pyarrow reads the numbers; what it cannot read is told by one message with line, column, value and remedy.
 """
 
 import csv

@@ -26,6 +26,7 @@ from identification.estimation.compressed import inverse_root
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
+Spectra = NDArray[np.complex128]
 
 
 class Turned(NamedTuple):
@@ -103,12 +104,12 @@ def coloured_covariance(found: Turned) -> Array | None:
     return found.share * found.covariance(np.asarray(meat))
 
 
-def _seen(answer: Array, taken: Array, here: Array, pairs: Array, autocovariance: Array) -> tuple[Array, Array]:
+def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovariance: Array) -> tuple[Array, Array]:
     """What stationary noise does at n equal steps: expected |rfft|^2 of what the fit leaves, and B^T Gamma B.
 
     Args:
         answer: B, the parameters answer to noise x with B^T x, shape (n, u).
-        taken: C, the fit takes C B^T x away, shape (n, u).
+        taken: rfft of C, the fit takes C B^T x away, shape (n // 2 + 1, u).
         here: 1 where there is a sample, 0 elsewhere, shape (n,).
         pairs: how often two samples are so many steps apart, shape (n,).
         autocovariance: autocovariance of the noise, shape (n,).
@@ -116,10 +117,8 @@ def _seen(answer: Array, taken: Array, here: Array, pairs: Array, autocovariance
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
     felt = toeplitz(autocovariance, answer)
     meat = answer.T @ felt
-    spectrum = rfft(taken, axis=0)
     crossed = rfft(felt * here[:, None], len(answer), axis=0)
-    left = raw - 2.0 * np.sum(crossed * spectrum.conj(), axis=1).real
-    return left + np.einsum("fi,ij,fj->f", spectrum, meat, spectrum.conj()).real, meat
+    return raw + np.sum((taken @ meat - 2.0 * crossed) * taken.conj(), axis=1).real, meat
 
 
 def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float) -> Array:
@@ -127,7 +126,7 @@ def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float
 
     Args:
         answer: B, see `_seen`.
-        basis: C.
+        basis: C, the fit takes C B^T x away.
         noise: residuals of variance 1, shape (n,), zero where there is no sample.
         mask: 1 where there is a sample, shape (n,).
         freedom: degrees of freedom of the channel.
@@ -135,7 +134,8 @@ def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float
     length = len(noise)
     pairs = np.maximum(np.round(products(mask)), 0.0)
     near = autoregressive(noise, mask, float(mask.sum()) / freedom)
-    components = [_seen(answer, basis, mask, pairs, c) for c in (near, *slow_noises(length))]
+    taken = rfft(basis, axis=0)
+    components = [_seen(answer, taken, mask, pairs, c) for c in (near, *slow_noises(length))]
     slow = max(len(components), int(SLOW * (length // 2)) + 1)
     spectra = np.array([c[0] for c in components])[:, :slow]
     shares = _shares(np.abs(rfft(noise)[:slow]) ** 2, spectra)

@@ -19,9 +19,9 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
+from identification.estimation.fit import PoseField, matern, squared_distances
 from identification.finding import Finding, Kind, note
 from identification.noise.coloured import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
-from identification.noise.pose_field import PoseField, matern, squared_distances
 
 Array = NDArray[np.float64]
 

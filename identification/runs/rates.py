@@ -106,12 +106,11 @@ def _samples(recording: Recording, ratio: int, phase: int) -> Stream:
     assert recording.t is not None
     rows = slice(phase, None, ratio)
     trigger = None if recording.trigger is None else recording.trigger[rows]
-    velocities = None if recording.strut_velocities is None else recording.strut_velocities[rows]
     lines = recording.lines.later(phase, ratio)
     missing = None if recording.missing is None else recording.missing[rows]
     return Stream(
-        recording.source, recording.t[rows], recording.struts[rows], trigger=trigger, strut_velocities=velocities,
-        lines=lines, missing=missing, missing_in=recording.missing_in,
+        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger, lines=lines,
+        missing=missing, missing_in=recording.missing_in,
     )  # fmt: skip
 
 
@@ -139,11 +138,10 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
         trigger = _latest(recording, "trigger", motion.t)
     noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
     assert motion.struts is not None
-    return Recording(
-        motion.source, motion.t[inside], motion.struts[inside], None, means,
-        None if trigger is None else trigger[inside],
-        None if motion.strut_velocities is None else motion.strut_velocities[inside],
-        lines=motion.lines.later(int(inside[0])),
+    return replace(
+        recording, source=motion.source, t=motion.t[inside], struts=motion.struts[inside], forces=means,
+        rotations=None, poses=None, specific_forces=None, others=(), lines=motion.lines.later(int(inside[0])),
+        trigger=None if trigger is None else trigger[inside],
         averaged=Averaged(interval / step, interval, noise),
         override=None if override is None else override[inside],
         temperature=None if temperature is None else temperature[inside],
@@ -238,6 +236,6 @@ def _at_the_forces(recording: Recording, motion: Stream) -> Recording:
     return replace(
         recording, t=t, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside],
         trigger=trigger, override=override, temperature=temperature, rotations=None, poses=None, specific_forces=None,
-        strut_velocities=None, others=(), lines=recording.lines.later(int(inside[0])),
+        others=(), lines=recording.lines.later(int(inside[0])),
         missing=missing, missing_in=(*recording.missing_in, *(("the struts there",) if hidden.any() else ())),
     )  # fmt: skip

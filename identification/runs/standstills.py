@@ -127,7 +127,7 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     degrees = recording.temperature
     averages = replace(
         recording, temperature=None if degrees is None else np.array([degrees[r].mean() for r in rows]),
-        t=None, struts=struts, forces=forces, trigger=None, strut_velocities=None, poses=None,
+        t=None, struts=struts, forces=forces, trigger=None, poses=None,
         rotations=None, specific_forces=None, others=(), lines=_COUNTED,
         weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip

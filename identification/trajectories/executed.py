@@ -27,25 +27,20 @@ class Execution(Protocol):
     @property
     def machine(self) -> Machine:
         """Its kinematics."""
-        ...
 
     @property
     def duration(self) -> float:
         """Duration [s]."""
-        ...
 
     @property
     def extremes(self) -> Array:
         """Instants among which the largest accelerations are found, shape (n,) [s]."""
-        ...
 
     def struts(self, t: ArrayLike, order: int = 0) -> Array:
         """What drives are at at times t (struts, or joints), or its first or second derivatives, shape (n, k)."""
-        ...
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
         """Motion of the load's frame at times t, shape (n,) [s]."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

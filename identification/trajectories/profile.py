@@ -20,20 +20,16 @@ class TimeLaw(Protocol):
     @property
     def duration(self) -> float:
         """Duration [s]."""
-        ...
 
     @property
     def peak_velocity(self) -> float:
         """Largest velocity [unit of the distance per second]."""
-        ...
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
         """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
-        ...
 
     def slowed(self, speed: float) -> "TimeLaw":
         """The same way at a share of the speed."""
-        ...
 
 
 class Profile(NamedTuple):

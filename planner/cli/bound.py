@@ -32,8 +32,8 @@ def bound(
 
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
+    from identification.estimation.fit import PoseField
     from identification.model import full_model
-    from identification.noise.pose_field import PoseField
     from planner.bounds.kept import bound as information_limit
     from planner.bounds.kept import require_time
 

@@ -78,7 +78,7 @@ def force(
     from cases.files import atomic_file, check_file, output_place
     from cases.recording_format import WRENCH
     from identification.external import external_force
-    from identification.recording import read_recording
+    from identification.recording import read
     from identification.runs.rates import on_one_clock
     from identification.saved_result import load_result
     from planner.runs.recorded import case_of
@@ -89,7 +89,7 @@ def force(
     loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
     remarks += saved.remarks(loaded, stale)
-    result = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
+    result = external_force(on_one_clock(read(recording, loaded), loaded), loaded, saved)
     with atomic_file(file) as part:
         _write(part, result)
     answer: dict[str, Any] = {
@@ -139,7 +139,7 @@ def tare(
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
     from identification.external import tare as new_offsets
-    from identification.recording import read_recording
+    from identification.recording import read
     from identification.runs.rates import on_one_clock
     from identification.saved_result import load_result, with_tare
     from planner.runs.recorded import case_of
@@ -149,7 +149,7 @@ def tare(
     loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
     remarks += saved.remarks(loaded, stale)
-    offsets = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
+    offsets = new_offsets(on_one_clock(read(recording, loaded), loaded), loaded, saved)
     content = with_tare(saved, loaded, offsets.values, offsets.covariance, str(recording), offsets.notes)
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
@@ -180,7 +180,7 @@ def payload(
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
-    from identification.payload import payload_between, payload_on_table, require_two
+    from identification.external import payload_between, payload_on_table, require_two
     from identification.saved_result import load_result
     from planner.cli.shown_result import PARAMETER_COLUMNS, parameter_rows
 

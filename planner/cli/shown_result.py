@@ -6,7 +6,7 @@ from typing import Any
 from cases.schema import Case
 from identification.external import external_force
 from identification.outcome import Result
-from identification.recording import read_recording
+from identification.recording import read
 from identification.result import Value
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
@@ -25,7 +25,7 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
 
 def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:
     """How well the parameters predict another run: what is left of force and moment, and of each channel."""
-    forces = external_force(on_one_clock(read_recording(path, case), case), case, load_result(result), whole=False)
+    forces = external_force(on_one_clock(read(path, case), case), case, load_result(result), whole=False)
     deviation = forces.wrench.std(axis=0)
     answer = {
         "recording": str(path),

@@ -11,7 +11,7 @@ from cases.basis import bound_hash
 from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
-from identification.noise.pose_field import PoseField
+from identification.estimation.fit import PoseField
 from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
 from planner.plans import Plan
 from planner.vibration import least_shaken

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -179,7 +179,7 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     artefact = Artefact(file, about, "run the program again")
     case = artefact.case() if user_case is None else user_case
     stale_in = () if user_case is not None else artefact.require_unchanged(recording_basis(case), case, stale)
-    recorded = replace(on_one_clock(read(path, case), case), record=about)
+    recorded = on_one_clock(read(path, case), case)
     recording, _ = standing_of(recorded, case)
     model = identification_model(case, default_model(recording, case))
     scaling = reference_scaling(case, model)

@@ -9,13 +9,13 @@ from cases.files import provenance
 from cases.schema import Case
 from cases.units import MM
 from identification.criteria import analyse, reference_scaling
+from identification.estimation.fit import PoseField
 from identification.evaluate import over_samples
 from identification.limit import Status
 from identification.limit_proof import load_shares
 from identification.limited_quantities import strut_motion
 from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
-from identification.noise.pose_field import PoseField
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters, physical_form
 from planner.deviations import Beside, beside_manual

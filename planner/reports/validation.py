@@ -53,7 +53,7 @@ def validation_page(validation: Validation) -> Page:
         own = [s for s in steps if s.method == method]
         text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [
-            Note(f"{method}{text}, model {own[0].estimate.model}"),
+            Note(f"{method}{text}, model {own[0].estimate.model.number}"),
             Table(TABLE_7, table_7(own)),
         ]
     sections = [

@@ -74,7 +74,7 @@ def identify(
 
 def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
     """`identify` for what is asked as one value."""
-    whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
+    whole = on_one_clock(recording, case)
     run, standing = standing_of(whole, case, wish.still)
     number = default_model(run, case) if wish.model is None else wish.model
     method = wish.how(identification_model(case, number, wish.terms))
@@ -111,7 +111,7 @@ def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]
     """What a result says of its run: the file of the case, the plan that it followed, the time that it took."""
     seconds = run.record.get("executed_s")
     if seconds is None and run.t is not None:
-        seconds = estimate.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
+        seconds = estimate.evaluation.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
 
 

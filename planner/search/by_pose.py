@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.noise.pose_field import squared_distances
+from identification.estimation.fit import squared_distances
 from planner.noise import PoseErrors
 from planner.search.states import SHARE, Kernel, state_size
 

@@ -92,7 +92,7 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
         recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)
         estimate = identify(recording, job.case, job.request.model)
         truth = truth_rows(truth_case, estimate)
-        half = [v.interval(estimate.freedom)[1] - v.value for v in estimate.physical.values()]
+        half = [v.interval(estimate.fit.freedom)[1] - v.value for v in estimate.physical.values()]
         inside = sum(abs(r["error"]) <= h for r, h in zip(truth, half, strict=True))
         mass = next(r for r in truth if r["name"] == "m")
         now = time.perf_counter()

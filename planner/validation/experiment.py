@@ -16,7 +16,6 @@ from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
 from identification.identify import identify
 from identification.loaded import Circumstances, loaded_truth, pose_covariance
-from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
@@ -100,7 +99,7 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
-        model = identification_model(case, estimate.model)
+        model = estimate.model
         linear = linear_parameters(model, body)
         form = physical_form(model)
         values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
@@ -219,13 +218,13 @@ def true_deviations(
         estimate: estimate by least squares.
         load: mass of the weights on it [kg].
     """
-    model = identification_model(case, estimate.model, estimate.terms)
+    model = estimate.model
     home = case.need_machine("a validation")[0].home.vector
     weight = load * float(np.linalg.norm(case.gravity))
     common = pose_covariance(disturbances, home, answer.poses, weight)
     covariance = sum(part @ common @ part.T for part in np.moveaxis(answer.answer, 2, 0))
     form = physical_form(model)
-    _, by_pose = form.of(estimate.values, np.asarray(covariance))
+    _, by_pose = form.of(estimate.fit.values, np.asarray(covariance))
     return {
         p.name: float(np.sqrt(variance + estimate.physical[p.name].std ** 2))
         for p, variance in zip(form.parameters, np.diag(by_pose), strict=True)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
-from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.recording import Recording
 from identification.result import Estimate, Value
@@ -50,7 +49,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     Args:
         recording: recording that was identified, averaged where it stands.
     """
-    model = identification_model(case, estimate.model, estimate.terms)
+    model = estimate.model
     struts, run, forces = recording.struts, None, recording.forces
     assert struts is not None
     if recording.t is None:
@@ -59,12 +58,12 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     else:
         run = moving_run(recording, case, model, found=scan(recording, case))
         run = replace(run, smoothing="smoothing_s2" in estimate.told)
-        delay = 0.0 if estimate.delay is None else estimate.delay.value
-        forces, columns = run.forces, run.linearised(delay, estimate.values)
-        matrices = columns[:, :, : len(estimate.values)]
+        delay = estimate.evaluation.at
+        forces, columns = run.forces, run.linearised(delay, estimate.fit.values)
+        matrices = columns[:, :, : len(estimate.fit.values)]
         weights = np.ones(len(matrices))
         struts = struts[np.asarray(run.rows) + run.filter.margin]
-    scale = weights[:, None] * np.sqrt(estimate.w)
+    scale = weights[:, None] * np.sqrt(estimate.fit.weights)
     design = (columns * scale[:, :, None]).reshape(-1, columns.shape[2])
     size = np.linalg.norm(design, axis=0)
     answer = (np.linalg.pinv(design / size) / size[:, None]).reshape(len(size), len(columns), 6)[: matrices.shape[2]]
@@ -109,14 +108,14 @@ def error_budget(
         estimate: estimate by least squares.
         truth: linear parameters u of its model, shape (u,) [SI].
     """
-    model = identification_model(case, estimate.model, estimate.terms)
+    model = estimate.model
     noise = recording.forces - parts.total
     added = [answer.seen(part) for part in (parts.mode, parts.pose, noise)]
     *shifts, whole = answer.of(np.stack([*added, answer.left(truth)], axis=2)).T
     form, none = physical_form(model), np.zeros((len(truth), len(truth)))
-    values, true = form.of(estimate.values, none)[0], form.of(truth, none)[0]
-    effects = [values - form.of(estimate.values - shift, none)[0] for shift in shifts]
-    effects.append(values - form.of(estimate.values - whole, none)[0] - sum(effects))
+    values, true = form.of(estimate.fit.values, none)[0], form.of(truth, none)[0]
+    effects = [values - form.of(estimate.fit.values - shift, none)[0] for shift in shifts]
+    effects.append(values - form.of(estimate.fit.values - whole, none)[0] - sum(effects))
     effects.append(values - true - sum(effects))
     names = [p.name for p in form.parameters]
     errors = {
@@ -151,8 +150,8 @@ class MethodStep:
     @property
     def s0(self) -> float:
         """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
-        forces = 6 * self.estimate.samples
-        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.names))))
+        forces = 6 * self.estimate.evaluation.evaluated.samples
+        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.model.names))))
 
     def deviation(self, name: str) -> float | None:
         """Relative deviation from theory; None where there is no theory."""
@@ -174,8 +173,8 @@ class MethodStep:
             "weights": self.weights,
             "load_kg": self.load,
             "duration_s": self.duration,
-            "model": self.estimate.model,
-            "samples": self.estimate.samples,
+            "model": self.estimate.model.number,
+            "samples": self.estimate.evaluation.evaluated.samples,
             "s0_N": self.s0,
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},

@@ -3,7 +3,7 @@
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
-from identification.recording import Recording, read_recording, record_of
+from identification.recording import Recording, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from planner.runs.recorded import standing_of
@@ -157,11 +157,10 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
                 raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
         folders = [folder for folder in folders if folder.name in methods]
 
-    def read(file: Path) -> Recording:
-        recording = replace(on_one_clock(read_recording(file, case), case), record=record_of(file))
-        return standing_of(recording, case)[0]
+    def run_of(file: Path) -> Recording:
+        return standing_of(on_one_clock(read(file, case), case), case)[0]
 
-    steps = tuple(step for folder in folders for step in recorded_steps(case, folder, read))
+    steps = tuple(step for folder in folders for step in recorded_steps(case, folder, run_of))
     machine = f"recordings of a machine in {recordings}"
     return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, None, None, {})
 

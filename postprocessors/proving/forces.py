@@ -17,8 +17,7 @@ from identification.limit import Limit, LimitCheck, LimitKind, Status
 from identification.limit_proof import load_motion, loaded_forces, loads_of
 from identification.limited_quantities import Box, rotation_motion
 from identification.motion import Array, Motion, Trajectory
-from identification.overload import PAIRS, Loads
-from identification.strut_loads import StrutLoads
+from identification.overload import PAIRS, Loads, StrutLoads
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
 

@@ -45,7 +45,7 @@ def coverage(case: Case, execution: Execution, trigger: np.ndarray, seeds: int) 
         run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
         estimate = identify(run, case, 9)
         for row, value in zip(truth_rows(case, estimate), estimate.physical.values(), strict=True):
-            low, high = value.interval(estimate.freedom)
+            low, high = value.interval(estimate.fit.freedom)
             inside += low <= row["truth"] <= high
             inside_white += abs(row["error"]) <= (high - low) / 2 / value.reported * value.std
             worst = max(worst, abs(row["error"]) / row["std"])
@@ -79,9 +79,9 @@ def coloured_coverage(
         noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
         run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
         estimate = identify(run, case, 9)
-        values.append(estimate.values)
-        white.append(np.sqrt(np.diag(estimate.covariance)))
-        robust.append(np.sqrt(np.diag(estimate.covariance_robust)))
+        values.append(estimate.fit.values)
+        white.append(np.sqrt(np.diag(estimate.fit.covariance)))
+        robust.append(np.sqrt(np.diag(estimate.fit.covariance_robust)))
     errors, spread = np.abs(np.array(values) - truth), np.std(values, axis=0, ddof=1)
     inside = [100.0 * float(np.mean(errors <= 1.96 * np.array(s))) for s in (white, robust)]
     return ColouredCoverage(inside[0], inside[1], float(np.median(np.median(robust, axis=0) / spread)))

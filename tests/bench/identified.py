@@ -10,10 +10,9 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.estimation.estimators import method
-from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.recording import Recording, read_recording, read_run
+from identification.recording import Recording, read
 from identification.saved_result import biases_of
 from identification.simulate import simulate_recording
 from tests.bench.coverage import coloured_coverage
@@ -56,7 +55,7 @@ def _coloured() -> Rows:
 def _contacts() -> Rows:
     case = load_case("hexapod")
     executions = [PoseExecution(Hexapod.of(case), Harmonic(seed=s, duration=3.0)) for s in range(3)]
-    frame = structure_matrix(case.sensor_frame)
+    frame = case.sensor_frame.structure
     alarms, late = 0, []
     for seed in range(50):
         run = simulate_recording(case, executions[seed % 3], np.array([[0.2, 2.8]]), seed)
@@ -79,12 +78,12 @@ def _wrist() -> Rows:
     if not STATIC.is_file():
         return [["real force/torque sensor", "the recording is not there", ""]]
     case = load_case("ft_wrist")
-    run = read_recording(STATIC, case)
+    run = read(STATIC, case)
     assert run.rotations is not None
     halves = (slice(0, 12), slice(12, 24))
     half = [replace(run, forces=run.forces[k], rotations=run.rotations[k], specific_forces=None) for k in halves]
     estimate, whole = identify(half[0], case), identify(run, case)
-    left = half[1].forces - _static_regressor(half[1], case.gravity) @ estimate.values
+    left = half[1].forces - _static_regressor(half[1], case.gravity) @ estimate.fit.values
     rms = np.sqrt(np.mean(left**2, axis=0))
     mass = whole.physical["m"]
     return [
@@ -97,16 +96,16 @@ def _wrist() -> Rows:
 def _moving_wrist() -> Rows:
     """The same sensor in motion: offsets free, or from the standstills; the delay at several cut-offs."""
     case = load_case("ft_wrist")
-    run = read_run([STATIC.with_name(f"1-baseline_{n}.csv") for n in ("accel", "wrench", "orientations")], case)
+    run = read([STATIC.with_name(f"1-baseline_{n}.csv") for n in ("accel", "wrench", "orientations")], case)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "result.json"
-        file.write_text(json.dumps(identify(read_recording(STATIC, case), case).to_json()))
+        file.write_text(json.dumps(identify(read(STATIC, case), case).to_json()))
         given = method(biases=biases_of(file, case))
     masses = [identify(run, case, how=how).physical["m"] for how in (method(), given)]
     delays = []
     for cutoff in (5.0, 10.0, 20.0, 40.0):
         form = case.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
-        delay = identify(run, case.model_copy(update={"recording": form})).delay
+        delay = identify(run, case.model_copy(update={"recording": form})).evaluation.delay
         assert delay is not None
         delays.append(1e3 * delay.value)
     free, fixed = masses

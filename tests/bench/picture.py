@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from cases.loading import load_case
 from identification.motion import sample
-from identification.recording import read_recording
+from identification.recording import read
 from identification.simulate import truth_rows
 from planner.plan_folder import load_plan
 
@@ -27,7 +27,7 @@ def draw(demo: Path, picture: Path) -> None:
     case = load_case("hexapod")
     machine, _, _ = case.need_machine("the picture")
     motion = sample(load_plan(demo / "plan").motion, 200.0)
-    recording = read_recording(demo / "recording", case)
+    recording = read(demo / "recording", case)
     rows = truth_rows(case, identify(recording, case, 9))
     mpl.rcParams.update({"font.size": 9, "svg.fonttype": "none", "axes.spines.top": False, "axes.spines.right": False})
     figure = Figure(figsize=(11, 3.6), layout="constrained")

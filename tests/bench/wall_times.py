@@ -24,9 +24,9 @@ import sys, time
 from pathlib import Path
 from cases.loading import load_case
 from identification.identify import identify
-from identification.recording import read_recording
+from identification.recording import read
 case = load_case("hexapod")
-recording = read_recording(Path(sys.argv[1]), case)
+recording = read(Path(sys.argv[1]), case)
 times = []
 for _ in range({REPEATS}):
     began = time.perf_counter()

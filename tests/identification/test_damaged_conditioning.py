@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases.loading import load_case
 from identification.identify import identify
-from identification.recording import Recording, read_recording, write_recording
+from identification.recording import Recording, read, write_recording
 from identification.runs.rates import on_one_clock
 from identification.samples import Conditioning, Periodic
 from tests.bench.reliability.recordings import stained
@@ -41,7 +41,7 @@ def test_a_damaged_run_ends_in_an_answer_or_in_one_line(seed: int, asked: Condit
     file.write_bytes(stained(text(folder), random.Random(seed)))
 
     def evaluated() -> Recording:
-        recording = on_one_clock(read_recording(file, CASE), CASE)
+        recording = on_one_clock(read(file, CASE), CASE)
         identify(recording, CASE, conditioning=asked)
         return recording
 

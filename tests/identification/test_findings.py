@@ -13,7 +13,6 @@ from cases.loading import load_case
 from identification.findings import contact
 from identification.findings.contact import find_contacts
 from identification.findings.sample_checks import scan
-from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.parameters import linear_parameters
@@ -27,7 +26,7 @@ from tests.simulated_machine import PoseExecution
 CASE = load_case("hexapod")
 TRUTH = linear_parameters(MODEL, CASE.simulation.parameters)
 MOTIONS = [PoseExecution(Hexapod.of(CASE), Harmonic(seed=s, duration=3.0)) for s in range(3)]
-J = structure_matrix(CASE.sensor_frame)
+J = CASE.sensor_frame.structure
 
 
 def run(seed: int = 0) -> Recording:
@@ -37,10 +36,10 @@ def run(seed: int = 0) -> Recording:
 def errors(recording: Recording) -> tuple[float, tuple[str, ...]]:
     """Largest error of the parameters in their own standard deviations, and the warnings."""
     estimate = identify(recording, CASE)
-    std = np.sqrt(np.maximum(np.diag(estimate.covariance), np.diag(estimate.covariance_robust)))
+    std = np.sqrt(np.maximum(np.diag(estimate.fit.covariance), np.diag(estimate.fit.covariance_robust)))
     for warning in estimate.warnings:
         one_line(ValueError(warning))
-    return float(np.abs((estimate.values - TRUTH) / std).max()), estimate.warnings
+    return float(np.abs((estimate.fit.values - TRUTH) / std).max()), estimate.warnings
 
 
 def with_forces(change: Callable[[np.ndarray], None], of: Recording) -> Recording:
@@ -135,9 +134,9 @@ def test_clipped_forces_are_left_out_with_their_rows() -> None:
     found, ignored = identify(cut, case), identify(cut, CASE)
     assert any("channel 2 is at the end of its range of 150 N; left out" in w for w in found.warnings)
     assert any(re.match(r"lines? \d+", w) for w in found.warnings)
-    rows = [k for k, name in enumerate(found.names) if not name.startswith("f_q0")]
-    assert np.abs((found.values - TRUTH) / np.sqrt(np.diag(found.covariance)))[rows].max() < 4.5
-    assert ignored.samples > found.samples
+    rows = [k for k, name in enumerate(found.model.names) if not name.startswith("f_q0")]
+    assert np.abs((found.fit.values - TRUTH) / np.sqrt(np.diag(found.fit.covariance)))[rows].max() < 4.5
+    assert ignored.evaluation.evaluated.samples > found.evaluation.evaluated.samples
 
 
 def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
@@ -242,7 +241,7 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
     recording = replace(simulate_recording(case, slow, np.array([[0.0, 1.0]]), 0, "run.csv"), trigger=None)
     estimate = identify(recording, case, 5)
     assert any("never faster than 1 mm/s" in w for w in estimate.warnings)
-    assert estimate.samples > 0.99 * 2000 * 20 - 200
+    assert estimate.evaluation.evaluated.samples > 0.99 * 2000 * 20 - 200
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
 
 

@@ -9,12 +9,10 @@ import pytest
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text
 from cases.loading import load_case
-from identification.external import external_force, tare
-from identification.frame import structure_matrix
+from identification.external import external_force, payload_between, require_two, tare
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.motion import Standstill
-from identification.payload import payload_between, require_two
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.saved_result import SavedResult, load_result, with_tare
@@ -49,9 +47,7 @@ def standing(samples: int = 400, shift: float = 0.0) -> Recording:
 def test_without_contact_the_external_force_of_another_motion_is_noise(saved: SavedResult) -> None:
     found = external_force(recorded(9, 5), CASE, saved, whole=False)
     run = moving_run(recorded(9, 5), CASE, saved.model_of(CASE))
-    noise = np.sqrt(run.filter.noise_gain) * np.linalg.norm(
-        structure_matrix(CASE.sensor_frame), axis=1
-    )  # of 1 N a sensor
+    noise = np.sqrt(run.filter.noise_gain) * np.linalg.norm(CASE.sensor_frame.structure, axis=1)  # of 1 N a sensor
     assert np.all(found.rms < 1.3 * noise)
     assert np.all(found.rms > 0.7 * noise)
 
@@ -61,7 +57,7 @@ def test_a_force_that_acts_on_the_platform_is_read_with_its_sign(axis: int, save
     """A load w on the platform is carried by the bars: J^-T times what they read more is -w (quasi-static, g = 0)."""
     wrench = 20.0 * np.eye(6)[axis]
     touched = recorded(2)
-    touched = replace(touched, forces=touched.forces - np.linalg.solve(structure_matrix(CASE.sensor_frame), wrench))
+    touched = replace(touched, forces=touched.forces - np.linalg.solve(CASE.sensor_frame.structure, wrench))
     found = external_force(touched, CASE, saved, whole=False)
     np.testing.assert_allclose(found.wrench.mean(axis=0), wrench, atol=0.15)
 

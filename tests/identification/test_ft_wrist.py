@@ -11,7 +11,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.identify import identify
-from identification.recording import Recording, read_recording, read_run
+from identification.recording import Recording, read
 from tests.helpers import few, one_line
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(not FILE.is_file(), reason=f"the recording is no
 
 @pytest.fixture(scope="module")
 def recording() -> Recording:
-    return read_recording(FILE, CASE)
+    return read(FILE, CASE)
 
 
 def with_sense(sense: str) -> Case:
@@ -33,7 +33,7 @@ def with_sense(sense: str) -> Case:
 
 
 def moving(case: Case) -> Recording:
-    return read_run([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
+    return read([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
 
 
 def rows(recording: Recording, which: slice) -> Recording:
@@ -62,7 +62,7 @@ def test_mass_and_centre_of_gravity_are_the_published_ones(recording: Recording)
 @pytest.mark.parametrize("channel", range(6))
 def test_published_offsets_lie_in_their_95_percent_intervals(recording: Recording, channel: int) -> None:
     estimate = identify(recording, CASE)
-    low, high = estimate.physical[f"f_q0_{channel + 1}"].interval(estimate.freedom)
+    low, high = estimate.physical[f"f_q0_{channel + 1}"].interval(estimate.fit.freedom)
     assert low <= OFFSETS[channel] <= high
 
 
@@ -81,16 +81,16 @@ def test_the_first_twelve_poses_predict_the_other_twelve(recording: Recording) -
     """Least squares by another hand left an rms of 0.143 N and 0.0047 N m."""
     first, rest = slice(0, 12), slice(12, 24)
     estimate = identify(rows(recording, first), CASE)
-    error = recording.forces[rest] - weight_regressor(recording, rest) @ estimate.values
+    error = recording.forces[rest] - weight_regressor(recording, rest) @ estimate.fit.values
     assert np.sqrt(np.mean(error[:, :3] ** 2, axis=0)).max() <= 0.1435
     assert np.sqrt(np.mean(error[:, 3:] ** 2, axis=0)).max() <= 0.00475
 
 
 def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Recording) -> None:
     estimate = identify(recording, CASE)
-    assert estimate.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
-    np.testing.assert_allclose(estimate.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
-    np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
+    assert estimate.fit.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
+    np.testing.assert_allclose(estimate.evaluation.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
+    np.testing.assert_allclose(estimate.evaluation.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
 
 
 @pytest.mark.parametrize("cutoff", few(5.0, 40.0, 7.0, 10.0, kept=2))
@@ -99,8 +99,8 @@ def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -
     form = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
     case = CASE.model_copy(update={"recording": form})
     estimate = identify(moving(case), case)
-    assert estimate.delay is not None
-    assert -6.5e-3 < estimate.delay.value < -5.2e-3
+    assert estimate.evaluation.delay is not None
+    assert -6.5e-3 < estimate.evaluation.delay.value < -5.2e-3
     mass = estimate.physical["m"]
     assert abs(mass.value - 0.932) < 1.96 * mass.reported
     assert mass.reported < 0.007
@@ -119,14 +119,14 @@ def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
     others = tuple(less if s is felt else s for s in whole.others)
     run = replace(whole, t=whole.t[keep], forces=whole.forces[keep], others=others)
     sound, estimate = identify(whole, CASE), identify(run, CASE)
-    assert sound.samples - estimate.samples > 0.3 * 690
+    assert sound.evaluation.evaluated.samples - estimate.evaluation.evaluated.samples > 0.3 * 690
     assert sum("samples are missing; no filter reaches across" in w for w in estimate.warnings) == 2
     mass, before = estimate.physical["m"], sound.physical["m"]
     assert abs(mass.value - before.value) < 2.0 * before.reported
     assert abs(mass.value - 0.932) < 1.96 * mass.reported
-    assert estimate.delay is not None
-    assert sound.delay is not None
-    assert abs(estimate.delay.value - sound.delay.value) < 1e-3
+    assert estimate.evaluation.delay is not None
+    assert sound.evaluation.delay is not None
+    assert abs(estimate.evaluation.delay.value - sound.evaluation.delay.value) < 1e-3
 
 
 @pytest.mark.parametrize("push", [0.0, 5.0])
@@ -148,4 +148,4 @@ def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float)
     assert peak == pytest.approx(push, rel=0.2)
     free = identify(run, CASE)
     assert abs(estimate.physical["m"].value - free.physical["m"].value) < 0.3 * free.physical["m"].reported
-    assert abs(estimate.delay.value - free.delay.value) < free.delay.std
+    assert abs(estimate.evaluation.delay.value - free.evaluation.delay.value) < free.evaluation.delay.std

@@ -14,7 +14,7 @@ from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.recording import read_recording, write_recording
+from identification.recording import read, write_recording
 from identification.result import Estimate
 from identification.runs.preparation import moving_run
 from identification.saved_result import SavedResult
@@ -74,7 +74,7 @@ def damaged(lines: list[str], folder: Path, *edits: Edit) -> Path:
 
 
 def identified(file: Path) -> Estimate:
-    return identify(read_recording(file, CASE), CASE)
+    return identify(read(file, CASE), CASE)
 
 
 DAMAGES: dict[str, tuple[Edit, float, tuple[str, ...]]] = {  # edit, seconds that are lost, what is told
@@ -96,8 +96,8 @@ def test_damage_costs_itself_and_the_filters_reach(damage: str, lines: list[str]
     sound = identified(damaged(lines, tmp_path))
     estimate = identified(damaged(lines, tmp_path, edit))
     expected = 3600 - (1e3 if "pause" not in damage else 0.0) * lost - 2e3 * MARGIN
-    assert estimate.samples == pytest.approx(expected, abs=4)
-    apart = np.abs(estimate.values - sound.values) / np.sqrt(np.diag(sound.covariance))
+    assert estimate.evaluation.evaluated.samples == pytest.approx(expected, abs=4)
+    apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert apart.max() < 3.0
     assert all(any(w.startswith(text) for w in estimate.warnings) for text in says)
     (share,) = [w for w in estimate.warnings if "of the motion is left out" in w]
@@ -108,11 +108,11 @@ def test_damage_costs_itself_and_the_filters_reach(damage: str, lines: list[str]
 def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[str], tmp_path: Path) -> None:
     """Whatever stands in the damaged rows: forces and regressors of all others do not feel it, at any delay."""
     model = identification_model(CASE, 9)
-    sound = read_recording(damaged(lines, tmp_path), CASE)
+    sound = read(damaged(lines, tmp_path), CASE)
     whole = moving_run(sound, CASE, model)
     whole = replace(whole, rows=np.arange(0, 3700, 5))
     for edit in (without(1500, 1580), emptied(1500, 1580, 3, "1e30"), emptied(1500, 1580, 10)):
-        broken = read_recording(damaged(lines, tmp_path, edit), CASE)
+        broken = read(damaged(lines, tmp_path, edit), CASE)
         run = moving_run(broken, CASE, model, found=scan(broken, CASE))
         assert run.spoilt is not None
         run = replace(run, rows=np.flatnonzero(~run.spoilt))
@@ -130,15 +130,15 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
 )
 def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], tmp_path: Path) -> None:
     sound, estimate = identified(damaged(lines, tmp_path)), identified(damaged(lines, tmp_path, edit))
-    assert estimate.samples == sound.samples
+    assert estimate.evaluation.evaluated.samples == sound.evaluation.evaluated.samples
     assert len(estimate.warnings) == len(sound.warnings) + 1
-    apart = np.abs(estimate.values - sound.values) / np.sqrt(np.diag(sound.covariance))
+    apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert 0.0 < apart.max() < 1.0
 
 
 def test_places_of_samples_count_what_is_missing(lines: list[str], tmp_path: Path) -> None:
     """Noise with memory is correlated over the time that has passed, not over the rows that are left."""
-    recording = read_recording(damaged(lines, tmp_path, without(1500, 2000)), CASE)
+    recording = read(damaged(lines, tmp_path, without(1500, 2000)), CASE)
     run = moving_run(recording, CASE, identification_model(CASE, 9))
     np.testing.assert_allclose(run.places * run.step, run.t - run.t[0], atol=0.51 * run.step)
     assert np.all(np.diff(run.places) >= 1)
@@ -154,11 +154,11 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
 
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
-    assert sound.delay is not None
-    covariances = sound.covariance, sound.covariance_robust
-    result = SavedResult("here", CASE.name, 9, sound.values, *covariances, (), sound.delay.value)
-    before = external_force(read_recording(damaged(lines, tmp_path), CASE), CASE, result)
-    force = external_force(read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
+    assert sound.evaluation.delay is not None
+    covariances = sound.fit.covariance, sound.fit.covariance_robust
+    result = SavedResult("here", CASE.name, 9, sound.fit.values, *covariances, (), sound.evaluation.delay.value)
+    before = external_force(read(damaged(lines, tmp_path), CASE), CASE, result)
+    force = external_force(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))
     assert np.abs(force.wrench).max() <= np.abs(before.wrench).max() * (1.0 + 1e-6)
     assert any("80 samples are missing" in w for w in force.warnings)
@@ -167,6 +167,6 @@ def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Pat
 def test_periods_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) -> None:
     from identification.samples import Conditioning, Periodic
 
-    recording = read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE)
+    recording = read(damaged(lines, tmp_path, without(1500, 1580)), CASE)
     with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave period out"):
         identify(recording, CASE, conditioning=Conditioning(Periodic(None, None)))

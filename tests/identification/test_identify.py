@@ -38,9 +38,9 @@ def test_an_ideal_machine_gives_its_parameters_back() -> None:
     estimate = identify(run(ideal(CASE)), CASE)
     found = np.array([v.value for v in estimate.physical.values()])
     np.testing.assert_allclose(found, PHYSICAL, rtol=1e-4, atol=1e-5)
-    assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
-    assert estimate.s0 < 1e-2
-    assert (estimate.rank, estimate.model) == (20, 9)
+    assert estimate.evaluation.delay.value == pytest.approx(0.0, abs=1e-6)
+    assert estimate.fit.s0 < 1e-2
+    assert (estimate.fit.rank, estimate.model.number) == (20, 9)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -49,7 +49,7 @@ def test_the_default_machine_gives_its_parameters_back_within_their_errors(seed:
     estimate = identify(run(CASE, Harmonic(seed=seed), seed), CASE)
     found, std = (np.array([getattr(v, k) for v in estimate.physical.values()]) for k in ("value", "std"))
     assert np.abs((found - PHYSICAL) / std).max() < 4.5
-    assert estimate.s0 == pytest.approx(CASE.simulation.force_noise_N, rel=0.1)
+    assert estimate.fit.s0 == pytest.approx(CASE.simulation.force_noise_N, rel=0.1)
     assert estimate.warnings == ()
 
 
@@ -59,14 +59,14 @@ def test_delay_and_sampling_offset_are_found_together(delay_ms: float, cycles: f
     case = simulated(CASE, force_delay_ms=delay_ms, force_sampling_offset_cycles=cycles)
     estimate = identify(run(case), case)
     late = delay_ms * 1e-3 + cycles / case.simulation.encoder_rate_Hz
-    assert abs(estimate.delay.value - late) < 4 * estimate.delay.std
+    assert abs(estimate.evaluation.delay.value - late) < 4 * estimate.evaluation.delay.std
     assert abs(estimate.physical["m"].value - 31.83) < 4.5 * estimate.physical["m"].std
 
 
 @pytest.mark.parametrize("delay_ms", few(8.5, 2.5, 15.5))
 def test_without_noise_the_delay_is_found_to_ten_microseconds(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
-    assert identify(run(case), case).delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
+    assert identify(run(case), case).evaluation.delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
 
 
 @pytest.mark.parametrize("cutoff", few(100.0, 15.0, 190.0))
@@ -75,7 +75,7 @@ def test_the_cutoff_of_the_filter_is_no_matter_of_truth(cutoff: float) -> None:
     recording = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
     case = simulated(ideal(CASE), force_delay_ms=15.0).model_copy(update={"recording": recording})
     estimate = identify(run(case, Harmonic(duration=4.0)), case)
-    assert estimate.delay.value == pytest.approx(0.015, abs=1e-5)
+    assert estimate.evaluation.delay.value == pytest.approx(0.015, abs=1e-5)
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.01)
 
 
@@ -87,7 +87,7 @@ def test_a_delay_beyond_reason_is_warned_of() -> None:
 def test_a_clock_that_started_long_ago_gives_the_same_parameters() -> None:
     recording = run(CASE)
     plain, late = identify(recording, CASE), identify(replace(recording, t=recording.t + 8192.0), CASE)
-    np.testing.assert_allclose(late.values, plain.values, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(late.fit.values, plain.fit.values, rtol=1e-6, atol=1e-6)
 
 
 def test_the_window_of_the_motion_is_found_without_a_trigger() -> None:
@@ -106,7 +106,7 @@ def test_rows_outside_the_trigger_do_not_count() -> None:
     plain, other = (
         identify(replace(recording, trigger=trigger, forces=forces), CASE) for forces in (recording.forces, disturbed)
     )
-    np.testing.assert_allclose(other.values, plain.values, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(other.fit.values, plain.fit.values, rtol=1e-9, atol=1e-9)
 
 
 def test_ten_kilogrammes_more_are_found_as_ten_kilogrammes() -> None:
@@ -127,15 +127,15 @@ def test_standstills_give_the_static_parameters(number: int) -> None:
     forces = model.matrices(poses[:, :3], turns, np.zeros((60, 6)), np.zeros((60, 6))) @ u
     recording = Recording("poses.csv", None, Hexapod.of(CASE).strut_lengths(poses), None, forces, None)
     estimate = identify(recording, CASE, number)
-    np.testing.assert_allclose(estimate.values, u[: len(estimate.values)], rtol=1e-7, atol=1e-6)
-    assert estimate.delay is None
+    np.testing.assert_allclose(estimate.fit.values, u[: len(estimate.fit.values)], rtol=1e-7, atol=1e-6)
+    assert estimate.evaluation.delay is None
 
 
 def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     recording = run(CASE)
-    assert identify(recording, CASE).model == 9
+    assert identify(recording, CASE).model.number == 9
     standing = replace(recording, t=None, struts=recording.struts[::50], forces=recording.forces[::50])
-    assert identify(standing, CASE).model == 5
+    assert identify(standing, CASE).model.number == 5
 
 
 @pytest.mark.parametrize("threads", few(2, 1))

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.hexapod_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
 from identification.limit import LimitReport
 from identification.limit_proof import prove
+from identification.machine_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.motion import Standstill
 from identification.trajectories.profile import StraightMove
 from planner.poses.space import valid_poses

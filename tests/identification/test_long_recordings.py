@@ -7,7 +7,6 @@ import pytest
 
 from cases.loading import load_case
 from identification import samples
-from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identifiability, identify
 from identification.recording import Recording
@@ -48,19 +47,24 @@ def estimates(recording: Recording, monkeypatch: pytest.MonkeyPatch) -> tuple[Es
 
 def test_parameters_and_delay_are_those_of_the_whole_run(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, begun = estimates(RUN, monkeypatch)
-    std = np.sqrt(np.diag(whole.covariance))
-    assert np.abs((begun.values - whole.values) / std).max() < 0.01
-    np.testing.assert_allclose(begun.covariance, whole.covariance, rtol=1e-3, atol=1e-3 * np.outer(std, std).max())
-    assert whole.delay is not None
-    assert begun.delay is not None
-    assert abs(begun.delay.value - whole.delay.value) < 0.01 * whole.delay.std
-    assert (begun.samples, begun.freedom) == (whole.samples, whole.freedom)
+    std = np.sqrt(np.diag(whole.fit.covariance))
+    assert np.abs((begun.fit.values - whole.fit.values) / std).max() < 0.01
+    np.testing.assert_allclose(
+        begun.fit.covariance, whole.fit.covariance, rtol=1e-3, atol=1e-3 * np.outer(std, std).max()
+    )
+    assert whole.evaluation.delay is not None
+    assert begun.evaluation.delay is not None
+    assert abs(begun.evaluation.delay.value - whole.evaluation.delay.value) < 0.01 * whole.evaluation.delay.std
+    assert (begun.evaluation.evaluated.samples, begun.fit.freedom) == (
+        whole.evaluation.evaluated.samples,
+        whole.fit.freedom,
+    )
     assert begun.s0_N == pytest.approx(whole.s0_N, rel=1e-6)
 
 
 def test_white_noise_is_seen_to_be_white_from_a_part(monkeypatch: pytest.MonkeyPatch) -> None:
     _, begun = estimates(RUN, monkeypatch)
-    ratio = np.sqrt(np.diag(begun.covariance_robust) / np.diag(begun.covariance))
+    ratio = np.sqrt(np.diag(begun.fit.covariance_robust) / np.diag(begun.fit.covariance))
     assert 0.7 < np.median(ratio) < 1.6
 
 
@@ -74,21 +78,21 @@ def test_errors_that_depend_on_the_pose_are_seen_from_a_part_and_do_not_average_
     whole, begun = estimates(waving, monkeypatch)
     for estimate in (whole, begun):
         assert any("depend on the pose" in n for n in estimate.notes)
-    ratio = np.sqrt(np.diag(begun.covariance_robust) / np.diag(whole.covariance_robust))
+    ratio = np.sqrt(np.diag(begun.fit.covariance_robust) / np.diag(whole.fit.covariance_robust))
     assert 0.4 < np.median(ratio) < 2.5
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("start", [1.0, 8.5])
 def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    extra = np.linalg.solve(structure_matrix(CASE.sensor_frame), [12.0, 0.0, 16.0, 0.0, 0.0, 0.0])
+    extra = np.linalg.solve(CASE.sensor_frame.structure, [12.0, 0.0, 16.0, 0.0, 0.0, 0.0])
     assert RUN.t is not None
     on = (RUN.t >= start) & (RUN.t < start + 0.2)
     whole, begun = estimates(replace(RUN, forces=RUN.forces - on[:, None] * extra), monkeypatch)
     places = [[w.split(", up to")[0] for w in e.warnings if "external contact" in w] for e in (whole, begun)]
     assert places[0] == places[1]
     assert f"from {start:.1f}" in places[1][0]
-    assert begun.samples == whole.samples
+    assert begun.evaluation.evaluated.samples == whole.evaluation.evaluated.samples
 
 
 def test_what_a_part_tells_of_identifiability_is_that_of_the_whole(few: None) -> None:

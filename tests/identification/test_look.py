@@ -14,7 +14,7 @@ from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.formats.look import look
 from identification.hexapod import Hexapod
-from identification.recording import read_run
+from identification.recording import read
 
 ROWS = 1200
 KEYS = ("t", *(f"l{k}" for k in range(1, 7)), *(f"f{k}" for k in range(1, 7)), "trigger")
@@ -99,7 +99,7 @@ def test_the_proposal_reads_the_run_that_was_recorded(recorder: Written, hexapod
     assert found.reads, found.odd
     settings = tomllib.loads(found.toml)["recording"]  # what a user pastes
     form = RecordingFormat.model_validate(settings)
-    recording = read_run([file], hexapod_case.model_copy(update={"recording": form}))
+    recording = read([file], hexapod_case.model_copy(update={"recording": form}))
     assert recording.t is not None
     assert recording.struts is not None
     assert recording.trigger is not None
@@ -196,7 +196,7 @@ def test_joints_of_a_robot_are_known_by_number_and_by_name(
     assert found.reads, found.odd
     settings = tomllib.loads(found.toml)["recording"]
     assert settings["units"] == {"joints": "rad"}
-    recording = read_run([file], case.model_copy(update={"recording": RecordingFormat.model_validate(settings)}))
+    recording = read([file], case.model_copy(update={"recording": RecordingFormat.model_validate(settings)}))
     assert np.allclose(recording.forces, forces, atol=1e-8)
 
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from identification.pose import gibbs, rate_matrix, rotation, rpy, skew
+from identification.pose import gibbs, rate_matrix, rotation, rpy
 
 HALF_TURN = np.pi
 angle = st.floats(-HALF_TURN, HALF_TURN)
@@ -48,11 +48,6 @@ def test_gibbs_vector_is_the_axis_times_the_tangent_of_half_the_angle(axis: tupl
     unit = np.array(axis) / np.linalg.norm(axis)
     turn = Rotation.from_rotvec(turned * unit).as_matrix()
     np.testing.assert_allclose(value(gibbs(ca.SX(turn)))[:, 0], np.tan(turned / 2) * unit, rtol=1e-11, atol=1e-13)
-
-
-@given(a=vector, b=vector)
-def test_skew_is_the_cross_product(a: tuple, b: tuple) -> None:
-    np.testing.assert_allclose(value(skew(ca.SX(a)) @ ca.SX(b))[:, 0], np.cross(a, b), atol=1e-12)
 
 
 def test_rate_matrix_is_the_one_printed_in_39() -> None:

@@ -11,7 +11,7 @@ from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case
 from identification.formats.look import look
 from identification.hexapod import Hexapod
-from identification.recording import Recording, read_recording, write_recording
+from identification.recording import Recording, read, write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line
 from tests.simulated_machine import PoseExecution
@@ -27,7 +27,7 @@ def test_what_is_written_is_read_back(tmp_path: Path, recording: Recording, hexa
     file = tmp_path / "recording.csv"
     write_recording(file, recording, hexapod_case)
     for place in (file, tmp_path):  # a file, or the folder that holds it
-        back = read_recording(place, hexapod_case)
+        back = read(place, hexapod_case)
         np.testing.assert_allclose(back.t, recording.t, atol=1e-9)
         np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)  # 1e-8 mm
         np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
@@ -62,11 +62,11 @@ def test_columns_may_have_other_names_and_any_order(tmp_path: Path, recording: R
     file.write_text("\n".join(",".join(reversed(row)) for row in table))
     columns = {"l1_mm": "q[0]", "t_s": "Zeit"}
     recorded = hexapod_case.recording.model_copy(update={"columns": columns})
-    back = read_recording(file, hexapod_case.model_copy(update={"recording": recorded}))
+    back = read(file, hexapod_case.model_copy(update={"recording": recorded}))
     np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)
     np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
     with pytest.raises(RecordingError, match=r"column l1_mm is missing; it has .*q\[0\]"):
-        read_recording(file, hexapod_case)
+        read(file, hexapod_case)
 
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
@@ -77,7 +77,7 @@ def test_files_of_any_system_are_read(
     file = tmp_path / "recording.csv"
     write_recording(file, recording, hexapod_case)
     file.write_bytes((mark + file.read_text().replace("\n", newline)).encode())
-    np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
+    np.testing.assert_allclose(read(file, hexapod_case).forces, recording.forces, atol=1e-6)
 
 
 def test_a_column_of_words_that_nobody_asks_for_does_no_harm(
@@ -87,7 +87,7 @@ def test_a_column_of_words_that_nobody_asks_for_does_no_harm(
     write_recording(file, recording, hexapod_case)
     header, *rows = file.read_text().splitlines()
     file.write_text("\n".join([header + ",note", *(row + ",warm-up" for row in rows)]))
-    np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
+    np.testing.assert_allclose(read(file, hexapod_case).forces, recording.forces, atol=1e-6)
 
 
 def test_counts_of_a_long_running_clock_are_numbers(tmp_path: Path, recording: Recording, hexapod_case: Case) -> None:
@@ -97,7 +97,7 @@ def test_counts_of_a_long_running_clock_are_numbers(tmp_path: Path, recording: R
     header, *rows = file.read_text().splitlines()
     stamps = [f"{row},{1_764_000_000_000_000_001 + k}" for k, row in enumerate(rows)]
     file.write_text("\n".join([header + ",stamp_ns", *stamps]))
-    np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
+    np.testing.assert_allclose(read(file, hexapod_case).forces, recording.forces, atol=1e-6)
 
 
 @pytest.mark.parametrize(("value", "says"), [("1.5", None), ("x", r", line 30002, f1_N: 'x' is not a number")])
@@ -110,10 +110,10 @@ def test_what_comes_late_in_a_long_file_counts_as_what_comes_first(
     row = ",".join(["980.123456"] * 6 + ["0"] * 6)
     file.write_text("\n".join([header, *[row] * 30_000, row.replace(",0,", f",{value},", 1)]))
     if says is None:
-        assert read_recording(file, hexapod_case).forces[-1, 0] == float(value)
+        assert read(file, hexapod_case).forces[-1, 0] == float(value)
         return
     with pytest.raises(RecordingError, match=says) as caught:
-        read_recording(file, hexapod_case)
+        read(file, hexapod_case)
     one_line(caught.value)
 
 
@@ -167,11 +167,11 @@ def test_a_trigger_may_be_a_voltage_with_noise(tmp_path: Path, recording: Record
     volts = 4.9 * recording.trigger + np.random.default_rng(0).normal(0.02, 0.01, len(rows))
     voltage = [f"{row.rpartition(',')[0]},{v:.3f}" for row, v in zip(rows, volts, strict=True)]
     file.write_text("\n".join([header, *voltage]) + "\n")
-    np.testing.assert_array_equal(read_recording(file, hexapod_case).trigger, recording.trigger)
+    np.testing.assert_array_equal(read(file, hexapod_case).trigger, recording.trigger)
     voltage[400] = f"{rows[400].rpartition(',')[0]},2.4"
     file.write_text("\n".join([header, *voltage]) + "\n")
     with pytest.raises(RecordingError, match=r"line \d+, trigger: .*more than two levels") as caught:
-        read_recording(file, hexapod_case)
+        read(file, hexapod_case)
     one_line(caught.value)
 
 

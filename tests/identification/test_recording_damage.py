@@ -9,7 +9,7 @@ from cases.errors import RecordingError
 from cases.loading import load_case
 from cases.recording_format import ROTATION
 from cases.schema import Case
-from identification.recording import read_recording
+from identification.recording import read
 from tests.helpers import one_line
 
 CASE = load_case("hexapod")
@@ -92,7 +92,7 @@ def test_a_damage_is_named_with_its_place(damage: str, tmp_path: Path) -> None:
     file = tmp_path / "run.csv"
     file.write_bytes(content)
     with pytest.raises(RecordingError, match=says) as caught:
-        read_recording(file, CASE)
+        read(file, CASE)
     assert one_line(caught.value).startswith(str(file))
 
 
@@ -121,7 +121,7 @@ def name_too_long(folder: Path) -> Path:
 @pytest.mark.parametrize("place", [not_there, empty_folder, folder_instead_of_file, link_to_itself, name_too_long])
 def test_a_place_that_holds_no_readable_file_is_named(place: Callable[[Path], Path], tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"cannot be read .*give a recording's CSV or folder") as caught:
-        read_recording(place(tmp_path), CASE)
+        read(place(tmp_path), CASE)
     assert str(tmp_path) in one_line(caught.value)
 
 
@@ -140,5 +140,5 @@ def test_what_is_no_rotation_matrix_is_named(damage: str, tmp_path: Path, wrist_
     with pytest.raises(
         RecordingError, match=r", line 4, r11..r33: not a rotation matrix .*check order and sign"
     ) as caught:
-        read_recording(file, wrist_case)
+        read(file, wrist_case)
     one_line(caught.value)

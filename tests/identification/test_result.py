@@ -40,28 +40,28 @@ def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
     assert back["recording"] == "run.csv"
     assert (back["model"], back["rank"], back["samples"]) == (9, 20, 1700)
     assert back["parameters"]["m"] == estimate.physical["m"]._asdict()
-    assert back["intervals_95"]["m"] == list(estimate.physical["m"].interval(estimate.freedom))
-    assert back["linear"]["values"] == estimate.values.tolist()
+    assert back["intervals_95"]["m"] == list(estimate.physical["m"].interval(estimate.fit.freedom))
+    assert back["linear"]["values"] == estimate.fit.values.tolist()
     assert np.array(back["covariance"]).shape == (20, 20)
-    assert back["delay_s"]["value"] == estimate.delay.value
+    assert back["delay_s"]["value"] == estimate.evaluation.delay.value
 
 
 def test_physical_standard_deviations_follow_from_the_covariance_of_the_linear_ones(estimate: Estimate) -> None:
     """Those of mass, offsets and factors are diagonal elements; that of xC is a ratio's, by hand."""
-    std = dict(zip(estimate.names, np.sqrt(np.diag(estimate.covariance)), strict=True))
+    std = dict(zip(estimate.model.names, np.sqrt(np.diag(estimate.fit.covariance)), strict=True))
     for name in ("m", "f_q0_1", "f_q0_6", "k0", "k3"):
         assert estimate.physical[name].std == pytest.approx(std[name])
-    mass, first = estimate.values[:2]
+    mass, first = estimate.fit.values[:2]
     gradient = np.array([-first / mass**2, 1 / mass])
-    by_hand = np.sqrt(gradient @ estimate.covariance[:2, :2] @ gradient)
+    by_hand = np.sqrt(gradient @ estimate.fit.covariance[:2, :2] @ gradient)
     assert estimate.physical["xC"].std == pytest.approx(by_hand)
 
 
 def test_rms_residuals_are_those_of_the_recorded_forces(estimate: Estimate) -> None:
     """The simulated noise is white with 1 N, so this is what is left of each channel."""
-    np.testing.assert_allclose(estimate.residual_rms, CASE.simulation.force_noise_N, rtol=0.1)
-    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.residual_rms**2)))
+    np.testing.assert_allclose(estimate.evaluation.residual_rms, CASE.simulation.force_noise_N, rtol=0.1)
+    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.evaluation.residual_rms**2)))
 
 
 def test_a_result_without_delay_says_so(estimate: Estimate) -> None:
-    assert replace(estimate, delay=None).to_json()["delay_s"] is None
+    assert replace(estimate, evaluation=estimate.evaluation._replace(delay=None)).to_json()["delay_s"] is None

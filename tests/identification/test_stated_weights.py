@@ -7,11 +7,10 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import method
-from identification.findings.fit_checks import components_of
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.noise.stated import StatedNoise, acceleration_to_force
+from identification.noise.stated import StatedNoise, acceleration_to_force, components_of
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
@@ -92,8 +91,10 @@ def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     assert gain < 0.75
     assert np.exp(np.mean(np.log(told["stated"] / told["equal"]))) == pytest.approx(gain, rel=0.15)
     assert 0.92 <= inside["stated"] <= 0.99
-    assert np.mean([e.s0 for e in estimates["stated"]]) == pytest.approx(1.0, abs=0.05)  # as stated, in its own units
-    share = [e.noise_sources for e in estimates["stated"]]
+    assert np.mean([e.fit.s0 for e in estimates["stated"]]) == pytest.approx(
+        1.0, abs=0.05
+    )  # as stated, in its own units
+    share = [e.evaluation.noise for e in estimates["stated"]]
     assert np.mean([s.explained for s in share]) == pytest.approx(1.0, abs=0.05)
     assert all(s.acceleration_std is None for s in share)  # of struts nothing is stated
 
@@ -102,10 +103,10 @@ def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
     case = shaken(2.0, 0.0, 0.0)
     recording = runs(case, 1)[0]
     equal, stated = (identify(recording, case, how=method(weights=w)) for w in ("equal", "stated"))
-    np.testing.assert_allclose(stated.values, equal.values, rtol=1e-9)
-    np.testing.assert_allclose(stated.covariance, equal.covariance, rtol=1e-9)
-    assert stated.s0 == pytest.approx(equal.s0 / 2.0, rel=1e-9)
-    assert (equal.weights, stated.weights) == ("equal", "stated")
+    np.testing.assert_allclose(stated.fit.values, equal.fit.values, rtol=1e-9)
+    np.testing.assert_allclose(stated.fit.covariance, equal.fit.covariance, rtol=1e-9)
+    assert stated.fit.s0 == pytest.approx(equal.fit.s0 / 2.0, rel=1e-9)
+    assert [e.to_json()["weights"] for e in (equal, stated)] == ["equal", "stated"]
 
 
 def test_a_known_mass_and_a_real_body_go_with_stated_weights() -> None:
@@ -114,7 +115,7 @@ def test_a_known_mass_and_a_real_body_go_with_stated_weights() -> None:
     assert known.physical["m"].value == pytest.approx(31.83, rel=1e-12)
     free = identify(recording, CASE, how=method("nonlinear", weights="stated"))
     plain = identify(recording, CASE, how=method(weights="stated"))
-    np.testing.assert_allclose(free.values, plain.values, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(free.fit.values, plain.fit.values, rtol=1e-6, atol=1e-6)
 
 
 def test_weights_that_cannot_be_are_refused() -> None:

@@ -10,9 +10,8 @@ from identification.limit import LimitKind
 from identification.limit_proof import load_shares, prove, prove_at
 from identification.model import identification_model
 from identification.motion import Motion, Standstill
-from identification.overload import SHARE
+from identification.overload import SHARE, StrutLoads
 from identification.parameters import nominal_parameters
-from identification.strut_loads import StrutLoads
 from identification.trajectories.profile import StraightMove
 from planner.families.ptp import PointToPointFamily
 from planner.search.solving import Task, run_start

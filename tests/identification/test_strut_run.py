@@ -47,8 +47,8 @@ def test_parameters_are_found_within_their_deviations(changes: dict[str, object]
     found = identify(recording, case, 6)
     model = identification_model(case, 6)
     truth = linear_parameters(model, case.simulation.parameters)
-    deviation = np.sqrt(np.maximum(np.diag(found.covariance), np.diag(found.covariance_robust)))
-    assert np.abs((found.values - truth) / deviation).max() < 4.0
+    deviation = np.sqrt(np.maximum(np.diag(found.fit.covariance), np.diag(found.fit.covariance_robust)))
+    assert np.abs((found.fit.values - truth) / deviation).max() < 4.0
     assert {"h", "k", "d"} <= {name.split("_")[0] for name in model.names}
 
 

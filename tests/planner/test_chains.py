@@ -117,11 +117,11 @@ def test_a_run_gives_the_true_parameters_within_their_deviations(joints: int, pl
     assert outcome.rating.efficiency == pytest.approx(outcome.rating.efficiency_planned, rel=0.02)
     result = identify(outcome.recording, plan.case)
     assert result.estimate is not None
-    assert result.estimate.model == 6
+    assert result.estimate.model.number == 6
     rows = truth_rows(plan.case, result.estimate)
     assert len(rows) == 16
     assert max(abs(row["error"] / row["std"]) for row in rows) < 4.0
-    delay = result.estimate.delay
+    delay = result.estimate.evaluation.delay
     assert delay is not None
     assert delay.value == pytest.approx(4e-3, abs=4.0 * delay.std + 1e-4)  # 3 ms and half a cycle
     predicted = np.array([row["std"] / plan.predicted_std[row["name"]] for row in rows])
@@ -222,7 +222,7 @@ def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
     file.write_text("\n".join(lines) + "\n")
     result = identify(read(file, case), case)
     assert result.estimate is not None
-    assert result.estimate.model == 0
+    assert result.estimate.model.number == 0
     assert result["m"].value == pytest.approx(2.61, abs=1e-6)
     assert result["f_q0_5"].value == pytest.approx(-0.22, abs=1e-6)
 

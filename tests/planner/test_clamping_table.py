@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.frame import structure_matrix
 from tests.planner.command_line import call, refused
 
 CASE = load_case("clamping_table")
@@ -18,7 +17,7 @@ HEADER = ",".join(f"f{k}_N" for k in range(1, 7))
 def bars(mass: float, centre: np.ndarray, gravity: np.ndarray) -> np.ndarray:
     """Forces of six bars that carry a load at rest: their resultant is the opposite of its weight (statics)."""
     weight = mass * gravity
-    return OFFSETS - np.linalg.solve(structure_matrix(CASE.sensor_frame), np.r_[weight, np.cross(centre, weight)])
+    return OFFSETS - np.linalg.solve(CASE.sensor_frame.structure, np.r_[weight, np.cross(centre, weight)])
 
 
 def record(file: Path, mean: np.ndarray, seed: int, clock: bool = True) -> Path:
@@ -77,9 +76,7 @@ def test_a_tilted_table_determines_what_lies_across_gravity(tmp_path: Path) -> N
 
 def test_a_change_that_is_no_weight_is_told(results: tuple[Path, Path], tmp_path: Path) -> None:
     """A horizontal push beside the payload."""
-    pushed = bars(MASS, CENTRE, CASE.gravity) - np.linalg.solve(
-        structure_matrix(CASE.sensor_frame), [5.0, 0, 0, 0, 0, 0]
-    )
+    pushed = bars(MASS, CENTRE, CASE.gravity) - np.linalg.solve(CASE.sensor_frame.structure, [5.0, 0, 0, 0, 0, 0])
     file = record(tmp_path / "pushed.csv", pushed, 3)
     call("identify", file, "--case", "clamping_table", "-o", tmp_path / "pushed", "--json").json()
     answer = call("payload", results[0], tmp_path / "pushed", "--case", "clamping_table", "--json").json()

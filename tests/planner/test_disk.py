@@ -9,7 +9,7 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from identification.recording import read_recording
+from identification.recording import read
 from tests.helpers import one_line
 from tests.planner.command_line import PROGRAM, Answer
 
@@ -89,9 +89,9 @@ def test_a_recording_that_grows_while_it_is_read_is_read_or_refused(
     rows = []
     while not ended.is_set():
         try:
-            rows.append(len(read_recording(file, hexapod_case).forces))
+            rows.append(len(read(file, hexapod_case).forces))
         except RecordingError as error:
             assert str(file) in one_line(error)
     writer.join()
     assert rows == sorted(rows)
-    assert len(read_recording(file, hexapod_case).forces) == content.count(b"\n") - 1
+    assert len(read(file, hexapod_case).forces) == content.count(b"\n") - 1

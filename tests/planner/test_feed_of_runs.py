@@ -43,7 +43,7 @@ def test_the_column_of_the_override_is_read(folder: Path, tmp_path: Path) -> Non
 
 
 def test_overrides_as_ratios_are_read_with_their_unit(folder: Path) -> None:
-    from identification.recording import read_recording
+    from identification.recording import read
 
     case = CASE.model_copy(
         update={
@@ -55,4 +55,4 @@ def test_overrides_as_ratios_are_read_with_their_unit(folder: Path) -> None:
     lines = (folder / "run" / "recording.csv").read_text().splitlines()
     file = folder / "ratio.csv"
     file.write_text("\n".join([f"{lines[0]},ovr", *(f"{line},0.5" for line in lines[1:])]) + "\n")
-    np.testing.assert_array_equal(read_recording(file, case).override, 0.5)
+    np.testing.assert_array_equal(read(file, case).override, 0.5)

@@ -10,9 +10,9 @@ from scipy.special import gamma, kv
 
 from cases.loading import find_case, load_case
 from identification.criteria import reference_scaling
+from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import identification_model
-from identification.noise.pose_field import PoseField
 from planner.deviations import predicted_std_at_poses, predicted_std_of
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily

@@ -26,7 +26,7 @@ def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Cas
     estimate = identify(recording, hexapod_case)
     found = residuals_of(estimate)
     rms = np.sqrt(np.mean(found.left**2, axis=0))
-    np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.residuals**2, axis=0)), rtol=0.05)
+    np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)), rtol=0.05)
     assert (rms < 0.5 * np.sqrt(np.mean(found.values**2, axis=0))).all()  # white noise: most lies above the pass band
 
 

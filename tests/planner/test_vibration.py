@@ -63,7 +63,7 @@ def test_a_stiff_machine_errs_as_white_noise_alone_has_it(limited: bool, hexapod
     found = vibration(case, 9, motion, 0, motion.duration)
     assert found is not None
     assert found.times == pytest.approx(1.0, abs=0.02)
-    assert found.s0 == pytest.approx(1.0, abs=0.01)
+    assert found.fit.s0 == pytest.approx(1.0, abs=0.01)
     assert found.errors == pytest.approx(white(case, motion), rel=0.1)
 
 
@@ -95,8 +95,8 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     by_mode = step.budget.parts["m"][MODE]
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)
     assert predicted == pytest.approx(abs(by_mode), rel=0.25)
-    assert identify(excitation.recorded(0, case.simulation.disturbances)[0], case).s0 == pytest.approx(
-        found.s0, rel=0.15
+    assert identify(excitation.recorded(0, case.simulation.disturbances)[0], case).fit.s0 == pytest.approx(
+        found.fit.s0, rel=0.15
     )
 
 

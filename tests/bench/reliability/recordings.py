@@ -24,7 +24,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
-from identification.recording import read_recording
+from identification.recording import read
 from identification.runs.rates import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.tally import Tally, tallied
@@ -272,7 +272,7 @@ def tally_of_runs(seeds: range, folder: Path) -> Tally:
         file.write_bytes(content)
 
         def call():
-            return identify(on_one_clock(read_recording(file, run.case), run.case), run.case)
+            return identify(on_one_clock(read(file, run.case), run.case), run.case)
 
         found = tally.attempt(seed, call, str(file))
         if found is None:
@@ -282,7 +282,7 @@ def tally_of_runs(seeds: range, folder: Path) -> Tally:
         values = np.array([[p.value, p.reported] for p in found.physical.values()])
         if not np.isfinite(values).all():
             tally.defect(seed, f"{names}: values that are not finite")
-        elif found.model == 9 and not found.warnings:
+        elif found.model.number == 9 and not found.warnings:
             off = np.abs(values[:, 0] - simulated().truth) / values[:, 1]
             if off.max() > DEVIATIONS:
                 worst = list(found.physical)[int(np.argmax(off))]
@@ -331,11 +331,13 @@ def tally_of_other_files(seeds: range, folder: Path) -> Tally:
         file = folder / "run.txt"
         file.write_bytes(content)
         if name in ("standstills", "wrist"):
-            found = tally.attempt(seed, lambda: identify(read_recording(file, case), case), str(file))
-            if found is not None and not (np.isfinite(found.values).all() and np.isfinite(found.covariance).all()):
+            found = tally.attempt(seed, lambda: identify(read(file, case), case), str(file))
+            if found is not None and not (
+                np.isfinite(found.fit.values).all() and np.isfinite(found.fit.covariance).all()
+            ):
                 tally.defect(seed, f"{name}: values that are not finite")
             return
-        recording = tally.attempt(seed, lambda: read_recording(file, case), str(file))
+        recording = tally.attempt(seed, lambda: read(file, case), str(file))
         for stream in () if recording is None else recording.streams:
             runs = stream.t is None or np.all(np.diff(stream.t) > 0)  # None: averages at standstills
             if not (runs and all(np.isfinite(array).all() for array in stream.channels.values())):

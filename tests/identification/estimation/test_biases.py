@@ -63,8 +63,8 @@ def test_errors_of_given_offsets_are_in_the_reported_deviations() -> None:
         biases = given(U[OFFSETS] + STD * draw.normal(size=6))
         run = replace(RUN, forces=RUN.forces + draw.normal(size=RUN.forces.shape))
         estimate = identify(run, CASE, how=method(biases=biases))
-        away.append((estimate.values - U) / np.sqrt(np.diag(estimate.covariance)))
-        offsets_exact = np.diag(identify(run, CASE, how=method(known=biases.known)).covariance)
+        away.append((estimate.fit.values - U) / np.sqrt(np.diag(estimate.fit.covariance)))
+        offsets_exact = np.diag(identify(run, CASE, how=method(known=biases.known)).fit.covariance)
         free = offsets_exact > 0.0
         bare.append((estimate.values - U)[free] / np.sqrt(offsets_exact[free]))
     assert np.std(away) == pytest.approx(1.0, abs=0.25)
@@ -105,11 +105,11 @@ def test_the_deviations_grow_with_what_the_offsets_are_uncertain_by() -> None:
     sure = identify(RUN, CASE, how=method(biases=given(values, 1e-9 * STD)))
     unsure = identify(RUN, CASE, how=method(biases=given(values, STD)))
     moved = [
-        (identify(RUN, CASE, how=method(known=given(values + step).known)).values - sure.values) / 1e-3
+        (identify(RUN, CASE, how=method(known=given(values + step).known)).fit.values - sure.fit.values) / 1e-3
         for step in 1e-3 * np.eye(6)
     ]
     expected = np.array(moved).T @ np.diag(STD**2) @ np.array(moved)
-    difference = np.diag(unsure.covariance - sure.covariance)
+    difference = np.diag(unsure.fit.covariance - sure.fit.covariance)
     np.testing.assert_allclose(difference, np.diag(expected), rtol=0.02)
 
 

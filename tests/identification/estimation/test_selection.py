@@ -120,14 +120,6 @@ def test_intervals_of_the_rest_hold_the_truth_in_95_of_100() -> None:
     assert 0.92 <= coverage(fit, truth) <= 0.98
 
 
-def test_what_the_data_have_a_say_in_is_told() -> None:
-    assert select(MODEL, {}).estimated(FORM) == tuple(PHYSICAL)
-    # With mass and centre known I11 settles IC11; without the dropped column I33 its central value has no meaning.
-    known = {"m": 31.0, "xC": 0.0, "yC": 0.0, "zC": 0.1, "I11": 1.5, "k0": 24.0}
-    expected = [n for n in PHYSICAL if n not in (*known, "IC11", "IC33")]
-    assert select(MODEL, known, ["I33"]).estimated(FORM) == tuple(expected)
-
-
 @pytest.mark.parametrize(
     ("known", "dropped", "message"),
     [
@@ -168,6 +160,5 @@ def test_a_wrist_sensor_is_served_too() -> None:
     model = identification_model(load_case("ft_wrist"), 6)
     names = [p.name for p in physical_form(model).parameters]
     selection = select(model, symmetric_platform(model))
-    assert selection.estimated(physical_form(model)) == tuple(
-        n for n in names if n not in symmetric_platform(model) and n not in ("IC12", "IC13", "IC23")
-    )
+    assert len(selection.names) == len(names) - 5
+    assert not {"mxC", "myC", "I12", "I13", "I23"} & set(selection.names)

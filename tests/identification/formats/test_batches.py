@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import RecordingError
 from identification.formats import reading
 from identification.formats.text import SIZE, read_blocks
-from identification.recording import read_recording
+from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, csv, written
 
@@ -24,7 +24,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_long_file_is_read_whole(file: Path) -> None:
-    recording = read_recording(file, HEXAPOD)
+    recording = read(file, HEXAPOD)
     np.testing.assert_allclose(recording.t, LONG.t, atol=1e-9)
     np.testing.assert_allclose(recording.struts, LONG.struts, rtol=1e-8)
 
@@ -33,7 +33,7 @@ def test_a_long_file_is_read_whole(file: Path) -> None:
 def test_a_bad_value_is_marked_in_its_line(row: int, tmp_path: Path) -> None:
     lines = TEXT.splitlines()
     lines[row + 1] = lines[row + 1].rsplit(",", 1)[0] + ",nan"
-    recording = read_recording(written(tmp_path, "\n".join(lines)), HEXAPOD)
+    recording = read(written(tmp_path, "\n".join(lines)), HEXAPOD)
     assert np.flatnonzero(recording.missing).tolist() == [row]
     assert recording.missing_in == ("f6_N",)
     assert recording.lines.place(row) == f"line {row + 2}"
@@ -44,7 +44,7 @@ def test_time_runs_forwards_across_blocks(tmp_path: Path) -> None:
     lines = TEXT.splitlines()
     lines[rows + 1] = "0," + lines[rows + 1].split(",", 1)[1]
     with pytest.raises(RecordingError, match=rf"line {rows + 2}, t_s: 0.000000 s comes after .* s; time must"):
-        read_recording(written(tmp_path, "\n".join(lines)), HEXAPOD)
+        read(written(tmp_path, "\n".join(lines)), HEXAPOD)
 
 
 def test_a_file_that_takes_more_than_half_of_the_free_memory_is_refused_with_its_size(
@@ -54,7 +54,7 @@ def test_a_file_that_takes_more_than_half_of_the_free_memory_is_refused_with_its
     with pytest.raises(
         RecordingError, match=r"0\.0\d+ GB .*half of the free memory.* 8,333 rows of 12 columns"
     ) as caught:
-        read_recording(file, HEXAPOD)
+        read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 
 
@@ -63,7 +63,7 @@ def test_two_gigabytes_of_nothing_are_refused_at_once(tmp_path: Path) -> None:
     with file.open("r+b") as stream:
         stream.truncate(2_000_000_000)  # sparse: takes no room
     with pytest.raises(RecordingError, match=r"line 2: is longer than a million characters"):
-        read_recording(file, HEXAPOD)
+        read(file, HEXAPOD)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)

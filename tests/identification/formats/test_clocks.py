@@ -10,7 +10,7 @@ import pytest
 from cases.errors import RecordingError
 from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
-from identification.recording import read_recording
+from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written
 
@@ -27,7 +27,7 @@ def stamped(stamps: list[str]) -> str:
 @pytest.mark.parametrize("unit", TICKS)
 def test_stamps_may_have_any_unit(unit: str, tmp_path: Path) -> None:
     file = written(tmp_path, csv(RUN.numbers(tick=TICKS[unit])))
-    recording = read_recording(file, case_with(clock={"unit": unit}))
+    recording = read(file, case_with(clock={"unit": unit}))
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     assert recording.step == pytest.approx(1e-3)
 
@@ -37,19 +37,19 @@ def test_stamps_that_count_from_an_epoch_lose_no_digit(unit: str, tmp_path: Path
     """A double holds stamps of 1e17 in steps of 16 only; the differences must be those of the integers."""
     odd = [7 * k * k + round(k * 1e-3 / TICKS[unit]) for k in range(RUN.count)]
     file = written(tmp_path, stamped([str(EPOCHS[unit] + k) for k in odd]))
-    recording = read_recording(file, case_with(clock={"unit": unit}))
+    recording = read(file, case_with(clock={"unit": unit}))
     np.testing.assert_allclose(recording.t, np.array(odd) * TICKS[unit], rtol=1e-14)
 
 
 def test_time_starts_with_the_run(tmp_path: Path) -> None:
     file = written(tmp_path, stamped([f"{1000.0 + t:.3f}" for t in RUN.t]))
-    np.testing.assert_allclose(read_recording(file, case_with()).t, RUN.t, atol=1e-9)
+    np.testing.assert_allclose(read(file, case_with()).t, RUN.t, atol=1e-9)
 
 
 def test_rows_without_stamps_follow_each_other_in_the_period_that_the_case_states(tmp_path: Path) -> None:
     file = written(tmp_path, csv(RUN.numbers()[:, 1:], NAMES[1:]))
-    assert read_recording(file, case_with()).t is None
-    np.testing.assert_allclose(read_recording(file, case_with(clock={"period_ms": 2.0})).t, 2.0 * RUN.t)
+    assert read(file, case_with()).t is None
+    np.testing.assert_allclose(read(file, case_with(clock={"period_ms": 2.0})).t, 2.0 * RUN.t)
 
 
 @pytest.mark.parametrize("unit", ["ms", "us", "ns"])
@@ -57,7 +57,7 @@ def test_time_stamps_of_parquet_know_their_unit(unit: str, tmp_path: Path) -> No
     times = np.datetime64("2026-11-01T08:00:00") + np.round(RUN.t * 1e9).astype("timedelta64[ns]")
     columns = {n: RUN.numbers()[:, k] for k, n in enumerate(NAMES)} | {"t_s": times.astype(f"M8[{unit}]")}
     pq.write_table(pa.table(columns), tmp_path / "run.parquet")
-    np.testing.assert_allclose(read_recording(tmp_path / "run.parquet", case_with()).t, RUN.t, atol=1e-9)
+    np.testing.assert_allclose(read(tmp_path / "run.parquet", case_with()).t, RUN.t, atol=1e-9)
 
 
 WRONG = {
@@ -77,13 +77,13 @@ def test_a_clock_that_cannot_be_is_named_with_its_line(what: str, tmp_path: Path
     lines = stamped([*stamps, *(str(10 + k) for k in range(len(stamps), RUN.count))])
     file = written(tmp_path, "\n".join(lines.splitlines()[: len(stamps) + 1]))
     with pytest.raises(RecordingError, match=message) as caught:
-        read_recording(file, case_with(clock={"unit": unit}))
+        read(file, case_with(clock={"unit": unit}))
     assert one_line(caught.value).startswith(str(file))
 
 
 def test_a_sampling_rate_that_changes_is_named_where_it_does(tmp_path: Path) -> None:
     times = [*RUN.t[:30], *(RUN.t[29] + 2e-3 * np.arange(1, 11))]
-    recording = read_recording(written(tmp_path, stamped([f"{t:.3f}" for t in times])), case_with())
+    recording = read(written(tmp_path, stamped([f"{t:.3f}" for t in times])), case_with())
     with pytest.raises(RecordingError, match=r"run.csv, line 32, t_s: step of 2 ms where the run has 1 ms; .*one rate"):
         _ = recording.step
 
@@ -93,14 +93,14 @@ def test_a_line_is_counted_in_the_file_whatever_stands_above_it(tmp_path: Path) 
     times = [*RUN.t[:20], *(RUN.t[20:] + 1.0)]
     lines = stamped([f"{t:.3f}" for t in times]).splitlines()
     text = "\n".join(["title", "", *lines[:11], "", "", *lines[11:]])
-    recording = read_recording(written(tmp_path, text), case_with(header_rows=3))
+    recording = read(written(tmp_path, text), case_with(header_rows=3))
     (told,) = unmeasured(recording).warnings
     assert told.startswith(f"behind line {text.splitlines().index(lines[20]) + 1}: 1000 samples are missing; no filter")
 
 
 def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
     times = [f"{t:.3f}" for t in (*RUN.t[:10], *(RUN.t[10:] + 3e-3))]
-    recording = read_recording(written(tmp_path, stamped(times)), case_with())
+    recording = read(written(tmp_path, stamped(times)), case_with())
     assert recording.step == pytest.approx(1e-3)
     assert np.flatnonzero(recording.missing).tolist() == [10, 11, 12]
     np.testing.assert_allclose(np.diff(recording.t), 1e-3, rtol=1e-6)

@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import RecordingError
 from identification.formats.reading import read_tables
-from identification.recording import read_recording
+from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, written
 
@@ -41,7 +41,7 @@ def test_an_overrun_at_the_top_is_no_loss(tmp_path: Path) -> None:
 def test_a_run_is_read_with_names_and_period_of_the_case(tagged: bool, tmp_path: Path) -> None:
     file = written(tmp_path, sampled(RUN.numbers()[:, 1:], tagged, first=500))
     case = case_with(format="halsampler", column_names=NAMES[1:], clock={"period_ms": 1.0})
-    recording = read_recording(file, case)
+    recording = read(file, case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
     np.testing.assert_allclose(recording.struts, RUN.struts, atol=1e-9)
     np.testing.assert_allclose(recording.forces, RUN.forces, atol=1e-6)
@@ -49,7 +49,7 @@ def test_a_run_is_read_with_names_and_period_of_the_case(tagged: bool, tmp_path:
 
 def test_a_pin_may_be_the_clock(tmp_path: Path) -> None:
     case = case_with(format="halsampler", column_names=NAMES)
-    recording = read_recording(written(tmp_path, sampled(RUN.numbers(), tagged=True)), case)
+    recording = read(written(tmp_path, sampled(RUN.numbers(), tagged=True)), case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
 
 
@@ -57,7 +57,7 @@ def test_numbers_of_samples_show_a_gap(tmp_path: Path) -> None:
     numbers = RUN.numbers()[:, 1:]
     text = sampled(numbers[:20], True) + "overrun\n" + sampled(numbers[20:], True, first=70)
     case = case_with(format="halsampler", column_names=NAMES[1:], clock={"period_ms": 1.0})
-    recording = read_recording(written(tmp_path, text), case)
+    recording = read(written(tmp_path, text), case)
     assert recording.t[20] - recording.t[19] == pytest.approx(51e-3)
     assert recording.step == pytest.approx(1e-3)
     assert recording.lost[19] == 50
@@ -87,5 +87,5 @@ def test_a_damage_is_named_with_its_line(what: str, tmp_path: Path) -> None:
     file = written(tmp_path, text)
     case = case_with(format="halsampler", column_names=NAMES[1:], clock={"period_ms": 1.0})
     with pytest.raises(RecordingError, match=message) as caught:
-        read_recording(file, case)
+        read(file, case)
     assert one_line(caught.value).startswith(str(file))

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from identification.recording import read_recording
+from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written
 
@@ -48,7 +48,7 @@ def test_any_layout_that_the_case_states_is_read(
     layout: tuple[str, dict[str, object]], mark: str, tmp_path: Path
 ) -> None:
     text, says = layout
-    recording = read_recording(written(tmp_path, mark + text), case_with(**says))
+    recording = read(written(tmp_path, mark + text), case_with(**says))
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
@@ -59,14 +59,14 @@ def test_a_column_may_have_a_unit_of_its_own(tmp_path: Path) -> None:
     numbers[:, 3] /= 1000.0
     numbers[:, 8] /= 1000.0
     case = case_with(units={"l3_mm": "m", "f2_N": "kN"})
-    recording = read_recording(written(tmp_path, csv(numbers)), case)
+    recording = read(written(tmp_path, csv(numbers)), case)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
 def test_names_of_a_table_without_any_come_from_the_case(tmp_path: Path) -> None:
     file = written(tmp_path, "\n".join(rows(RUN.numbers())))
-    recording = read_recording(file, case_with(column_names=NAMES))
+    recording = read(file, case_with(column_names=NAMES))
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
 
 
@@ -74,9 +74,9 @@ def test_names_in_the_letters_of_windows_are_found(tmp_path: Path) -> None:
     names = ["Länge" if n == "l1_mm" else n for n in NAMES]
     file = written(tmp_path, csv(RUN.numbers(), names).encode("cp1252"))
     case = case_with(encoding="cp1252", columns={"l1_mm": "Länge"})
-    np.testing.assert_allclose(read_recording(file, case).struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(read(file, case).struts, RUN.struts, rtol=1e-8)
     with pytest.raises(RecordingError, match=r"line 1: is not UTF-8 text; save the file as UTF-8"):
-        read_recording(file, case_with(columns={"l1_mm": "Länge"}))
+        read(file, case_with(columns={"l1_mm": "Länge"}))
 
 
 WRONG = {
@@ -130,7 +130,7 @@ def test_what_the_case_states_wrongly_is_named_with_the_setting(what: str, tmp_p
     content, says, message = WRONG[what]
     file = written(tmp_path, content)
     with pytest.raises(RecordingError, match=message) as caught:
-        read_recording(file, case_with(**says))
+        read(file, case_with(**says))
     assert one_line(caught.value).startswith(str(file))
 
 
@@ -138,7 +138,7 @@ def test_a_pipe_is_no_recording(tmp_path: Path) -> None:
     """Opening one would wait for somebody to write."""
     os.mkfifo(tmp_path / "pipe.csv")
     with pytest.raises(RecordingError, match=r"pipe.csv: cannot be read \(it is not a regular file\)"):
-        read_recording(tmp_path / "pipe.csv", case_with())
+        read(tmp_path / "pipe.csv", case_with())
 
 
 def test_what_hexcite_wrote_is_read_whatever_the_case_says_of_other_files(tmp_path: Path) -> None:
@@ -147,4 +147,4 @@ def test_what_hexcite_wrote_is_read_whatever_the_case_says_of_other_files(tmp_pa
     written(tmp_path, "{}", "recording.json")
     elsewhere = case_with(format="twincat-scope", decimal=",", columns={"l1_mm": "MAIN.l1"}, units={"forces": "kN"})
     for place in (tmp_path, tmp_path / "recording.csv"):
-        np.testing.assert_allclose(read_recording(place, elsewhere).forces, RUN.forces, rtol=1e-8)
+        np.testing.assert_allclose(read(place, elsewhere).forces, RUN.forces, rtol=1e-8)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cases.errors import RecordingError
 from identification.findings.sample_checks import unmeasured
-from identification.recording import Recording, read_recording, write_recording
+from identification.recording import Recording, read, write_recording
 from tests.helpers import answer, one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written
 
@@ -34,7 +34,7 @@ def recorded(run: Truth) -> Recording:
 def test_what_is_written_is_read_back_from_file_and_folder(tmp_path: Path) -> None:
     write_recording(tmp_path / "recording.parquet", recorded(RUN), HEXAPOD)
     for place in (tmp_path, tmp_path / "recording.parquet"):
-        back = read_recording(place, HEXAPOD)
+        back = read(place, HEXAPOD)
         np.testing.assert_array_equal(back.struts, read_back(tmp_path).struts)
         np.testing.assert_allclose(back.t, RUN.t, atol=1e-12)
         np.testing.assert_array_equal(back.trigger, np.arange(RUN.count) % 7 > 2)
@@ -43,12 +43,12 @@ def test_what_is_written_is_read_back_from_file_and_folder(tmp_path: Path) -> No
 def read_back(folder: Path) -> Recording:
     """The same run on its way through CSV."""
     write_recording(folder / "run.csv", recorded(RUN), HEXAPOD)
-    return read_recording(folder / "run.csv", HEXAPOD)
+    return read(folder / "run.csv", HEXAPOD)
 
 
 def test_the_name_of_the_file_does_not_matter(tmp_path: Path) -> None:
     file = parquet(tmp_path, columns()).rename(tmp_path / "run.csv")
-    np.testing.assert_allclose(read_recording(file, HEXAPOD).forces, RUN.forces)
+    np.testing.assert_allclose(read(file, HEXAPOD).forces, RUN.forces)
 
 
 def test_names_units_and_types_are_mapped_as_in_text(tmp_path: Path) -> None:
@@ -57,7 +57,7 @@ def test_names_units_and_types_are_mapped_as_in_text(tmp_path: Path) -> None:
     content["clock"] = np.arange(RUN.count, dtype="int64") + 10**15
     content["f3_N"] = RUN.forces[:, 2].astype("float32")
     case = case_with(columns={"l1_mm": "axis.1", "t_s": "clock"}, units={"l2_mm": "um"}, clock={"unit": "ms"})
-    recording = read_recording(parquet(tmp_path, content), case)
+    recording = read(parquet(tmp_path, content), case)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-12)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-6)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-12)
@@ -66,7 +66,7 @@ def test_names_units_and_types_are_mapped_as_in_text(tmp_path: Path) -> None:
 def test_row_groups_follow_each_other(tmp_path: Path) -> None:
     file = parquet(tmp_path, columns())
     pq.write_table(pq.read_table(file), file, row_group_size=3)
-    recording = read_recording(file, HEXAPOD)
+    recording = read(file, HEXAPOD)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-6)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     assert recording.lines.place(RUN.count - 1) == f"row {RUN.count}"
@@ -80,7 +80,7 @@ def gap(name: str, value: object) -> dict[str, object]:
 
 @pytest.mark.parametrize("value", [None, float("nan"), float("inf")])
 def test_what_was_not_measured_is_marked(value: float | None, tmp_path: Path) -> None:
-    recording = read_recording(parquet(tmp_path, gap("f2_N", value)), HEXAPOD)
+    recording = read(parquet(tmp_path, gap("f2_N", value)), HEXAPOD)
     assert np.flatnonzero(recording.missing).tolist() == [7]
     assert unmeasured(recording).warnings == ("row 8: no measured value in f2_N; left out",)
     others = np.arange(RUN.count) != 7
@@ -104,7 +104,7 @@ def test_what_cannot_be_used_is_named_with_its_row(what: str, tmp_path: Path) ->
     content, message = WRONG[what]
     file = parquet(tmp_path, content)
     with pytest.raises(RecordingError, match=message) as caught:
-        read_recording(file, HEXAPOD)
+        read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 
 
@@ -113,7 +113,7 @@ def test_a_file_that_was_cut_off_is_named(keep: int, tmp_path: Path) -> None:
     whole = parquet(tmp_path, columns()).read_bytes()
     file = written(tmp_path, whole[:keep], "cut.parquet")
     with pytest.raises(RecordingError, match=r"is a damaged Parquet file \(.*\); copy or export it again") as caught:
-        read_recording(file, HEXAPOD)
+        read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 
 
@@ -123,5 +123,5 @@ def test_a_file_with_a_stain_gives_a_run_or_one_line(place: float, noise: bytes,
     whole = parquet(tmp_path, columns()).read_bytes()
     at = int(place * (len(whole) - len(noise)))
     file = written(tmp_path, whole[:at] + noise + whole[at + len(noise) :], "stain.parquet")
-    recording = answer(lambda: read_recording(file, HEXAPOD), str(file))
+    recording = answer(lambda: read(file, HEXAPOD), str(file))
     assert recording is None or np.isfinite(recording.forces).all()

@@ -9,7 +9,7 @@ import pytest
 from cases.errors import RecordingError
 from cases.loading import load_case
 from cases.recording_format import BAR_FORCES, STRUTS
-from identification.recording import Recording, read_recording, read_run
+from identification.recording import Recording, read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, Truth, case_with, csv, written
 
@@ -44,23 +44,23 @@ def require_streams(recording: Recording) -> None:
 @pytest.mark.parametrize("reverse", [False, True])
 def test_files_make_one_run_in_any_order(reverse: bool, tmp_path: Path) -> None:
     paths = files(tmp_path)
-    require_streams(read_run(paths[::-1] if reverse else paths, HEXAPOD))
+    require_streams(read(paths[::-1] if reverse else paths, HEXAPOD))
 
 
 def test_a_clock_that_is_late_is_set_right_by_the_case(tmp_path: Path) -> None:
-    require_streams(read_run(files(tmp_path, late=0.0084), case_with(clock={"offset_s": {"struts": -0.0084}})))
+    require_streams(read(files(tmp_path, late=0.0084), case_with(clock={"offset_s": {"struts": -0.0084}})))
 
 
 def test_clocks_of_another_epoch_are_brought_together(tmp_path: Path) -> None:
     case = case_with(clock={"offset_s": {"struts": -3600.0}})
-    require_streams(read_run(files(tmp_path, late=3600.0), case))
+    require_streams(read(files(tmp_path, late=3600.0), case))
 
 
 def test_columns_of_one_clock_cannot_be_shifted_apart(tmp_path: Path) -> None:
     numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
     file = written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES]))
     with pytest.raises(RecordingError, match=r"share a clock, recording.clock.offset_s shifts them by different times"):
-        read_recording(file, case_with(clock={"offset_s": {"struts": 0.1}}))
+        read(file, case_with(clock={"offset_s": {"struts": 0.1}}))
 
 
 def test_files_whose_samples_coincide_are_joined(tmp_path: Path) -> None:
@@ -68,7 +68,7 @@ def test_files_whose_samples_coincide_are_joined(tmp_path: Path) -> None:
         written(tmp_path, csv(np.column_stack([RUN.t, RUN.struts * 1e3]), ["t_s", *STRUTS]), "a.csv"),
         written(tmp_path, csv(np.column_stack([RUN.t, RUN.forces]), ["t_s", *BAR_FORCES]), "b.csv"),
     ]
-    recording = read_run(paths, HEXAPOD)
+    recording = read(paths, HEXAPOD)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     assert recording.others == ()
@@ -79,14 +79,14 @@ def test_standstills_in_several_files_are_joined_row_by_row(tmp_path: Path) -> N
         written(tmp_path, csv(RUN.struts * 1e3, STRUTS), "a.csv"),
         written(tmp_path, csv(RUN.forces, BAR_FORCES), "b.csv"),
     ]
-    recording = read_run(paths, HEXAPOD)
+    recording = read(paths, HEXAPOD)
     assert recording.t is None
     assert recording.struts.shape == recording.forces.shape
 
 
 def test_a_run_of_one_file_has_one_stream(tmp_path: Path) -> None:
     numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
-    (stream,) = read_recording(written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES])), HEXAPOD).streams
+    (stream,) = read(written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES])), HEXAPOD).streams
     assert list(stream.channels) == ["struts", "forces"]
     assert stream.rows == RUN.count
 
@@ -131,7 +131,7 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
 def test_what_is_no_run_is_named_with_its_file(what: str, tmp_path: Path) -> None:
     paths, message = damaged(tmp_path)[what]
     with pytest.raises(RecordingError, match=message) as caught:
-        read_run(paths, HEXAPOD)
+        read(paths, HEXAPOD)
     one_line(caught.value)
 
 
@@ -140,7 +140,7 @@ def test_the_three_files_of_a_real_run_are_three_streams_in_any_order() -> None:
     """Wrench, orientations and accelerometer came at 698, 100 and 254 Hz, on the clock of one host."""
     paths = [NTNU / f"1-baseline_{kind}.csv" for kind in ("wrench", "orientations", "accel")]
     for order in permutations(paths):
-        recording = read_run(order, WRIST)
+        recording = read(order, WRIST)
         streams = [recording.stream_with(c) for c in ("forces", "rotations", "specific_forces")]
         assert [s.rows for s in streams] == [4376, 627, 1593]
         rates = [(s.rows - 1) / (s.t[-1] - s.t[0]) for s in streams]
@@ -152,7 +152,7 @@ def test_the_three_files_of_a_real_run_are_three_streams_in_any_order() -> None:
 @real
 def test_the_real_accelerometer_feels_gravity_in_the_axes_of_the_sensor() -> None:
     """At rest it reads minus gravity: within what its bias (0.08 g) and misalignment leave."""
-    recording = read_recording(NTNU / "0-calibration_fts-accel.csv", WRIST)
+    recording = read(NTNU / "0-calibration_fts-accel.csv", WRIST)
     assert recording.t is None
     gravity = recording.rotations.transpose(0, 2, 1) @ WRIST.gravity
     error = recording.specific_forces + gravity

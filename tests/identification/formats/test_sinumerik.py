@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cases.recording_format import BAR_FORCES, STRUTS
-from identification.recording import read_recording
+from identification.recording import read
 from tests.identification.formats.runs import Truth, case_with, csv, rows, written
 
 RUN = Truth(step=2e-3)
@@ -24,7 +24,7 @@ def test_one_line_of_names_and_a_time_column(unit: str, tmp_path: Path) -> None:
     case = case_with(
         format="sinumerik-trace", delimiter=",", decimal=".", header_rows=1, columns=COLUMNS, clock={"unit": unit}
     )
-    recording = read_recording(file, case)
+    recording = read(file, case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
@@ -37,6 +37,6 @@ def test_signals_listed_above_the_numbers_and_rows_below(tmp_path: Path) -> None
         format="sinumerik-trace", delimiter=";", decimal=",", header_rows=len(header), trailing_rows=2,
         column_names=["t", *SIGNALS], columns=COLUMNS | {"t_s": "t"}, clock={"unit": "ms"},
     )  # fmt: skip
-    recording = read_recording(written(tmp_path, text), case)
+    recording = read(written(tmp_path, text), case)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)

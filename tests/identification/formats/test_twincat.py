@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from identification.recording import Recording, read_recording
+from identification.recording import Recording, read
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, number, written
 
@@ -72,13 +72,13 @@ def test_an_export_is_read_whatever_its_settings(
     delimiter: str, decimal: str, shared: bool, eof: bool, tmp_path: Path
 ) -> None:
     file = written(tmp_path, exported(both(), delimiter, decimal, shared, eof))
-    require_the_run(read_recording(file, case(decimal=decimal)))
+    require_the_run(read(file, case(decimal=decimal)))
 
 
 def test_separated_by_commas_it_has_points(tmp_path: Path) -> None:
     """The header keeps the decimal commas of the system's language, so that its lines have odd numbers of fields."""
     text = exported(both(), ",", ".")
-    require_the_run(read_recording(written(tmp_path, text), case(decimal=".")))
+    require_the_run(read(written(tmp_path, text), case(decimal=".")))
 
 
 def test_stamps_may_be_filetimes(tmp_path: Path) -> None:
@@ -91,9 +91,9 @@ def test_stamps_may_be_filetimes(tmp_path: Path) -> None:
             fields[k] = str(FILETIME + 10_000 * int(fields[k]))
         lines.append("\t".join(fields))
     file = written(tmp_path, head + "\n\n" + "\n".join(lines))
-    require_the_run(read_recording(file, case(clock={"unit": "filetime"})))
+    require_the_run(read(file, case(clock={"unit": "filetime"})))
     with pytest.raises(RecordingError, match=r"such as 132959733843760000, are not in ms; set .*unit = 'filetime'"):
-        read_recording(file, case())
+        read(file, case())
 
 
 @pytest.mark.parametrize("shared", [True, False])
@@ -102,7 +102,7 @@ def test_channels_of_another_rate_are_a_stream_of_their_own(shared: bool, tmp_pa
     slow = RUN.struts[::4]
     groups = [(FORCES[:3], 1e3 * RUN.t, RUN.forces[:, :3]), (STRUTS, 0.5 + 4.0 * np.arange(len(slow)), slow * 1e3)]
     groups.append((FORCES[3:], 1e3 * RUN.t, RUN.forces[:, 3:]))
-    recording = read_recording(written(tmp_path, exported(groups, shared=shared)), case())
+    recording = read(written(tmp_path, exported(groups, shared=shared)), case())
     np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
     np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
     (other,) = recording.others
@@ -114,7 +114,7 @@ def test_channels_of_another_rate_are_a_stream_of_their_own(shared: bool, tmp_pa
 
 def test_a_channel_that_ends_a_sample_early_shortens_its_group(tmp_path: Path) -> None:
     groups = [(STRUTS, 1e3 * RUN.t, RUN.struts * 1e3), (FORCES, 1e3 * RUN.t[:-1], RUN.forces[:-1])]
-    recording = read_recording(written(tmp_path, exported(groups)), case())
+    recording = read(written(tmp_path, exported(groups)), case())
     np.testing.assert_allclose(recording.struts, RUN.struts[:-1], rtol=1e-8)
     np.testing.assert_allclose(recording.forces, RUN.forces[:-1], rtol=1e-8)
 
@@ -124,18 +124,18 @@ def test_channels_may_be_named_by_their_symbols(tmp_path: Path) -> None:
     symbols = text.splitlines()[6].replace("Name", "SymbolName").replace("force ", "GVL.f")
     text = text.replace("\nPort", f"\n{symbols}\nPort", 1)
     columns = COLUMNS | {f"f{k}_N": f"GVL.f{k}" for k in range(1, 7)}
-    require_the_run(read_recording(written(tmp_path, text), case(columns=columns)))
+    require_the_run(read(written(tmp_path, text), case(columns=columns)))
 
 
 def test_a_comment_of_several_lines_does_no_harm(tmp_path: Path) -> None:
     text = exported(both()).replace("\nData-Type", "(* length\n\n of strut 1\n12 *)\nData-Type", 1)
-    require_the_run(read_recording(written(tmp_path, text), case()))
+    require_the_run(read(written(tmp_path, text), case()))
 
 
 def test_a_long_export_is_read_whole(tmp_path: Path) -> None:
     long = Truth(count=70_000)
     groups = [(STRUTS, 1e3 * long.t, long.struts * 1e3), (FORCES, 1e3 * long.t, long.forces)]
-    recording = read_recording(written(tmp_path, exported(groups)), case())
+    recording = read(written(tmp_path, exported(groups)), case())
     np.testing.assert_allclose(recording.t, long.t, atol=1e-9)
     np.testing.assert_allclose(recording.forces, long.forces, rtol=1e-8)
 
@@ -166,5 +166,5 @@ def test_a_damage_is_named_with_its_place(damage: str, tmp_path: Path) -> None:
     text, says, message = DAMAGES[damage]
     file = written(tmp_path, text)
     with pytest.raises(RecordingError, match=message) as caught:
-        read_recording(file, case(**says))
+        read(file, case(**says))
     assert one_line(caught.value).startswith(str(file))

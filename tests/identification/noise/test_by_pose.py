@@ -8,11 +8,11 @@ from scipy.signal import lfilter
 
 from cases.loading import load_case
 from identification.estimation.estimator import gauss_markov
+from identification.estimation.fit import matern
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import UNDISTURBED, Circumstances
 from identification.noise.coloured import Turned, coloured_covariance, turned
-from identification.noise.pose_field import matern
 from identification.noise.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.result import Estimate
 from identification.simulate import simulate_recording

@@ -30,7 +30,7 @@ def two_rates(ratio: float, noise: float = 0.0, step: float = 2e-3, late: float 
     t, fine = np.arange(0.0, 3.0, step), np.arange(0.0, 3.0 - step / 2, step / ratio)
     draw = np.random.default_rng(seed)
     forces = true_forces(CASE, EXECUTION, fine - late) + noise * draw.normal(size=(len(fine), 6))
-    struts = Stream("struts.csv", t, struts=EXECUTION.struts(t), trigger=(t > 0.2) & (t < 2.8))
+    struts = Stream("struts.csv", t, EXECUTION.struts(t), None, None, (t > 0.2) & (t < 2.8))
     return Recording("forces.csv", fine, None, None, forces, None, others=(struts,))
 
 
@@ -78,7 +78,7 @@ def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
     estimate = identify(on_one_clock(two_rates(10.0), CASE), CASE)
     values = np.array([v.value for v in estimate.physical.values()])
     np.testing.assert_allclose(values, PHYSICAL, rtol=2e-4, atol=2e-5)
-    assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
+    assert estimate.evaluation.delay.value == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -86,9 +86,9 @@ def test_errors_are_those_of_ten_times_the_samples() -> None:
     """s0 is told for the averages; the standard deviations are those of the information that all samples hold."""
     many = identify(on_one_clock(two_rates(10.0, noise=3.0, late=0.003), CASE), CASE)
     values, std = (np.array([getattr(v, k) for v in many.physical.values()]) for k in ("value", "reported"))
-    assert many.s0 == pytest.approx(3.0 / np.sqrt(10.0), rel=0.12)
+    assert many.fit.s0 == pytest.approx(3.0 / np.sqrt(10.0), rel=0.12)
     assert np.abs((values - PHYSICAL) / std).max() < 4.0
-    assert many.delay.value == pytest.approx(0.003, abs=4 * many.delay.std)
+    assert many.evaluation.delay.value == pytest.approx(0.003, abs=4 * many.evaluation.delay.std)
     thinned = two_rates(1.0, noise=3.0)
     few = identify(on_one_clock(thinned, CASE), CASE)
     ratio = [few.physical[n].std / v.std for n, v in many.physical.items()]
@@ -116,7 +116,7 @@ def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
     )  # the first average needs what is before it
     assert joined.t[7] == recording.t[3 % ratio + ratio + 7 * ratio]
     estimate = identify(joined, CASE)
-    assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
+    assert estimate.evaluation.delay.value == pytest.approx(0.0, abs=1e-6)
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=3e-3)
 
 
@@ -130,7 +130,7 @@ def test_a_run_with_one_rate_is_left_alone() -> None:
 
 def test_struts_that_are_faster_than_the_forces_are_read_at_the_forces() -> None:
     t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
-    struts = Stream("struts.csv", fine, struts=EXECUTION.struts(fine))
+    struts = Stream("struts.csv", fine, EXECUTION.struts(fine), None, None, None)
     joined = on_one_clock(
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )
@@ -164,7 +164,7 @@ def test_averages_over_missing_forces_are_marked() -> None:
 def test_forces_where_struts_of_their_own_clock_are_missing_are_marked() -> None:
     t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
     keep = (fine < 1.0) | (fine > 1.2)
-    struts = Stream("struts.csv", fine[keep], struts=EXECUTION.struts(fine[keep]))
+    struts = Stream("struts.csv", fine[keep], EXECUTION.struts(fine[keep]), None, None, None)
     joined = on_one_clock(
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )

@@ -55,8 +55,8 @@ def test_standstills_of_a_robot_are_executed_found_and_identified(dialect: str):
     recording = execute(program, plan.case, "virtual", seed=1).recording
     result = identify(recording, plan.case, poses=plan)
     assert result.estimate is not None
-    assert result.estimate.model == static_model(plan.case) == 0
-    assert len(result.estimate.residuals) == COUNT
+    assert result.estimate.model.number == static_model(plan.case) == 0
+    assert len(result.estimate.fit.residuals) == COUNT
     for row in truth_rows(plan.case, result.estimate):
         assert abs(row["error"]) < 4.5 * row["std"], row["name"]
 

@@ -27,7 +27,7 @@ def test_true_deviations_are_the_scatter_over_machines_that_err_with_the_pose_ot
     machines = [pose_fields(FOUND.model_copy(update={"pose_error_seed": 50 + k}), HOME, poses) for k in range(60)]
     moves = answer.of(np.stack([answer.seen(fields.of(weight)) for fields in machines], axis=2))
     form, none = physical_form(identification_model(CASE, 9)), np.zeros((20, 20))
-    values = np.array([form.of(estimate.values + move, none)[0] for move in moves.T])
+    values = np.array([form.of(estimate.fit.values + move, none)[0] for move in moves.T])
     told = true_deviations(CASE, answer, estimate, FOUND, load)
     assert set(told) == set(estimate.physical)
     scatter = {p.name: v for p, v in zip(form.parameters, values.std(axis=0, ddof=1), strict=True)}
@@ -45,6 +45,6 @@ def test_what_forces_move_an_estimate_by_is_foretold():
     push = 0.5 * np.sin(np.arange(len(recording.t))[:, None] * [0.003, 0.004, 0.005, 0.006, 0.007, 0.008])
     foretold = answer.of(answer.seen(push)[:, :, None])[:, 0]
     pushed = identify(replace(recording, forces=recording.forces + push), CASE)
-    moved = pushed.values - estimate.values
+    moved = pushed.fit.values - estimate.fit.values
     assert np.linalg.norm(foretold) > 0.0
     np.testing.assert_allclose(foretold, moved, atol=0.02 * np.abs(moved).max())

@@ -72,7 +72,7 @@ def test_sensors_see_the_motion_that_encoders_see(hexapod_case: Case):
     executed = run(text, hexapod_case)
     pointwise = PoseExecution(Hexapod.of(hexapod_case), motion_of(text, hexapod_case))
     s0, aliased = (
-        identify(simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case).s0
+        identify(simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case).fit.s0
         for execution in (executed.execution, pointwise)
     )
     assert s0 == pytest.approx(hexapod_case.simulation.force_noise_N, rel=0.2)

@@ -191,9 +191,8 @@ def test_the_chain_reads_no_force_from_a_fast_motion_with_late_noisy_forces(dela
             found.append(np.array(compiled.external))
             plain.append(np.array(s.force))
     triangle = np.r_[1 : round(half * 1e3) + 1, round(half * 1e3) - 1 : 0 : -1] / round(half * 1e3) ** 2
-    from identification.frame import structure_matrix
 
-    noise = np.linalg.norm(triangle) * np.linalg.norm(structure_matrix(CASE.sensor_frame), axis=1)  # of 1 N a sensor
+    noise = np.linalg.norm(triangle) * np.linalg.norm(CASE.sensor_frame.structure, axis=1)  # of 1 N a sensor
     rms = np.sqrt(np.mean(np.square(found), axis=0))
     assert np.std(plain, axis=0).max() > 20.0  # N: the motion itself
     assert np.all(rms < 1.5 * noise)

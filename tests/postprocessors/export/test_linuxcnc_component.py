@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from cases.loading import load_case
 from cases.units import DEG, MM
-from identification.frame import structure_matrix
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
@@ -96,7 +95,7 @@ def simulator(folder: Path, u: Array) -> Path:
     head, code = text.split(";;\n")
     for word, values in (
         ("{ TRUTH }", u),
-        ("{ JT }", np.linalg.inv(structure_matrix(CASE.sensor_frame))),
+        ("{ JT }", np.linalg.inv(CASE.sensor_frame.structure)),
         ("{ PUSH }", PUSH),
     ):
         assert code.count(word) == 1
@@ -140,7 +139,7 @@ def filtered_noise() -> Array:
     """Standard deviation of the wrench from 1 N of white noise on each sensor behind the window."""
     half = round(half_window(CASE) * 1e3)
     triangle = np.r_[1 : half + 1, half - 1 : 0 : -1] / half**2
-    return np.asarray(np.linalg.norm(triangle) * np.linalg.norm(structure_matrix(CASE.sensor_frame), axis=1))
+    return np.asarray(np.linalg.norm(triangle) * np.linalg.norm(CASE.sensor_frame.structure, axis=1))
 
 
 def settled(logged: Logged, push: bool) -> NDArray[np.bool_]:

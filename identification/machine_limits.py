@@ -1,0 +1,161 @@
+"""Limits of a machine beside those of its coordinates, as CasADi expressions for the search.
+
+Of a hexapod: struts, joints, singularity, boxes; these enter with the platform's origin, its joints and points of
+struts and tools. Joint angles enter by their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
+
+Of a chain: distances of its bodies from boxes and from each other, the bodies as balls along their axes, half a radius
+apart. A clearance stands for what is between points; what it does not hold back is left to the proof, which has its own
+distances, and to drawing back.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.chain import Chain
+from cases.machine import Tool
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.limit import LimitKind
+from identification.machines import Share
+from identification.pose import rotation
+
+if TYPE_CHECKING:
+    from identification.hexapod import Hexapod
+
+Array = NDArray[np.float64]
+
+ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
+ALONG_TOOLS = (0.0, 0.5, 1.0)  # of a tool's
+ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
+MOST_BALLS = 20  # of a body of a chain
+BALL_ROUNDING = 0.001  # [m] by about which least distances of bodies are rounded
+CLEARANCE = 0.02  # [m] from boxes, for what comes near them between two points or instants; less where home is nearer
+BALL_CLEARANCE = 0.01  # [m] the same between two balls; less where the middle of the box is nearer
+VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the ways of motions
+
+
+def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
+    """Shares of the limits that a state uses.
+
+    Args:
+        pose: shape (6,) [m, rad].
+        rates: its first derivative in time.
+        accelerations: its second derivative.
+    """
+    _, workspace, limits = case.need_machine("planning")
+    box = limits.motion
+    length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
+    shortest = max(box.strut_length[0], workspace.strut_length[0])
+    longest = min(box.strut_length[1], workspace.strut_length[1])
+    at_base, at_platform = hexapod.joint_cosines.call([pose], True, False)
+    jacobian = hexapod.inverse_jacobian.call([pose], True, False)[1]
+    at_home = float(np.linalg.det(hexapod.inverse_jacobian(hexapod.home)[1].full()))
+    joints = ca.vertcat(
+        (1 - at_base) / (1 - np.cos(workspace.base_joint_angle_deg * DEG)),
+        (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
+    )
+    return [
+        Share(LimitKind.STRUT_LENGTH, 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
+        Share(LimitKind.STRUT_VELOCITY, 1, velocity / box.strut_velocity_m_s),
+        Share(LimitKind.STRUT_ACCELERATION, 2, acceleration / box.strut_acceleration_m_s2),
+        Share(LimitKind.JOINT_ANGLE, 0, joints),
+        Share(LimitKind.SINGULARITY, 0, 1 - ca.det(jacobian) / at_home),
+        *(Share(LimitKind.DISTANCE_FROM_BOX, 0, share) for share in _keep_out(case, hexapod, pose)),
+    ]
+
+
+def _keep_out(case: Case, hexapod: "Hexapod", pose: ca.SX) -> list[ca.SX]:
+    """Shares: 1 where the clearance of a box begins, 0 far away."""
+    _, workspace, limits = case.need_machine("planning")
+    if not workspace.keep_out:
+        return []
+    turn = rotation(pose[3:])
+    arms = turn @ ca.DM(hexapod.platform.T)
+    joints = [pose[:3] + arms[:, k] for k in range(6)]
+    base = ca.DM(hexapod.base.T)
+    along = [base[:, k] + share * (joint - base[:, k]) for k, joint in enumerate(joints) for share in ALONG_STRUTS]
+    around = workspace.strut_radius_mm * MM
+    points = [(pose[:3], 0.0), *((joint, 0.0) for joint in joints), *((point, around) for point in along)]
+    for tool in workspace.tool:
+        low, high = tool.axis
+        places = (pose[:3] + turn @ ca.DM(low + share * (high - low)) for share in ALONG_TOOLS)
+        points += [(place, tool.radius_mm * MM) for place in places]
+    distances = ca.vertcat(
+        *(_distance(point, box.corners, ROUNDING) - radius for box in workspace.keep_out for point, radius in points)
+    )
+    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.motion.pose.mean(axis=0)).full()
+    return [ca.exp((np.clip(at_rest / 2, 0.0, CLEARANCE) - distances) / VICINITY)]
+
+
+def _distance(point: ca.SX, corners: Array, rounding: float) -> ca.SX:
+    """Distance along the axis that separates point and box most, at edges a little less, so that it is smooth [m]."""
+    gaps = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
+    most = ca.mmax(gaps)
+    return most + rounding * ca.log(ca.sum1(ca.exp((gaps - most) / rounding)) / 3)
+
+
+class Placed(NamedTuple):
+    """A frame in {B}: the number of its link, from 0 for the base, origin and R."""
+
+    link: int
+    origin: ca.SX
+    turn: ca.SX
+
+
+class _Balls(NamedTuple):
+    link: int
+    centres: list[ca.SX]
+    radius: float
+
+
+def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Placed], sensor: Placed) -> list[Share]:
+    """Shares of what keeps bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
+
+    Args:
+        chain: chain with bodies of links and tool, and boxes to keep out of.
+        q: positions of the joints, shape (n,).
+        middle: middle of the motion box, shape (n,) [rad or m].
+        frames: moved frame of each joint.
+    """
+    still = Placed(0, ca.SX(3, 1), ca.SX.eye(3))
+    places = [(still, chain.base), *((f, j.bodies) for f, j in zip(frames, chain.joints, strict=True))]
+    bodies = [_balls(place, body) for place, own in (*places, (sensor, chain.tool)) for body in own]
+    distances = []
+    for k, one in enumerate(bodies):
+        if one.link:
+            distances += [
+                _least([_distance(c, box.corners, BALL_ROUNDING) for c in one.centres], one.radius)
+                for box in chain.keep_out
+            ]
+        for other in bodies[k + 1 :]:
+            if abs(other.link - one.link) > 1:
+                gaps = [ca.norm_2(a - b) for a in one.centres for b in other.centres]
+                distances.append(_least(gaps, one.radius + other.radius))
+    if not distances:
+        return []
+    clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
+    margins = np.clip(clearances / 2, 0.0, BALL_CLEARANCE)
+    return [
+        Share(LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
+        for k, distance in zip(margins, distances, strict=True)
+    ]
+
+
+def _balls(place: Placed, body: Tool) -> _Balls:
+    """Balls along the axis of a body."""
+    low, high = body.axis
+    length, radius = float(np.linalg.norm(high - low)), body.radius_mm * MM
+    count = int(np.clip(np.ceil(2 * length / max(radius, 1e-3)) + 1, 2, MOST_BALLS))
+    centres = [place.origin + place.turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
+    return _Balls(place.link, centres, radius)
+
+
+def _least(distances: list[ca.SX], radius: float) -> ca.SX:
+    """The least of some distances, less the radius, a little less where several are alike, so that it is smooth [m]."""
+    every = ca.vertcat(*distances)
+    least = ca.mmin(every)
+    return least - BALL_ROUNDING * ca.log(ca.sum1(ca.exp((least - every) / BALL_ROUNDING))) - radius
