@@ -272,15 +272,20 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     return velocity, acceleration, jerk
 
 
+_OF_ACCELERATIONS = ("strut acceleration", "sensor force", "sensor moment", "joint torque", "joint force")
+
+
 def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> float:
-    """Largest share of a motion's pace that struts and torques of joints allow, above 1 where it is too fast.
+    """Largest share of a motion's pace that struts, sensors and torques of joints allow, above 1 where it is too fast.
 
     Args:
         rate: samples a second [1/s].
     """
     shares = [0.0]
     for check in prove(move, case, rate, in_box=False).checks:
-        if check.name.startswith(("strut acceleration", "joint torque", "joint force")):
+        if check.name.startswith(
+            ("strut acceleration", "sensor force", "sensor moment", "joint torque", "joint force")
+        ):
             shares.append(math.sqrt(check.ratio))
         elif check.name.startswith("strut velocity"):
             shares.append(check.ratio)
