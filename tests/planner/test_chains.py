@@ -33,7 +33,7 @@ from tests.chains import chain_case
 from tests.helpers import few
 from tests.planner.command_line import call, refused
 
-PLANS: dict[int, FamilySettings] = {5: Fourier(order=3), 6: PointToPoint(moves=8), 7: Spline(knots=40)}
+PLANS: dict[int, FamilySettings] = {5: PointToPoint(moves=8), 6: Fourier(order=3), 7: Spline(knots=40)}
 
 
 class Plans(dict[int, Plan]):

@@ -26,7 +26,7 @@ from tests.helpers import one_line
 from tests.planner.command_line import refused
 
 README = Path(__file__).parents[2] / "README.md"
-QUICK = ("hx.PointToPoint(moves=40), duration=12.0", "hx.PointToPoint(moves=8), duration=2.0, starts=2")
+QUICK = ("hx.PointToPoint(moves=40), duration=12.0", "hx.PointToPoint(moves=8), duration=2.0, starts=1")
 
 
 @pytest.fixture(scope="module")
