@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from cases.basis import motion_hash
-from cases.errors import HexciteError
+from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Joined
 from planner.controlled import fits_law, usual_dialect
@@ -103,6 +103,14 @@ def plan_of_program(content: bytes) -> str | None:
 def case_line(case: Case) -> str:
     """What a program says of its case."""
     return f"case {case.name}, hash {motion_hash(case)}, controller settings {case.controller_hash}"
+
+
+def of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError:
+    """What is wrong with a program, with the case that its header names in front where that is another one."""
+    other = written_for_another(content, case)
+    return (
+        error if other is None else ProgramError(error.file, error.line, error.column, f"is {other}; {error.problem}")
+    )
 
 
 def written_for_another(content: bytes, case: Case) -> str | None:

@@ -122,7 +122,7 @@ TOLD = {
         "sinumerik": (r"^DO .*=1\n", ""),
         "twincat": (r"^M100\n", ""),
     },
-    "it does not end at home, where A is 0 deg, but to ": {
+    "the program does not end at home, where A is 0 deg, but to ": {
         "linuxcnc": (r"^G1 X0 Y0 Z900 A0 B0 C0 F1.*\n", ""),
         "sinumerik": (r"^G1 X0 Y0 Z900 A2=0 B2=0 C2=0 F2.*\n", ""),
         "twincat": (r"^G01 G60 X0 Y0 Z900 A0 B0 C0 F2.*\n", ""),
