@@ -33,7 +33,7 @@ def list_cases(json: Json = False) -> None:
             False,
         )
         print(
-            "setup, where the sensors sit: 1a in a frame that stands, 1b in one that moves, 2x in the struts, R at a flange"
+            "setup, where sensors sit: 1a in a frame that stands, 1b in one that moves, 2x in the struts, R at a flange"
         )
         print("hexcite case new NAME --like CASE begins one of your own; hexcite case show CASE draws it")
 

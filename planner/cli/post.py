@@ -22,8 +22,8 @@ def post(
     dialect: Annotated[
         str | None,
         typer.Option(
-            help="The controller's language; by default that of the controller that the plan was made for, else "
-            "the first that the case can; without a plan, all are listed."
+            help="The controller's language; by default the one that the suffix of --output names, else that of the "
+            "controller that the plan was made for, else the first that the case can; without a plan, all are listed."
         ),
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
@@ -52,7 +52,7 @@ def post(
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
     loaded = Plan.load(plan, stale=stale)
-    language = language_of(loaded, dialect)
+    language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
     with status(f"writing and proving {file.name}", json):

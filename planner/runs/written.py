@@ -67,9 +67,9 @@ def write(
     planned = plan.motion.duration / speed
     if not isinstance(plan.motion, Joined) and written.proof.excitation > LONGER * planned:
         remarks += (
-            f"the excitation lasts {written.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} keeps "
-            "blocks of whole cycles alone, and the pieces of this motion do not last such (--knots, --duration and "
-            "--period of hexcite plan, --speed)",
+            f"the excitation lasts {written.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} needs "
+            "blocks of whole controller cycles, and the pieces of this motion last others (change --knots, --duration "
+            "or --period of hexcite plan, or --speed)",
         )
     guarantees = words.guarantees(written.reading, plan.case)
     return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))

@@ -61,10 +61,10 @@ def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:
 
 def test_a_recording_of_another_case_is_named_as_such() -> None:
     data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
-    data["machine"]["base"]["ring"]["z_mm"] = 400.0
-    raised = Case.model_validate(data | {"name": "raised"})
-    with pytest.raises(IdentificationError, match="recorded with the case other, not raised"):
-        identify(replace(run(), record={"case": "other"}), raised)
+    data["machine"]["base"]["ring"]["radius_mm"] *= 3.0
+    wide = Case.model_validate(data | {"name": "wide"})
+    with pytest.raises(IdentificationError, match="recorded with the case other, not wide"):
+        identify(replace(run(), record={"case": "other"}), wide)
 
 
 def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:
