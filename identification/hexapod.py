@@ -243,6 +243,7 @@ class Hexapod:
             raise StrutsDoNotClose(first, lengths[first])
         return poses, jacobians
 
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what runs off is given up
     def _newton(self, lengths: Array, start: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Poses, J_Hex^-1 there, and for which samples the struts close."""
         pose, closed = start.copy(), np.zeros(len(start), dtype=bool)
@@ -290,10 +291,30 @@ class Hexapod:
             IdentificationError: the struts cannot close.
         """
         pose, jacobian = self._assembled(np.asarray(lengths, dtype=float), start)
-        twist_ = np.linalg.solve(jacobian, np.asarray(velocities)[:, :, None])[:, :, 0]
+        return self._moving(pose, jacobian, np.asarray(velocities), np.asarray(accelerations))
+
+    def kinematics_where_closed(
+        self, lengths: Array, velocities: Array, accelerations: Array
+    ) -> tuple[Kinematics, NDArray[np.bool_]]:
+        """`kinematics` of samples that need not close, in any order, each found from home; and which of them do.
+
+        Args:
+            lengths: shape (n, 6) [m].
+            velocities: shape (n, 6) [m/s].
+            accelerations: shape (n, 6) [m/s^2].
+
+        Returns:
+            Kinematics, which mean nothing where struts do not close, and flags of shape (n,).
+        """
+        pose, jacobian, closed = self._newton(lengths, np.tile(self.home, (len(lengths), 1)))
+        pose[~closed], jacobian[~closed] = self.home, np.eye(6)
+        return self._moving(pose, jacobian, velocities, accelerations), closed
+
+    def _moving(self, pose: Array, jacobian: Array, velocities: Array, accelerations: Array) -> Kinematics:
+        twist_ = np.linalg.solve(jacobian, velocities[:, :, None])[:, :, 0]
         drift = over_samples(self.jacobian_drift, pose, twist_)[0]
-        rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]
-        return Kinematics(pose, twist_, np.asarray(rate, dtype=np.float64))
+        rate = np.linalg.solve(jacobian, (accelerations - drift)[:, :, None])[:, :, 0]
+        return Kinematics(pose, np.asarray(twist_, dtype=np.float64), np.asarray(rate, dtype=np.float64))
 
 
 @lru_cache(maxsize=32)

@@ -109,11 +109,9 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
         reporter = None if progress is None else Progress(request, case, progress)
-        listener = SILENT if reporter is None else Listener(reporter.done, reporter.news)
+        listener = SILENT if reporter is None else Listener(reporter.begin, reporter.done, reporter.news)
 
         def make(wanted: Request) -> Plan:
-            if reporter is not None:
-                reporter.begin(wanted)
             return make_until_ctrl_c(wanted, case, listener)
 
         return shortest_plan(request, case, make) if request.targets else make(request)
@@ -214,7 +212,7 @@ class Progress:
     """
 
     def __init__(self, request: Request, case: Case, remark: Callable[[str], None]) -> None:
-        self.request, self.remark, self.bound = request, remark, None
+        self.request, self.asked, self.remark, self.bound = request, request, remark, None
         model = identification_model(case, request.model)
         self.size = len(model.names)
         noise = expected_noise(case, model, request.payload)
@@ -249,13 +247,14 @@ class Progress:
     def words(self) -> str:
         """One line."""
         seconds = time.monotonic() - self.began
+        other = "" if self.request.family.name == self.asked.family.name else f"{self.request.family.name} instead: "
         if self.best is None:
-            return f"first starts, {seconds:.0f} s"
+            return f"{other}first starts, {seconds:.0f} s"
         if self.bound is not None:
             text = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
         else:
             text = f"criterion {self.request.criterion} {self.best.score:.4g}"
-        return f"{text} after {self.count} start{'s' * (self.count > 1)}, {seconds:.0f} s, {self._left(seconds)}"
+        return f"{other}{text} after {self.count} start{'s' * (self.count > 1)}, {seconds:.0f} s, {self._left(seconds)}"
 
     def _left(self, seconds: float) -> str:
         if self.request.seconds is not None:

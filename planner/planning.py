@@ -30,7 +30,7 @@ from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_throug
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
-from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
+from planner.search.parallel import SILENT, Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import Patience
 from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
@@ -66,6 +66,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
+    listener.begin(request)
     own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
     results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
@@ -89,7 +90,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         fresh = fresh if fresh.settings == best_family.settings else best_family
         one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
                    begin=shipped_start(fresh, case))  # fmt: skip
-        last = run([one], Listener(lambda start: None, listener.news), patience)
+        last = run([one], replace(SILENT, news=listener.news), patience)
         white, interrupted = next((r for r in last.results if isinstance(r, Start)), None), last.interrupted
     winner = starts[0].family
     unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)

@@ -106,8 +106,9 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     for order in orders_of(signs=True):
         candidates.append((_left(data, data.regressors, order, mass), "force", order))
     if data.struts is not None:
-        for order in orders_of(signs=case.recording.drives is not None):
-            candidates.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
+        orders = list(orders_of(signs=case.recording.drives is not None))
+        for order, matrices in zip(orders, _regressors_of(data, case, model, orders), strict=True):
+            candidates.append((_left(data, matrices, mass=mass), "strut", order))
     (least, least_newtons), *_ = min(candidates, key=lambda f: f[0])
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
@@ -207,22 +208,23 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     weights = np.ones(6) if not case.sensor_frame.has_moments else 1.0 / np.maximum(spread, np.finfo(float).tiny)
     data = Data(forces, slopes, weights, struts, matrices)
     if struts is not None:
-        data = data._replace(regressors=_regressors_of(data, case, model, STRAIGHT))
+        data = data._replace(regressors=_regressors_of(data, case, model, [STRAIGHT])[0])
     return data
 
 
-def _regressors_of(data: Data, case: Case, model: Model, order: Order) -> Array | None:
-    """A where the struts were recorded in another order, shape (n, 6, u); None where no pose has such struts."""
+def _regressors_of(data: Data, case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:
+    """A where the struts were recorded in other orders, shape (n, 6, u) each; None where no pose has such struts."""
     assert data.struts is not None
-    lengths, velocities, accelerations = (motion[:, list(order.places)] for motion in data.struts)
-    signs = np.array(order.signs)
+    places = np.array([order.places for order in orders])
+    signs = np.repeat([order.signs for order in orders], len(data.forces), axis=0)
+    lengths, velocities, accelerations = (
+        np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in data.struts
+    )  # those of each order in turn
     if case.recording.drives is not None:  # a turned drive mirrors its strut at the offset
         lengths = np.where(signs > 0, lengths, 2.0 * case.recording.drives.offset - lengths)
-    try:
-        motion = Hexapod.of(case).kinematics(lengths, velocities * signs, accelerations * signs)
-    except HexciteError:
-        return None
-    return regressors(model, motion)
+    motion, closed = Hexapod.of(case).kinematics_where_closed(lengths, velocities * signs, accelerations * signs)
+    matrices = np.split(regressors(model, motion), len(orders))
+    return [a if c.all() else None for a, c in zip(matrices, np.split(closed, len(orders)), strict=True)]
 
 
 def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 from threadpoolctl import threadpool_limits
 
 from planner.interruption import ctrl_c_waits, first_ctrl_c_calls
+from planner.request import Request
 from planner.search.patience import Patience
 from planner.search.solving import Failed, Start, Task, run_safely
 
@@ -37,11 +38,12 @@ class News(NamedTuple):
 class Listener:
     """Who is told how the starts are getting on."""
 
+    begin: Callable[[Request], None]  # called when a search begins: one plan may take several
     done: Callable[[Start | Failed], None]  # called with each result as it arrives
     news: Callable[[News], None]  # called between the results
 
 
-SILENT = Listener(lambda result: None, lambda news: None)
+SILENT = Listener(lambda request: None, lambda result: None, lambda news: None)
 
 
 class Outcome(NamedTuple):

@@ -96,7 +96,13 @@ class _LinuxCncInterpreter(ModalState):
         first = next((word for word in words if word.name in (*self.axes, "I", "J", "K")), None)
         if first is not None:
             self._move(block, first)
-        elif self.active("G93"):
+            return
+        for code in ("G2", "G3"):
+            if code in block:
+                self.fail(block[code], f"{code} without a centre; write I and J, or remove it")
+        if self.active("G93"):
+            if "G1" in block and "F" not in block:
+                self.fail(block["G1"], f"G1 without F under G93; add {SPELLING.block_time}, or remove it")
             self.feed = None
 
     def _number(self, word: Word, value: float) -> None:

@@ -12,7 +12,7 @@ from planner.cli.console import print_table
 from planner.families.settings import family_class
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import Listener, workers
+from planner.search.parallel import SILENT, workers
 from planner.search.problem import mean_information
 from tests.bench.least_condition import least_condition
 
@@ -24,7 +24,6 @@ LOOKED_AT: tuple[tuple[str, dict[str, Any]], ...] = (  # family, its settings
     ("ptp", {}),
     ("spline", {}),
 )
-SILENT = Listener(lambda start: None, lambda news: None)
 WANTED = {"A": "trace 5 % lower", "D": "", "K": "1.50 times smaller", "N": "1.30 times larger"}
 
 

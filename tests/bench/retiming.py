@@ -11,9 +11,8 @@ from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.planning import search
 from planner.request import Request
 from planner.retiming.retimed import RetimingMethod, retimed
-from planner.search.parallel import Listener, run_here
+from planner.search.parallel import SILENT, run_here
 
-SILENT = Listener(lambda start: None, lambda news: None)
 SPLINE = ("ipopt",)
 MOVES = ("ruckig", "ipopt")
 

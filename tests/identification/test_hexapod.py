@@ -92,3 +92,16 @@ def test_a_strut_that_is_not_a_number_is_impossible() -> None:
     lengths[1, 2] = np.nan
     with pytest.raises(IdentificationError, match="sample 2"):
         HEXAPOD.poses(lengths)
+
+
+def test_samples_that_close_are_told_from_those_that_do_not_and_move_alike() -> None:
+    """Also where so many samples run to infinity at once that NumPy would warn."""
+    draw = np.random.default_rng(3)
+    velocities, accelerations = draw.normal(size=(2, 2000, 6))
+    lengths = HEXAPOD.strut_lengths(HOME + draw.uniform(-0.02, 0.02, (2000, 6)))
+    lengths[1::2, 5] *= -draw.uniform(0.5, 1e6, 1000)
+    motion, closed = HEXAPOD.kinematics_where_closed(lengths, velocities, accelerations)
+    assert closed.tolist() == 1000 * [True, False]
+    one_by_one = HEXAPOD.kinematics(lengths[closed], velocities[closed], accelerations[closed])
+    for name in ("pose", "twist", "twist_rate"):
+        np.testing.assert_allclose(getattr(motion, name)[closed], getattr(one_by_one, name), rtol=1e-7, atol=1e-8)

@@ -13,11 +13,9 @@ from planner.families.settings import family_class
 from planner.interruption import Interrupted, ctrl_c_raises
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.parallel import Listener, Outcome
+from planner.search.parallel import SILENT, Listener, Outcome
 from planner.search.patience import Patience
 from tests.planner.command_line import call
-
-SILENT = Listener(lambda start: None, lambda news: None)
 
 
 @dataclass(frozen=True)

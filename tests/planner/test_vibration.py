@@ -1,5 +1,6 @@
 """What a structural mode makes of planned moves, against a simulated machine that is identified from its recording."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,7 +19,7 @@ from planner.noise import expected_noise
 from planner.planning import make
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.parallel import SILENT, run_here
+from planner.search.parallel import SILENT, Listener, run_here
 from planner.validation.experiment import Excitation, steps
 from planner.validation.step import MODE
 from planner.vibration import both_laws, vibration, with_other_law
@@ -111,16 +112,19 @@ def test_the_better_law_follows_from_the_mode(hexapod_case: Case):
     assert both_laws(with_mode(hexapod_case, 5000.0), 9, smooth, 0).better == "steps of acceleration"
 
 
-def chosen(frequency: float, case: Case, may_be_smooth: bool = True) -> Plan:
+def chosen(frequency: float, case: Case, may_be_smooth: bool = True, told: Listener = SILENT) -> Plan:
     """What a second of search finds for a controller whose accelerations step."""
     request = Request(PointToPoint(controller="linuxcnc"), 3.0, seconds=1.0, may_be_smooth=may_be_smooth)
-    return make(request, with_mode(case, frequency), SILENT, run_here)
+    return make(request, with_mode(case, frequency), told, run_here)
 
 
 def test_where_steps_shake_the_machine_a_spline_takes_their_place(hexapod_case: Case):
     """Unless moves were asked for; the errors to be expected of what is chosen are the smaller ones."""
-    smooth, moves = chosen(40.0, hexapod_case), chosen(40.0, hexapod_case, may_be_smooth=False)
+    begun: list[str] = []
+    told = replace(SILENT, begin=lambda request: begun.append(request.family.name))
+    smooth, moves = chosen(40.0, hexapod_case, told=told), chosen(40.0, hexapod_case, may_be_smooth=False)
     assert (smooth.family, moves.family) == ("spline", "ptp")
+    assert begun == ["ptp", "spline"]  # progress tells which of them is searched for
     assert smooth.limits.kept
     assert any("spline in place of ptp" in note for note in smooth.worth.notes)
     own, other = (vibration(smooth.case, 9, plan.motion, 0, 3.0) for plan in (smooth, moves))

@@ -63,6 +63,8 @@ def interpreted_share(content: bytes, case: Case) -> float | str:
             if command == "ARC_FEED":  # ends in the plane and across it, with centre and turns between them
                 end = np.r_[np.zeros(3), numbers[6:9]]
                 end[axes] = *numbers[:2], numbers[5]
+            if np.isnan(pose).any() and not end.any():  # G0 without axes: to where it stands, 0 to the interpreter
+                continue
             if not np.isnan(pose).any():
                 # Of a rapid the controller's own limits keep the speed; of short moves four decimals tell too little.
                 way = np.linalg.norm((end - pose)[:3]) or np.linalg.norm((end - pose)[3:])

@@ -101,6 +101,8 @@ def test_a_word_that_is_not_understood_is_named_with_line_and_column(line: str):
             "line 2, column 4: the first move leaves C open; name all 6 coordinates",
         ),
         ("G21 G90\nG0 X0\nM2", "line 2, column 4: the first move leaves Y open"),
+        ("G21 G90 G93\nG1\nM2", "line 2, column 1: G1 without F under G93"),
+        ("G21 G90 G94\nG17 G3\nM2", "line 2, column 5: G3 without a centre"),
         ("G21 G90\nM2\nG1 X1 F10", "line 3, column 1: a word after the end of the program; M2 must be last"),
         ("G21 G90\nM2\nM2", "line 3, column 1: a word after the end"),
         ("G21 G90\n", "p.ngc: no M2 at the end; the file is truncated"),

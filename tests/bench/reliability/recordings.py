@@ -119,7 +119,7 @@ def unit_mistaken(rows: Array, draw: Draw) -> Array:
 
 def external_force(rows: Array, draw: Draw) -> Array:
     part = _rows(rows[30:], draw, 1500)
-    shape = np.sin(np.pi * np.linspace(0.0, 1.0, max(part.stop - part.start, 2)))[: part.stop - part.start]
+    shape = np.sin(np.pi * np.linspace(0.0, 1.0, max(part.stop - part.start, 2)))[: len(rows[part])]
     rows[part, FORCES] += shape[:, None] * draw.normal(size=6) * 10.0 ** draw.uniform(1.0, 3.0)
     return rows
 

@@ -12,13 +12,12 @@ from planner import planning
 from planner.families.settings import family_class
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import Listener, run_here
+from planner.search.parallel import SILENT, run_here
 from planner.search.problem import mean_information
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.postprocessors.changed_case import changed
 
-SILENT = Listener(lambda start: None, lambda news: None)
 WORSE = 0.01  # share of an efficiency
 FAMILIES = {"fourier": {"order": 2}, "ptp": {"moves": 8}, "spline": {"knots": 20}}
 SMALL = case_of("small", DESIGNED["small"])
