@@ -20,10 +20,13 @@ from identification.recording import load_recording, read
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
 from planner.bounds.kept import compute_bound
+from planner.comparison.beside_manual import beside_manual
 from planner.demonstration import demo
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
 from planner.planning import make
 from planner.plans import Plan
+from planner.reports.page import Note
+from planner.reports.plan import plan_page
 from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, execute
@@ -116,6 +119,16 @@ def test_a_plan_is_far_better_than_chance_and_below_its_bound(joints: int, plans
     assert not worth.bound.certified
     assert worth.bound.proven_logdet is None
     assert 0.05 < worth.d_efficiency < 1.0
+
+
+def test_the_page_warns_of_nothing_that_nobody_can_change(plans: Plans):
+    """No bound of a chain is proven, whatever its user does."""
+    plan = plans[6]
+    page = plan_page(plan, beside_manual(plan))
+    assert not any("estimate" in warning for warning in page.warnings)
+    notes = [item.text for item in page.sections[0].items if isinstance(item, Note)]
+    assert any("D-efficiency is an estimate" in note for note in notes)
+    assert any("--sequence" in note for note in notes)
 
 
 def test_the_bound_holds_for_random_designs():
