@@ -86,9 +86,9 @@ def check(
             rows,
         )
     print(f"ready for: {'; '.join(c for c, missing in requirements.items() if not missing) or 'no command'}")
-    for command, missing in requirements.items():
-        if missing:
-            print(f"not ready for {command}: misses {', '.join(missing)}")
+    for missing in dict.fromkeys(filter(None, requirements.values())):
+        commands = [command for command, lacks in requirements.items() if lacks == missing]
+        print(f"not ready for: {'; '.join(commands)}; the case misses {', '.join(missing)}")
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:
