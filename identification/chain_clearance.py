@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cases.chain import Chain
 from cases.machine import Tool
 from cases.units import MM
+from identification.limit import LimitKind
 from identification.machines import Share
 
 Array = NDArray[np.float64]
@@ -63,7 +64,8 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Pla
     clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
     margins = np.clip(clearances / 2, 0.0, CLEARANCE)
     return [
-        Share("distance", 0, ca.exp((k - distance) / VICINITY)) for k, distance in zip(margins, distances, strict=True)
+        Share(LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
+        for k, distance in zip(margins, distances, strict=True)
     ]
 
 

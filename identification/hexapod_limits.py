@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.limit import LimitKind
 from identification.machines import Share
 from identification.pose import rotation
 
@@ -49,12 +50,12 @@ def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, ac
         (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
     )
     return [
-        Share("strut length", 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
-        Share("strut velocity", 1, velocity / box.strut_velocity_m_s),
-        Share("strut acceleration", 2, acceleration / box.strut_acceleration_m_s2),
-        Share("joint angle", 0, joints),
-        Share("singularity", 0, 1 - ca.det(jacobian) / at_home),
-        *(Share("keep-out box", 0, share) for share in _keep_out(case, hexapod, pose)),
+        Share(LimitKind.STRUT_LENGTH, 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
+        Share(LimitKind.STRUT_VELOCITY, 1, velocity / box.strut_velocity_m_s),
+        Share(LimitKind.STRUT_ACCELERATION, 2, acceleration / box.strut_acceleration_m_s2),
+        Share(LimitKind.JOINT_ANGLE, 0, joints),
+        Share(LimitKind.SINGULARITY, 0, 1 - ca.det(jacobian) / at_home),
+        *(Share(LimitKind.DISTANCE_FROM_BOX, 0, share) for share in _keep_out(case, hexapod, pose)),
     ]
 
 

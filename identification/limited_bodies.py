@@ -13,7 +13,8 @@ from cases.chain import Chain
 from cases.machine import Tool
 from cases.units import MM
 from identification.keep_out import distance_of_segments
-from identification.limited import Quantity
+from identification.limit import Limit, LimitKind
+from identification.limited_quantities import Quantity
 
 Array = NDArray[np.float64]
 
@@ -54,19 +55,19 @@ def clearances(chain: Chain, frames: Sequence[tuple[Array, Array, Array]], t: Ar
     for box in chain.keep_out:
         if moving:
             columns = [_from_box(body, box.corners) for body in moving]
-            yield _kept(
-                f"distance from {box.name}", [body.name for body in moving], columns, [box.vicinity] * len(moving)
-            )
+            limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
+            yield _kept(limit, [body.name for body in moving], columns, [box.vicinity] * len(moving))
     pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
     if pairs:
         labels, reach = [f"{a.name}, {b.name}" for a, b in pairs], [a.radius + b.radius for a, b in pairs]
-        yield _kept("distance between links", labels, [_between(a, b) for a, b in pairs], reach)
+        limit = Limit(LimitKind.DISTANCE_BETWEEN_LINKS)
+        yield _kept(limit, labels, [_between(a, b) for a, b in pairs], reach)
 
 
-def _kept(name: str, labels: list[str], columns: list[Array], reach: list[float]) -> Quantity:
+def _kept(limit: Limit, labels: list[str], columns: list[Array], reach: list[float]) -> Quantity:
     distance = np.column_stack(columns)
     ratio = np.nan_to_num(np.maximum(0.0, 1.0 - distance / np.array(reach)), nan=np.inf)
-    return Quantity(name, "mm", tuple(labels), distance, np.zeros((2, len(labels))), ratio, 1 / MM)
+    return Quantity(limit, tuple(labels), distance, np.zeros((2, len(labels))), ratio)
 
 
 def _placed(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float) -> _Body:

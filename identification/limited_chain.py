@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
 from cases.sensors import RigidBody
-from identification.limited import Quantity, axis_rotation
+from identification.limit import LimitKind
 from identification.limited_bodies import clearances
+from identification.limited_quantities import Quantity, axis_rotation
 from identification.motion import Motion
 from identification.overload import SHARE
 
@@ -29,11 +30,11 @@ def joint_ranges(motion: Motion, chain: Chain) -> Iterable[Quantity]:
     """Where the joints are, between the ends of each; a joint that turns without end has none."""
     turns = np.array([joint.turns for joint in chain.joints])
     ends = np.isfinite(chain.position).all(axis=0)
-    for name, unit, own in (("joint position", "mm", ends & ~turns), ("joint angle", "deg", ends & turns)):
+    for kind, own in ((LimitKind.JOINT_POSITION, ends & ~turns), (LimitKind.JOINT_ANGLE, ends & turns)):
         if own.any():
             labels = tuple(label for label, k in zip(chain.names, own, strict=True) if k)
             low, high = chain.position[:, own]
-            yield Quantity.between(name, unit, labels, motion.pose[:, own], low, high, 1.0 / float(chain.units[own][0]))
+            yield Quantity.between(kind, labels, motion.pose[:, own], low, high)
 
 
 def frame_motion(
@@ -73,7 +74,7 @@ def joint_efforts(
     loads = [(f"{n} payloads", _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
     turns = np.array([joint.turns for joint in chain.joints])
     limited = np.isfinite([joint.effort for joint in chain.joints])
-    for name, unit, own in (("joint force", "N", limited & ~turns), ("joint torque", "N m", limited & turns)):
+    for kind, own in ((LimitKind.JOINT_FORCE, limited & ~turns), (LimitKind.JOINT_TORQUE, limited & turns)):
         columns, labels, most = [], [], []
         for words, load in loads or [("no load", np.zeros_like(links[0]))]:
             inertia = load
@@ -85,7 +86,7 @@ def joint_efforts(
                     most.append(SHARE * chain.joints[k].effort)
         if columns:
             limit = np.array(most)
-            yield Quantity.between(name, unit, tuple(labels), np.column_stack(columns), -limit, limit, 1.0)
+            yield Quantity.between(kind, tuple(labels), np.column_stack(columns), -limit, limit)
 
 
 def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import CaseError
 from cases.schema import Case
+from identification.limit import LimitKind
 
 if TYPE_CHECKING:
     from identification.hexapod import Kinematics
@@ -32,7 +33,7 @@ class FrameMotion(NamedTuple):
 class Share(NamedTuple):
     """A limit beside those of the coordinates."""
 
-    name: str  # name of the limit
+    kind: LimitKind
     order: int  # order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations
     value: ca.SX  # shares that are used; the limit is satisfied between -1 and 1
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.sensors import Payloads, RigidBody, SensorFrame
 from identification.frame import structure_matrix
-from identification.limited import Quantity
+from identification.limit import LimitKind
+from identification.limited_quantities import Quantity
 
 Array = NDArray[np.float64]
 
@@ -177,8 +178,8 @@ def sensor_loads(values: Array, loads: Channels) -> Iterable[Quantity]:
     Args:
         values: the forces, shape (n, channels) [N or N m].
     """
-    for name, unit, channels in (("sensor force", "N", ~loads.moments), ("sensor moment", "N m", loads.moments)):
+    for kind, channels in ((LimitKind.SENSOR_FORCE, ~loads.moments), (LimitKind.SENSOR_MOMENT, loads.moments)):
         if channels.any():
             labels = tuple(label for label, own in zip(loads.labels, channels, strict=True) if own)
             limit = loads.limit[channels]
-            yield Quantity.between(name, unit, labels, values[:, channels], -limit, limit, 1.0)
+            yield Quantity.between(kind, labels, values[:, channels], -limit, limit)

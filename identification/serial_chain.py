@@ -20,13 +20,13 @@ from cases.sensors import RigidBody
 from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
+from identification.limit import LimitKind
 from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
 from identification.pose import rpy, skew
 
 Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
-TORQUE = "joint torque"
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
 
 
@@ -89,7 +89,7 @@ class SerialChain:
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
         most = SHARE * np.array([self.chain.joints[k].effort for k in limited])
         loads = [self.torques(q, rates, accelerations, case.gravity, load) for load in case.bodies or (None,)]
-        return [*distances, *(Share(TORQUE, 2, torques[limited] / ca.DM(most)) for torques in loads)]
+        return [*distances, *(Share(LimitKind.JOINT_TORQUE, 2, torques[limited] / ca.DM(most)) for torques in loads)]
 
     def positions(self, coordinates: Array) -> Array:
         """Of the sensor, shape (k, 3) [m]."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import strut_vectors
+from identification.limited_quantities import strut_vectors
 from identification.motion import Motion
 from identification.overload import SHARE, load_wrench, spins
 

@@ -9,12 +9,13 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.scaffold import readiness
 from cases.schema import Case
-from identification.limited import Box
-from identification.limits import PROOF_RATE, LimitReport, Status
+from identification.limit import LimitKind, LimitReport, Status
+from identification.limit_proof import PROOF_RATE
+from identification.limited_quantities import Box
 from identification.motion import Trajectory
 from identification.trajectories.profile import has_steps
 from postprocessors.dialects import DIALECTS, dialect
-from postprocessors.proving.guarantees import family, limits_jerk
+from postprocessors.proving.guarantees import limits_jerk
 from postprocessors.reading.words import Reading
 
 CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
@@ -37,7 +38,7 @@ class Controlled(NamedTuple):
         return LimitReport(
             tuple(
                 replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
-                if family(c.name) == "jerk"
+                if c.kind.family is LimitKind.JERK
                 else c
                 for c in report.checks
             )

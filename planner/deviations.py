@@ -1,19 +1,23 @@
 """Standard deviations that one run of a motion will have, predicted from its information and the expected noise."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import HexciteError
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
-from identification.model import Model
+from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through
+from planner.families.manual import manual_motion, sequence_file
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, mean_information, of_estimate, seen_through
+from planner.plans import Plan
 from planner.poses.pose_criteria import total_information
-from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 
@@ -26,28 +30,22 @@ def predicted_std(
     duration: float,
     noise: float,
     payload: int = 0,
-    scattered: Array | None = None,
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run at the rate of the case, with white noise.
+    """Standard deviations of the physical parameters for one run at the rate of the case.
 
     Expected is the nominal body with a number of payloads.
 
     Args:
         scaling: diagonal of H, shape (u,).
-        information: mean of H A^T W A H, shape (u, u).
+        information: mean of H A^T W A H, or that `of_estimate` where W is not right for the noise, shape (u, u).
         duration: [s].
         noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
         payload: number of the case's payloads that are mounted.
-        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, errors of the
-            pose included, shape (u, u).
 
     Raises:
         CaseError: the case has no nominal body.
     """
-    inverse = np.linalg.inv(information)
-    if scattered is not None:
-        inverse = inverse @ scattered @ inverse
-    covariance = noise**2 / (duration * case.recording.rate_Hz) * inverse
+    covariance = noise**2 / (duration * case.recording.rate_Hz) * np.linalg.inv(information)
     return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
 
 
@@ -103,7 +101,9 @@ def predicted_std_of(
     if errors is not None:
         scattered = information if scattered is None else scattered
         scattered = scattered + errors.scatter_of(seen_through(model, noise.whitening), scaling, motion)
-    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
+    if scattered is not None:
+        information = of_estimate(information, scattered)
+    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload)
 
 
 def worst_std(
@@ -126,3 +126,36 @@ def worst_std(
             if name not in worst or std > worst[name][0] * (1.0 + 1e-6):
                 worst[name] = (std, payload)
     return worst
+
+
+class Beside(NamedTuple):
+    """The hand-made motion's figures."""
+
+    duration: float  # [s]
+    std: dict[str, float]  # predicted standard deviation of each physical parameter, of one whole run [SI]
+    averaging: bool = True  # whether errors average out where it is repeated; those that depend on the pose do not
+
+    def at_equal_time(self, duration: float) -> dict[str, float]:
+        """Deviations if the motion were repeated, or broken off, after another duration [s]."""
+        times = float(np.sqrt(self.duration / duration)) if self.averaging else 1.0
+        return {name: std * times for name, std in self.std.items()}
+
+
+def beside_manual(plan: Plan) -> Beside | str:
+    """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none."""
+    if not plan.of_motion[0].family.optimised:
+        return "it is the motion itself"
+    try:
+        case = plan.case
+        model = identification_model(case, plan.model)
+        motion = manual_motion(case, sequence_file(case))
+        scaling = reference_scaling(case, model)
+        information = mean_information(model, scaling, motion)
+        if np.linalg.matrix_rank(information) < len(scaling):
+            return "the hand-made motion of this case does not determine all parameters of the model"
+        worst = worst_std(case, model, scaling, motion, plan.payloads)
+        return Beside(
+            motion.duration, {name: std for name, (std, _) in worst.items()}, case.sensors.pose_error_N is None
+        )
+    except HexciteError as error:
+        return f"there is no hand-made motion to compare with: {error.typed}"

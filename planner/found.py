@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from identification.limits import LimitReport, Status
+from identification.limit import LimitKind, LimitReport, Status
 from identification.motion import Trajectory
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
@@ -21,8 +21,6 @@ RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is 
 FULL = 0.9  # share of a limit that a good motion uses of at least one
 BINDING = 0.99  # share of a limit from which it shapes the motion
 FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
-_PLACES = ("position", "angle", "workspace position", "strut length", "singularity", "base joint angle",
-           "platform joint angle")  # limits of where the platform is, not of how it moves  # fmt: skip
 
 
 class Found(NamedTuple):
@@ -67,7 +65,7 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
             f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
             f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
         )
-    checks = [c for c in found.limits.checks if c.binding and c.name.split(" (")[0] not in _PLACES]
+    checks = [c for c in found.limits.checks if c.binding and c.kind.kinetic]
     if found.starts and checks and (most := max(checks, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
             f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
@@ -130,7 +128,7 @@ def notes(
         by_load = {n: [p for p, (_, most) in worst.items() if most == n] for n in request.payloads}
         text = "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
         words.append(f"predicted standard deviations are the largest with {request.mounted}: {text}")
-    forces = [c for c in found.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
+    forces = [c for c in found.limits.checks if c.kind is LimitKind.SENSOR_FORCE and c.ratio > BINDING]
     words += [
         f"{c.name} shapes the motion: with fewer weights in [payloads] it could carry more information" for c in forces
     ]

@@ -8,7 +8,8 @@ from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import uniform_states
 from identification.evaluate import over_samples
-from identification.limits import LimitCheck, prove
+from identification.limit import LimitCheck, LimitKind
+from identification.limit_proof import prove
 from identification.machines import machine_of
 from identification.model import Model, identification_model
 from identification.motion import Standstill
@@ -17,52 +18,55 @@ from planner.request import Request, parse_targets
 
 _BOX, _WORKSPACE = "limits.motion", "workspace"
 _KEYS = {
-    "position": f"{_BOX}.x_mm, y_mm, z_mm",
-    "angle": f"{_BOX}.a_deg, b_deg, c_deg",
-    "workspace position": f"{_WORKSPACE}.x_mm, y_mm",
-    "velocity": f"{_BOX}.velocity_mm_s",
-    "angular velocity": f"{_BOX}.angular_velocity_deg_s",
-    "acceleration": f"{_BOX}.acceleration_m_s2",
-    "angular acceleration": f"{_BOX}.angular_acceleration_rad_s2",
-    "jerk": f"{_BOX}.jerk_m_s3",
-    "angular jerk": f"{_BOX}.angular_jerk_rad_s3",
-    "strut length": f"{_BOX}.strut_length_mm and {_WORKSPACE}.strut_length_mm",
-    "strut velocity": f"{_BOX}.strut_velocity_m_s",
-    "strut acceleration": f"{_BOX}.strut_acceleration_m_s2",
-    "base joint angle": f"{_WORKSPACE}.base_joint_angle_deg",
-    "platform joint angle": f"{_WORKSPACE}.platform_joint_angle_deg",
+    LimitKind.POSITION: f"{_BOX}.x_mm, y_mm, z_mm",
+    LimitKind.ANGLE: f"{_BOX}.a_deg, b_deg, c_deg",
+    LimitKind.WORKSPACE_POSITION: f"{_WORKSPACE}.x_mm, y_mm",
+    LimitKind.VELOCITY: f"{_BOX}.velocity_mm_s",
+    LimitKind.ANGULAR_VELOCITY: f"{_BOX}.angular_velocity_deg_s",
+    LimitKind.ACCELERATION: f"{_BOX}.acceleration_m_s2",
+    LimitKind.ANGULAR_ACCELERATION: f"{_BOX}.angular_acceleration_rad_s2",
+    LimitKind.JERK: f"{_BOX}.jerk_m_s3",
+    LimitKind.ANGULAR_JERK: f"{_BOX}.angular_jerk_rad_s3",
+    LimitKind.STRUT_LENGTH: f"{_BOX}.strut_length_mm and {_WORKSPACE}.strut_length_mm",
+    LimitKind.STRUT_VELOCITY: f"{_BOX}.strut_velocity_m_s",
+    LimitKind.STRUT_ACCELERATION: f"{_BOX}.strut_acceleration_m_s2",
+    LimitKind.BASE_JOINT_ANGLE: f"{_WORKSPACE}.base_joint_angle_deg",
+    LimitKind.PLATFORM_JOINT_ANGLE: f"{_WORKSPACE}.platform_joint_angle_deg",
 }
 
 
 _JOINTS = f"{_BOX}.joints"
 _OF_JOINTS = {
-    "position": f"position_mm of {_JOINTS}",
-    "angle": f"position_deg of {_JOINTS}",
-    "joint position": "position_mm of machine.chain.joints",
-    "joint angle": "position_deg of machine.chain.joints",
-    "velocity": f"velocity_mm_s of {_JOINTS}",
-    "angular velocity": f"velocity_deg_s of {_JOINTS}",
-    "acceleration": f"acceleration_m_s2 of {_JOINTS}",
-    "angular acceleration": f"acceleration_rad_s2 of {_JOINTS}",
-    "jerk": f"jerk_m_s3 of {_JOINTS}",
-    "angular jerk": f"jerk_rad_s3 of {_JOINTS}",
+    LimitKind.POSITION: f"position_mm of {_JOINTS}",
+    LimitKind.ANGLE: f"position_deg of {_JOINTS}",
+    LimitKind.JOINT_POSITION: "position_mm of machine.chain.joints",
+    LimitKind.JOINT_ANGLE: "position_deg of machine.chain.joints",
+    LimitKind.VELOCITY: f"velocity_mm_s of {_JOINTS}",
+    LimitKind.ANGULAR_VELOCITY: f"velocity_deg_s of {_JOINTS}",
+    LimitKind.ACCELERATION: f"acceleration_m_s2 of {_JOINTS}",
+    LimitKind.ANGULAR_ACCELERATION: f"acceleration_rad_s2 of {_JOINTS}",
+    LimitKind.JERK: f"jerk_m_s3 of {_JOINTS}",
+    LimitKind.ANGULAR_JERK: f"jerk_rad_s3 of {_JOINTS}",
 }
 
 
 def remedy(check: LimitCheck, case: Case) -> str:
     """What to change where a limit of a case lets nothing move."""
-    kind = check.name.split(" (")[0]
-    if kind.startswith("distance from"):
-        return f"make that box of {'workspace' if case.chain is None else 'machine.chain'}.keep_out smaller"
-    if kind == "distance between links":
-        return f"narrow position_deg of {_JOINTS}, correct the bodies in machine.chain"
-    if kind in ("joint torque", "joint force"):
-        return f"lower the accelerations of {_JOINTS}, correct {kind[6:]}_N{'m' * (kind == 'joint torque')} or nominal"
-    if kind in ("sensor force", "sensor moment"):
-        return "take weights out of [payloads], correct sensors.range_N or range_Nm"
-    if kind == "singularity":
-        return f"narrow the poses of {_BOX}"
-    return f"widen {(_KEYS if machine_of(case).of_pose else _OF_JOINTS)[kind]}"
+    match check.kind:
+        case LimitKind.DISTANCE_FROM_BOX:
+            return f"make that box of {'workspace' if case.chain is None else 'machine.chain'}.keep_out smaller"
+        case LimitKind.DISTANCE_BETWEEN_LINKS:
+            return f"narrow position_deg of {_JOINTS}, correct the bodies in machine.chain"
+        case LimitKind.JOINT_TORQUE:
+            return f"lower the accelerations of {_JOINTS}, correct torque_Nm or nominal"
+        case LimitKind.JOINT_FORCE:
+            return f"lower the accelerations of {_JOINTS}, correct force_N or nominal"
+        case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
+            return "take weights out of [payloads], correct sensors.range_N or range_Nm"
+        case LimitKind.SINGULARITY:
+            return f"narrow the poses of {_BOX}"
+        case kind:
+            return f"widen {(_KEYS if machine_of(case).of_pose else _OF_JOINTS)[kind]}"
 
 
 def require_rest(case: Case) -> None:

@@ -18,8 +18,7 @@ from planner.interruption import Interrupted
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
-from planner.poses.pose_request import PoseRequest
-from planner.request import LONGEST, UNITS, Request, Target, parse_targets
+from planner.request import LONGEST, UNITS, PoseRequest, Request, Target, parse_targets
 from planner.search.parallel import SILENT, Listener, News
 from planner.search.patience import WORTHWHILE, gain
 from planner.search.solving import Failed, Start
@@ -53,7 +52,7 @@ class Settings(TypedDict, total=False):
 
 
 class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.poses.pose_request.PoseRequest` has the defaults.
+    """What may be asked of poses; `planner.request.PoseRequest` has the defaults.
 
     Attributes:
         criterion: letter of Table 4.

@@ -12,7 +12,8 @@ from cases.chain import JointLimit
 from cases.errors import CaseError
 from cases.recording_format import POSE
 from cases.schema import Case
-from identification.limits import TOLERANCE, LimitCheck, prove
+from identification.limit import TOLERANCE, LimitCheck
+from identification.limit_proof import prove
 from identification.motion import StandingPoses
 from planner.reach import StaticLimits, corners_and_middles, static_limits
 
@@ -36,7 +37,7 @@ class MotionBox:
     # key of `[limits.motion]`, or joint -> lower and upper limit relative to home [mm, deg], rounded inwards
     sides: dict[str, tuple[float, float]]
     share: float  # its volume over that of the stated box
-    poses: int  # number of its poses at which `identification.limits` proved the limits
+    poses: int  # number of its poses at which `identification.limit_proof` proved the limits
     worst: float  # the largest share of a limit at these
     worst_limit: str  # name of that limit
     starts: int  # number of boxes from which the search began
@@ -228,11 +229,11 @@ def _rounded(case: Case, sides: Array) -> Array:
 
 
 def _proof(case: Case, limits: StaticLimits, box: Array, seed: int) -> tuple[LimitCheck, int]:
-    """The worst limit of poses at rest by `identification.limits`, at many poses of the box; and their number."""
+    """The worst limit of poses at rest by `identification.limit_proof`, at many poses of the box; and their number."""
     n = box.shape[1]
     starts = np.vstack([corners_and_middles(n), _drawn(np.random.default_rng(seed + 1), PROVEN, n)])
     worst, _ = limits.worst_poses(box * limits.units, starts)
     poses = limits.poses(box * limits.units, np.vstack([starts, worst]))
     checks = prove(StandingPoses(poses), case, 1.0).checks
-    static = [check for check in checks if check.name.split(" (")[0] in limits.kinds]
+    static = [check for check in checks if check.of in limits.kinds]
     return max(static, key=lambda check: check.ratio), len(poses)

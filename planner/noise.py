@@ -190,3 +190,25 @@ def of_estimate(information: Array, scatter: Array) -> Array:
     """S = F M^-1 F, the inverse of the covariance of an estimate by F whose score scatters by M, shape (u, u)."""
     answer = information @ np.linalg.solve(scatter, information)
     return np.asarray((answer + answer.T) / 2.0)
+
+
+def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
+    """What of the mean information errors of the pose leave; all of it where there are none, shape (u, u)."""
+    plain = mean_information(model, scaling, trajectory)
+    if errors is None:
+        return plain
+    return of_estimate(plain, plain + errors.scatter_of(model, scaling, trajectory))
+
+
+def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:
+    """Time average of H A^T A H over a trajectory, shape (u, u); W = 1.
+
+    Args:
+        scaling: diagonal of H, shape (u,).
+        rate: samples a second [1/s].
+    """
+    count = max(2, int(np.ceil(trajectory.duration * rate)))
+    motion = trajectory.at((np.arange(count) + 0.5) * trajectory.duration / count)
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    rows = matrices.reshape(-1, len(scaling)) * scaling
+    return np.asarray(rows.T @ rows / count)

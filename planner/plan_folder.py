@@ -13,18 +13,24 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limits import LimitReport
+from identification.limit import LimitReport
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory, sample
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.saved import motion_of_entries
 from planner.families.settings import FAMILIES
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, standing_model
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    expected_noise,
+    information_of,
+    mean_information,
+    seen_through,
+    standing_model,
+)
 from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
 from planner.poses.pose_criteria import pose_regressors, total_information
-from planner.poses.pose_request import PoseRequest
-from planner.request import LONGEST, Request
-from planner.search.problem import information_of, mean_information
+from planner.request import LONGEST, PoseRequest, Request
 from planner.worth import PoseWorth, Worth
 
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
@@ -117,7 +123,8 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     try:
         parameters = len(identification_model(own, int(data["model"])).parameters)
-        request, worth = _request(data), PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
+        request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
+        worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
         limits = LimitReport.of_json(data["limits"])
         predicted = {str(name): float(std) for name, std in data["predicted_std"].items()}
         noise, rate = float(data["assumed_noise_N"]), float(data.get("assumed_rate_Hz", RATE_OF_0_1))
@@ -126,10 +133,6 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         raise FileProblem(file, error.typed, "plan again") from error
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
-
-
-def _request(data: dict[str, Any]) -> Request | PoseRequest:
-    return PoseRequest.of_json(data) if data["family"] == PoseRequest.name else Request.of_json(data)
 
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limits import PROOF_RATE, prove
+from identification.limit_proof import PROOF_RATE, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
@@ -26,13 +26,20 @@ from planner.families.settings import Spline
 from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy, require_plannable
 from planner.interruption import Interrupted, first_ctrl_c_calls
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, without_pose_errors
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    expected_noise,
+    information_of,
+    mean_information,
+    seen_through,
+    without_pose_errors,
+)
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import SILENT, Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import Patience
-from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 from planner.worth import Rival, Search, Tried, Worth

@@ -11,16 +11,15 @@ from cases.basis import KEPT, plan_basis
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limits import LimitReport
+from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Motion, Trajectory
 from identification.noise.pose_field import PoseField
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by
-from planner.poses.pose_request import PoseRequest
-from planner.precision import share_text, std_text
-from planner.request import Request
+from planner.precision import legible, share_text, std_text
+from planner.request import PoseRequest, Request
 from planner.worth import PoseWorth, Worth
 
 Array = NDArray[np.float64]
@@ -215,7 +214,7 @@ class Plan:
         """Predicted standard deviations as text, a line for each unit."""
         lines: dict[str, list[str]] = {}
         for p in physical_form(identification_model(self.case, self.model)).parameters:
-            scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+            scale, unit = legible(p.unit)
             lines.setdefault(unit, []).append(f"{p.name} {std_text(self.predicted_std[p.name] * scale)}")
         width = max(map(len, lines))
         return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]

@@ -1,9 +1,12 @@
 """Numbers as people read them, to the second digit of their standard deviation, and parameters by their words."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from math import floor, isfinite, log10
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from identification.limit import LimitCheck
 
 _WORDS = {
     "m": "mass",
@@ -51,16 +54,21 @@ def with_deviation(value: float, std: float) -> str:
     return f"{value_text(value, std)} ± {std_text(std)}"
 
 
-def share_text(ratio: float) -> str:
+def legible(unit: str) -> tuple[float, str]:
+    """Factor from an SI unit to the one in which people read it, and that one: lengths in mm, all else as it is."""
+    return (1e3, "mm") if unit == "m" else (1.0, unit)
+
+
+def share_text(ratio: float, decimals: int = 2) -> str:
     """Share of a limit in %; two decimals tell 99.99 from 100, and above ten times the limit no number tells more."""
-    return f"{100 * ratio:.2f} %" if ratio <= MOST_TIMES else "more than ten times"
+    return f"{100 * ratio:.{decimals}f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
-def bounds_text(limit: Mapping[str, Any]) -> str:
+def bounds_text(check: "LimitCheck") -> str:
     """The limit, or both where the share that is used counts from the middle between them."""
-    if (bounds := limit.get("bounds")) is not None:
-        return f"{bounds[0]:.4g} to {bounds[1]:.4g}"
-    return f"{limit['limit']:.4g}"
+    if check.bounds is not None:
+        return f"{check.bounds[0]:.4g} to {check.bounds[1]:.4g}"
+    return f"{check.limit:.4g}"
 
 
 def carries_rods(names: Iterable[str]) -> bool:

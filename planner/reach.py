@@ -17,9 +17,10 @@ from cases.units import DEG, MM
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances, guarded
-from identification.limited import Quantity
+from identification.limit import TOLERANCE, Limit, LimitKind
+from identification.limit_proof import CHUNK, of_mechanics
 from identification.limited_chain import joint_ranges
-from identification.limits import CHUNK, TOLERANCE, of_mechanics
+from identification.limited_quantities import Quantity
 from identification.motion import StandingPoses
 from identification.pose import rotation
 
@@ -100,8 +101,8 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     violations = limits.shares(limits.poses(box, samples)) > 1.0 + TOLERANCE
     inside = int(count - violations.any(axis=1).sum())
     exceeded = {
-        kind: float(violations[:, [k == kind for k in limits.kinds]].any(axis=1).mean())
-        for kind in dict.fromkeys(limits.kinds)
+        str(limit): float(violations[:, [k == limit for k in limits.kinds]].any(axis=1).mean())
+        for limit in dict.fromkeys(limits.kinds)
     }
     _, worst = limits.worst_poses(box, np.vstack([grid, samples[:2000]]))
     estimate = (inside + 1) / (count + 2)  # so that the error of a share of 0 or 1 is not 0
@@ -112,7 +113,7 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
         poses=count,
         worst=float(worst.max()),
         worst_limit=limits.names[int(worst.argmax())],
-        exceeded={kind: share for kind, share in exceeded.items() if share > 0.0},
+        exceeded={name: share for name, share in exceeded.items() if share > 0.0},
         stated=box,
         reachable=reachable,
         limited_by=limited_by,
@@ -160,7 +161,7 @@ def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None,
 class StaticLimits:
     """What a case limits of poses at rest, over many poses at once, through the CasADi kinematics.
 
-    `identification.limits` proves the same limits by other means; both measure distances from boxes by
+    `identification.limit_proof` proves the same limits by other means; both measure distances from boxes by
     `identification.keep_out`.
 
     Args:
@@ -180,18 +181,17 @@ class StaticLimits:
         )
         self.determinant = float(np.linalg.det(hexapod.inverse_jacobian(self.home)[1].full()))
         struts = [f"strut {k}" for k in range(1, 7)]
+        length, singularity = Limit(LimitKind.STRUT_LENGTH), Limit(LimitKind.SINGULARITY)
+        angles = Limit(LimitKind.BASE_JOINT_ANGLE), Limit(LimitKind.PLATFORM_JOINT_ANGLE)
+        boxes = [Limit(LimitKind.DISTANCE_FROM_BOX, box.name) for box in self.workspace.keep_out]
         columns = [
-            *(("strut length", f"{strut}, {end}") for end in ("longest", "shortest") for strut in struts),
-            *((f"{side} joint angle", strut) for side in ("base", "platform") for strut in struts),
-            ("singularity", ""),
-            *(
-                (f"distance from {box.name}", part)
-                for box in self.workspace.keep_out
-                for part in guarded(self.workspace)
-            ),
+            *((length, f"{strut}, {end}") for end in ("longest", "shortest") for strut in struts),
+            *((angle, strut) for angle in angles for strut in struts),
+            (singularity, ""),
+            *((box, part) for box in boxes for part in guarded(self.workspace)),
         ]
-        self.kinds = tuple(kind for kind, _ in columns)
-        self.names = tuple(f"{kind} ({label})" if label else kind for kind, label in columns)
+        self.kinds = tuple(limit for limit, _ in columns)
+        self.names = tuple(limit.at(place) for limit, place in columns)
 
     def poses(self, box: Array, fractions: Array) -> Array:
         """Poses at fractions from 0 to 1 of the sides of a box relative to home, shape (n, k) [m or rad]."""
@@ -229,18 +229,14 @@ class StaticLimits:
         n, shares = box.shape[1], self.shares(self.poses(box, starts))
         fractions, largest = starts[shares.argmax(axis=0)], shares.max(axis=0)
         columns = np.flatnonzero(largest > NEAR)
-        best, most, size, rows = (
-            fractions[columns],
-            largest[columns],
-            np.full(len(columns), 0.25),
-            np.arange(len(columns)),
-        )
+        if not len(columns):  # no limit is near anywhere
+            return fractions, largest
+        best, most = fractions[columns], largest[columns]
+        size, rows = np.full(len(columns), 0.25), np.arange(len(columns))
         for _ in range(CLIMBS):
             moves = np.vstack([np.eye(n), -np.eye(n)])
             candidates = np.clip(best[:, None] + size[:, None, None] * moves, 0.0, 1.0)
-            values = self.shares(self.poses(box, candidates.reshape(-1, n))).reshape(
-                len(columns), 2 * n, len(self.names)
-            )
+            values = self.shares(self.poses(box, candidates.reshape(-1, n))).reshape(len(columns), 2 * n, -1)
             values = values[rows, :, columns]  # of each limit at the moves of its own pose
             way = values.argmax(axis=1)
             higher = values[rows, way] > most
@@ -269,12 +265,13 @@ class StaticLimitsOfChain(StaticLimits):
         rows = [np.hstack([np.zeros((len(part), 1)), *(q.ratio for q in self._quantities(part))]) for part in parts]
         return np.vstack([np.zeros((0, len(self.names))), *rows])
 
-    def _columns(self) -> Iterator[tuple[str, str]]:
-        """Kind and name of each limit; the first is that of a joint without ends, which a chain may have alone."""
-        yield "turning without end", "turning without end"
+    def _columns(self) -> Iterator[tuple[Limit, str]]:
+        """Each limit with its name; the first is that of a joint without ends, which a chain may have alone."""
+        endless = Limit(LimitKind.TURNING)
+        yield endless, str(endless)
         for quantity in self._quantities(self.home[None]):
             for label in quantity.labels:
-                yield quantity.name, f"{quantity.name} ({label})" if label else quantity.name
+                yield quantity.of, quantity.of.at(label)
 
     def _quantities(self, poses: Array) -> tuple[Quantity, ...]:
         still = StandingPoses(poses).at(np.arange(float(len(poses))))

@@ -5,6 +5,7 @@ vibration adds to the forces passes the same least squares. Steps of acceleratio
 carry more information: which of the two is better follows from the errors to be expected of both.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,18 @@ class Vibration:
     def over(self, other: "Vibration") -> float:
         """Errors over those of another motion, geometric mean."""
         return _mean_ratio(self.errors, other.errors)
+
+
+def least_shaken(motions: Sequence[tuple[str, Vibration]]) -> tuple[str, ...]:
+    """Which of some motions errs least on a machine with a structural mode, in a sentence; none where nothing tells."""
+    if len(motions) < 2 or len({frozenset(v.errors) for _, v in motions}) > 1:
+        return ()
+    best, least = min(motions, key=lambda pair: pair[1].over(motions[0][1]))
+    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in motions if name != best)
+    return (
+        f"on a machine with a structural mode at {least.frequency:.3g} Hz (simulation.disturbances) {best} is expected "
+        f"to err least: {others}",
+    )
 
 
 def _mean_ratio(one: dict[str, float], other: dict[str, float]) -> float:

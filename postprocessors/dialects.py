@@ -13,14 +13,6 @@ from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading.words import Reading
 
 
-def _in_time(reading: Reading, case: Case) -> Forecast:
-    return Forecast()
-
-
-def _as_it_is(program: NeutralProgram, case: Case) -> NeutralProgram:
-    return program
-
-
 @dataclass(frozen=True, slots=True)
 class Language:
     """What a dialect can do."""
@@ -36,9 +28,9 @@ class Language:
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
     # what it will make of the program's time; by default that it keeps it
-    forecast: Callable[[Reading, Case], Forecast] = _in_time
+    forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: Forecast()
     # program and case -> the program in the blocks that this dialect is set up to use
-    prepare: Callable[[NeutralProgram, Case], NeutralProgram] = _as_it_is
+    prepare: Callable[[NeutralProgram, Case], NeutralProgram] = lambda program, case: program
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +73,7 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 def _sinumerik(suffix: str = "") -> Language:
     from postprocessors.own_axes import write_sinumerik_axes
-    from postprocessors.proving.controller_guarantees import (
+    from postprocessors.proving.guarantees import (
         sinumerik_forecast,
         sinumerik_guarantees,
         sinumerik_tolerance,
@@ -104,7 +96,7 @@ def _sinumerik(suffix: str = "") -> Language:
 
 def _twincat(suffix: str = "") -> Language:
     from postprocessors.own_axes import write_twincat_axes
-    from postprocessors.proving.controller_guarantees import twincat_guarantees
+    from postprocessors.proving.guarantees import twincat_guarantees
     from postprocessors.reading.own_axes import read_twincat_axes
     from postprocessors.reading.twincat import read_twincat
     from postprocessors.twincat import write_twincat
@@ -117,7 +109,7 @@ def _twincat(suffix: str = "") -> Language:
 
 
 def _setpoints(suffix: str = ".csv") -> Language:
-    from postprocessors.proving.controller_guarantees import setpoint_guarantees
+    from postprocessors.proving.guarantees import setpoint_guarantees
     from postprocessors.reading.setpoints import read_setpoints
     from postprocessors.setpoints import require_same, write_csv, write_parquet
 
@@ -126,7 +118,7 @@ def _setpoints(suffix: str = ".csv") -> Language:
 
 
 def _urscript(suffix: str = "") -> Language:
-    from postprocessors.proving.controller_guarantees import urscript_guarantees
+    from postprocessors.proving.guarantees import urscript_guarantees
     from postprocessors.reading.urscript import read_urscript
     from postprocessors.urscript import write_urscript
 
@@ -135,7 +127,7 @@ def _urscript(suffix: str = "") -> Language:
 
 def _ros2(suffix: str = "") -> Language:
     from postprocessors.joint_trajectory import require_same, write_joint_trajectory
-    from postprocessors.proving.controller_guarantees import joint_trajectory_guarantees
+    from postprocessors.proving.guarantees import joint_trajectory_guarantees
     from postprocessors.reading.joint_trajectory import read_joint_trajectory
 
     return Language(write_joint_trajectory, read_joint_trajectory, joint_trajectory_guarantees, same=require_same)

@@ -12,7 +12,7 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.limited import Box
+from identification.limited_quantities import Box
 from identification.motion import Slowed
 from identification.trajectories.profile import limits_along
 from postprocessors.blocks import (

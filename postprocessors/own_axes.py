@@ -14,10 +14,9 @@ from cases.chain import Chain
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.limited import Box
+from identification.limited_quantities import Box
 from postprocessors.blocks import Array, Block, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
-from postprocessors.proving.controller_guarantees import sinumerik_guarantees, twincat_guarantees
-from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.guarantees import Guarantees, sinumerik_guarantees, twincat_guarantees
 from postprocessors.reading.words import Reading, axis_letters
 from postprocessors.wording import comments, coordinates, digits, number, written_feed
 

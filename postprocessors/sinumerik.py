@@ -26,8 +26,7 @@ from postprocessors.blocks import (
     Trigger,
 )
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
-from postprocessors.proving.controller_guarantees import sinumerik_guarantees
-from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.guarantees import Guarantees, sinumerik_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     FEED_DECIMALS,

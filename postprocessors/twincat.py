@@ -22,8 +22,7 @@ from postprocessors.blocks import (
     ToHome,
     Trigger,
 )
-from postprocessors.proving.controller_guarantees import twincat_guarantees
-from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.guarantees import Guarantees, twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     PLANE_WORDS,

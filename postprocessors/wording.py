@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.units import DEG, MINUTE, MM
-from identification.limited import Box
+from identification.limited_quantities import Box
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, limits_along
 from postprocessors.blocks import Arc, Array, ExactStopMove

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.hexapod import Kinematics
+from identification.limit import LimitKind
 from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
@@ -117,8 +118,8 @@ def coordinate_rates(kinematics: Kinematics) -> tuple[Array, Array]:
     return np.hstack([kinematics.twist[:, :3], angular]), np.hstack([kinematics.twist_rate[:, :3], second])
 
 
-def executed_peaks(execution: Execution, case: Case) -> dict[str, float]:
-    """Largest share of each kinetic limit over the whole run, by the name of the limit.
+def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
+    """Largest share of each kinetic limit over the whole run.
 
     Evaluated at `execution.extremes`: there, between two cycles of a controller that interpolates by cubic splines, are
     the largest accelerations.
@@ -128,24 +129,24 @@ def executed_peaks(execution: Execution, case: Case) -> dict[str, float]:
     """
     limits = case.need_motion("the rating of a run")[1]
     instants = execution.extremes
-    worst: dict[str, float] = {}
+    worst: dict[LimitKind, float] = {}
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
         drives = execution.struts(t, 1), execution.struts(t, 2)
         rates, accelerations = coordinate_rates(execution.kinematics(t)) if execution.machine.of_pose else drives
         velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
         ratios = {
-            "velocity": velocity[:, ~limits.turns],
-            "angular velocity": velocity[:, limits.turns],
-            "acceleration": acceleration[:, ~limits.turns],
-            "angular acceleration": acceleration[:, limits.turns],
+            LimitKind.VELOCITY: velocity[:, ~limits.turns],
+            LimitKind.ANGULAR_VELOCITY: velocity[:, limits.turns],
+            LimitKind.ACCELERATION: acceleration[:, ~limits.turns],
+            LimitKind.ANGULAR_ACCELERATION: acceleration[:, limits.turns],
         }
         if isinstance(limits, MotionLimits):  # the struts of a hexapod have limits of their own
-            ratios["strut velocity"] = np.abs(drives[0]) / limits.strut_velocity_m_s
-            ratios["strut acceleration"] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
-        for name, shares in ratios.items():
+            ratios[LimitKind.STRUT_VELOCITY] = np.abs(drives[0]) / limits.strut_velocity_m_s
+            ratios[LimitKind.STRUT_ACCELERATION] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
+        for kind, shares in ratios.items():
             if shares.size:
-                worst[name] = max(worst.get(name, 0.0), float(shares.max()))
+                worst[kind] = max(worst.get(kind, 0.0), float(shares.max()))
     return worst
 
 

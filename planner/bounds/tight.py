@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError
 from cases.schema import Case
 from planner.bounds.branch import maximise
+from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.features import Features
 from planner.bounds.moments import Moments, Multipliers, combined, mixed, motion_moments
-from planner.bounds.tight_certificate import TightDerivative, first_tight_cells
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, print_json, status_text
+from planner.cli.console import Json, Overwrite, print_json, status
 
 
 def bound(
@@ -43,7 +43,7 @@ def bound(
     loaded = load_case(case)
     start = perf_counter()
     model = full_model(loaded) if model is None else model
-    with status_text(f"information limit of {loaded.name}, model {model}", json) as report:
+    with status(f"information limit of {loaded.name}, model {model}", json) as report:
         limit = information_limit(
             loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report
         )

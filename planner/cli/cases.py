@@ -49,6 +49,7 @@ def check(
     from cases.leftovers import leftovers
     from cases.loading import load_case
     from cases.scaffold import readiness
+    from identification.limit import LimitReport
     from planner.reports.case_figures import case_figures, proposed_box, reach_figures
 
     try:
@@ -78,8 +79,9 @@ def check(
         if "home_struts_mm" in figures:
             print(f"struts at home: {', '.join(f'{v:.1f}' for v in figures['home_struts_mm'])} mm")
         # what plans avoid by themselves: nothing is wrong with a case whose corners are out of reach
+        worst = LimitReport.of_json(figures["limits_in_box"]).checks
         words = {"EXCEEDED": "not everywhere"}
-        rows = [[*row[:-1], words.get(row[-1], "everywhere")] for row in limit_rows(figures["limits_in_box"])]
+        rows = [[*row[:-1], words.get(row[-1], "everywhere")] for row in limit_rows(worst)]
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box",
             (*LIMIT_COLUMNS[:-1], "satisfied"),
@@ -126,28 +128,27 @@ def _print_proposal(box: "MotionBox") -> None:
 def show(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Picture to write: .svg, .png or .pdf; SVG by default.")
+        Path | None, typer.Option("-o", "--output", help="Page to write; NAME-machine.html by default.")
     ] = None,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Draw the machine at home, with the reach of its coordinates."""
-    from cases.files import atomic_file, check_file, output_place
+    from cases.files import check_file, output_place, write_text
     from cases.loading import find_case, load_case
 
     loaded = load_case(case)
     loaded.need_motion("the picture of the machine")
-    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
-    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
+    file = output_place(output, Path(f"{loaded.name}-machine.html"), overwrite)
+    check_file(file, (".html",), [find_case(case)], overwrite)
     with status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.case_plots import case_figure, chain_figure
+        from planner.reports.case_page import case_page
+        from planner.reports.page import render
 
         reach = reach_of(loaded)
-        figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)
-        with atomic_file(file) as part:
-            figure.savefig(part, format=file.suffix[1:].lower())
+        write_text(file, render(case_page(loaded, reach)))
     if json:
         print_json({"ok": True, "figure": str(file)})
     else:

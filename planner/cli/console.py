@@ -3,7 +3,7 @@
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Protocol
@@ -14,6 +14,7 @@ from planner.precision import bounds_text, share_text
 
 if TYPE_CHECKING:
     from cases.files import FolderKind
+    from identification.limit import LimitCheck
     from planner.reports.page import Shown
 
 
@@ -129,21 +130,8 @@ def remarks(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
 
 
 @contextmanager
-def status(text: str, quiet: bool) -> Iterator[None]:
-    """A spinner on stderr while something of unknown length runs."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield
-        return
-    with console.status(text):
-        yield
-
-
-@contextmanager
-def status_text(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A spinner as `status`, which also shows the remarks given to the function that it yields."""
+def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """A spinner on stderr while something of unknown length runs; yields a function that shows a remark beside it."""
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -154,22 +142,14 @@ def status_text(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
         yield lambda remark: spinner.update(f"{text}: {remark}")
 
 
-def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
-    """Rows of a limit report as it stands in JSON; what a controller's own time law decides is predicted, with a ~."""
+def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
+    """Rows of a limit report; what a controller's own time law decides is predicted, with a ~."""
     rows = []
-    for v in limits.values():
-        about = "" if v["status"] == "proven" else "~"
-        status = "EXCEEDED" if about == "" and v["ratio"] > 1.000001 else v["status"]
-        rows.append(
-            [
-                v["at"],
-                f"{about}{v['worst']:.4g}",
-                bounds_text(v),
-                v["unit"],
-                f"{about}{share_text(v['ratio'])}",
-                status,
-            ]
-        )
+    for check in checks:
+        proven = check.status == "proven"
+        about, words = "" if proven else "~", "EXCEEDED" if proven and not check.kept else str(check.status)
+        share = f"{about}{share_text(check.ratio)}"
+        rows.append([check.name, f"{about}{check.worst:.4g}", bounds_text(check), check.unit, share, words])
     return rows
 
 

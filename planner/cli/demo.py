@@ -1,6 +1,5 @@
 """`hexcite demo`: the whole chain on one case, from its description to a report."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,17 +24,16 @@ def demo(
         Path | None, typer.Option("-o", "--output", help="Folder for everything; hexcite-demo by default.")
     ] = None,
     overwrite: Overwrite = False,
-    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Print all that each command says.")] = False,
     json: Json = False,
 ) -> None:
     """Plan, program, prove, execute, identify and report, end to end."""
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
     from identification.model import full_model
-    from planner.cli.plan import answer_of_plan, show_plan
-    from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
-    from planner.cli.run import answer_of_run, show_run
-    from planner.cli.shown_result import answer_of_result, show_result
+    from planner.cli.plan import answer_of_plan
+    from planner.cli.post import answer_of_program, answer_of_proof
+    from planner.cli.run import answer_of_run
+    from planner.cli.shown_result import answer_of_result
     from planner.controlled import usual_dialect
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
@@ -56,12 +54,10 @@ def demo(
 
     def step(text: str) -> None:
         if not json:
-            print("\n" if verbose else "", f"[{len(answer) + 1}/6] {text}", sep="", flush=True)
+            print(f"[{len(answer) + 1}/6] {text}", flush=True)
 
-    def print_step(line: str, at_length: Callable[[], None]) -> None:
-        if verbose and not json:
-            at_length()
-        elif not json:
+    def print_step(line: str) -> None:
+        if not json:
             print(f"      {line}")
 
     def done(value: "Plan | Program | RunOutcome | Result") -> None:
@@ -73,30 +69,30 @@ def demo(
             bound = "certified" if plan["bound"]["certified"] else "estimated"
             line = f"{moves}, D-efficiency {plan['d_efficiency']:.3f} against the {bound} bound, "
             line += f"found in {plan['solve_s']:.0f} s"
-            print_step(line, lambda: show_plan(plan, value))
+            print_step(line)
             own = f"for {controller}; what it does not enforce of {', '.join(accepted(value))} is accepted here by name"
             step(f"post: {'a table of set points, one row a cycle' if table else own}")
         elif isinstance(value, Program):
             written = answer["post"] = answer_of_program(value)
             unit = "rows" if table else "blocks"
             line = f"{written['blocks']} {unit}, {written['duration_s']:.2f} s with the way to the first pose and home"
-            print_step(line, lambda: show_program(written))
+            print_step(line)
             step("check: the text read back, independently of its writer")
             checked = answer["check"] = answer_of_proof(value)
-            print_step(checked["verdict"], lambda: show_check(checked))
+            print_step(checked["verdict"])
             name, reason = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({reason})")
         elif isinstance(value, RunOutcome):
             run = answer["run"] = answer_of_run(value, place / "recording")
             line = f"{run['controller']}: {run['duration_s']:.3f} s of {run['planned_s']:.3f} s planned, "
             line += f"{run['path_error_mm']:.3f} mm from the path, D-efficiency {run['d_efficiency']:.3f} as executed"
-            print_step(line, lambda: show_run(run, value))
+            print_step(line)
             step(f"identify: model {full_model(loaded)} from the recording alone")
         else:
             data = answer["identify"] = answer_of_result(value, place / "result")
             report(value, place / "result" / "report.html")
             line = f"{len(data['parameters'])} parameters from {data['samples']} samples, residuals {data['s0']:.3g} N"
-            print_step(line, lambda: show_result(data))
+            print_step(line)
 
     law = " of limited jerk" if table else f" of {controller}"
     step(f"plan: the most informative moves inside the limits, with the time law{law}")

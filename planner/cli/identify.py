@@ -135,7 +135,7 @@ def look(
         typer.Option(help="Built-in name, folder or file: by its machine units are known, and what is missing."),
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Picture to write; RECORDING-look.svg by default.")
+        Path | None, typer.Option("-o", "--output", help="Page to write; RECORDING-look.html by default.")
     ] = None,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -144,18 +144,18 @@ def look(
 
     Nothing is changed: compare the proposal with what you know, and paste it into the case file.
     """
-    from cases.files import atomic_file, check_file, output_place
+    from cases.files import check_file, output_place, write_text
     from cases.loading import load_case
     from identification.formats.look import look as look_at
 
-    file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
-    check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
+    file = output_place(output, Path(f"{recording.stem}-look.html"), overwrite)
+    check_file(file, (".html",), [recording], overwrite)
     with status("looking", json):
         report = look_at(recording, None if case is None else load_case(case))
-        from planner.reports.look_plot import look_figure
+        from planner.reports.look import look_page
+        from planner.reports.page import render
 
-        with atomic_file(file) as part:
-            look_figure(report).savefig(part, format=file.suffix[1:].lower())
+        write_text(file, render(look_page(report)))
     if json:
         print_json(_answer(report) | {"picture": str(file)})
     else:

@@ -179,6 +179,7 @@ def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     """Prints a plan for people."""
+    from identification.limit import Status
 
     for weakness in answer["weaknesses"]:
         print(f"WEAK: {weakness}")
@@ -186,8 +187,9 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         print(f"start {failed['seed']} led nowhere: {failed['reason']}")
     if answer["interrupted"]:
         print("stopped by Ctrl-C: this is the best of what was found until then")
-    limits = {name: v for name, v in answer["limits"].items() if v["ratio"] >= MOST_USED or v["status"] != "proven"}
-    fewer = len(answer["limits"]) - len(limits)
+    checks = plan.limits.checks
+    limits = [c for c in checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
+    fewer = len(checks) - len(limits)
     title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
     print_table(title, LIMIT_COLUMNS, limit_rows(limits))
     for note in answer["notes"]:
@@ -207,7 +209,7 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
     if plan.case.chain is not None or plan.case.sensor_frame.struts is not None:
         pass  # the tighter bound is for hexapods with sensors in a frame
-    elif any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
+    elif any(c.status is Status.STEPS for c in checks):
         print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
     elif answer["d_efficiency_tight"] is None:
         command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Overwrite, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, print_json, progress, status
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -46,8 +46,8 @@ def poses(
     from identification.model import static_model
     from planner.cli.console import save_with_page
     from planner.poses.planned_poses import poses_planned
-    from planner.poses.pose_request import PoseMethod, PoseRequest
     from planner.poses.space import JOINT_CANDIDATES
+    from planner.request import PoseMethod, PoseRequest
 
     loaded = load_case(case)
     number = static_model(loaded) if model is None else model
@@ -70,19 +70,12 @@ def poses(
 
 
 def _show(answer: dict[str, Any], plan: "Plan") -> None:
-    from identification.model import identification_model
-    from identification.parameters import physical_form
-    from planner.poses.pose_request import METHODS, PoseMethod
-    from planner.precision import std_text
+    from planner.request import METHODS, PoseMethod
 
-    form = physical_form(identification_model(plan.case, plan.model))
-    rows = []
-    for p in form.parameters:
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        rows.append([p.name, std_text(answer["predicted_std"][p.name] * scale), unit])
     print(f"{METHODS[PoseMethod(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
-    print(f"predicted for averaged forces that scatter by {answer['assumed_noise_N']:.3g} N:")
-    print_table("Standard deviations", ("parameter", "std", "unit"), rows)
+    print(f"predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N):")
+    for line in plan.deviations():
+        print(f"  {line}")
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
     print(
         f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"

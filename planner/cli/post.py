@@ -113,7 +113,7 @@ def check(
     if json:
         print_json(answer)
     else:
-        show_check(answer)
+        show_check(answer, read)
     try:
         read.proof.require()
     except ProgramError as error:
@@ -123,7 +123,6 @@ def check(
 def answer_of_proof(program: "Program") -> dict[str, Any]:
     """The JSON answer of a program that was proven, or not."""
     from planner.runs.written import written_for_another
-    from postprocessors.proving.guarantees import family
 
     proof, other = program.proof, written_for_another(program.content, program.case)
     return {
@@ -131,7 +130,8 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "violations": [
-            {"line": v.line, "limit": family(v.check.name), "sentence": v.check.sentence()} for v in proof.violations
+            {"line": v.line, "limit": str(v.check.kind.family), "sentence": v.check.sentence()}
+            for v in proof.violations
         ],
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],
@@ -139,9 +139,9 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
     }
 
 
-def show_check(answer: dict[str, Any]) -> None:
+def show_check(answer: dict[str, Any], program: "Program") -> None:
     """Prints a proof for people."""
-    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(answer["limits"]))
+    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(program.proof.limits.checks))
     lines = Counter(violation["limit"] for violation in answer["violations"])
     for limit, count in lines.items():  # of each the worst stands first
         worst = next(violation for violation in answer["violations"] if violation["limit"] == limit)

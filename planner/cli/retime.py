@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status_text
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
 
 if TYPE_CHECKING:
+    from identification.limit import LimitReport
     from planner.retiming.retimed import PaceRating
 
 
@@ -54,7 +55,7 @@ def retime(
     request = replace(plan.of_motion[0], model=plan.model if model is None else model, targets=())
     retiming_method = method_of(method, plan.motion, fastest)
     start = perf_counter()
-    with status_text(f"re-timing with {retiming_method}", json) as report:
+    with status(f"re-timing with {retiming_method}", json) as report:
         effective_model = identification_model(plan.case, request.model)
         result = retimed(plan.motion, plan.case, effective_model, retiming_method, fastest, report)
         seconds = perf_counter() - start
@@ -77,7 +78,7 @@ def retime(
     if json:
         print_json(answer)
     else:
-        _show(answer)
+        _show(answer, result.after.limits)
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:
@@ -90,7 +91,7 @@ def _rating(rating: "PaceRating") -> dict[str, Any]:
     }
 
 
-def _show(answer: dict[str, Any]) -> None:
+def _show(answer: dict[str, Any], limits: "LimitReport") -> None:
     before, after = answer["before"], answer["after"]
     rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
     rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
@@ -100,7 +101,7 @@ def _show(answer: dict[str, Any]) -> None:
     for label, rating in (("before", before), ("after", after)):
         for sentence in rating["violations"]:
             print(f"{label}: {sentence}")
-    print_table("Limits after re-timing", LIMIT_COLUMNS, limit_rows(after["limits"]))
+    print_table("Limits after re-timing", LIMIT_COLUMNS, limit_rows(limits.checks))
     for remark in answer["remarks"]:
         print(f"note: {remark}")
     if answer["off_path_mm"] or answer["off_path_deg"]:

@@ -1,14 +1,16 @@
 """`hexcite run`: executes a program and writes a recording."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import Json, Overwrite, print_json, status
+from planner.precision import share_text
 
 if TYPE_CHECKING:
+    from identification.limit import LimitKind
     from planner.runs.running import RunOutcome
 
 ANSWERED = (
@@ -78,24 +80,20 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
         )
     else:
         print(_rated(answer))
-    peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in outcome.rating.peaks.items())
     print(f"reached of the limits in the whole run: {peaks}")
-    for sentence in exceeded_sentence(answer["peaks_of_limit"], outcome):
+    for sentence in exceeded_sentence(outcome.rating.peaks, outcome):
         print(sentence)
     if answer["remark"]:
         print(answer["remark"])
     print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
 
 
-def _of_limit(share: float) -> str:
-    return f"{100 * share:.0f} %" if share <= 10.0 else "more than ten times"
-
-
-def exceeded_sentence(peaks: dict[str, float], outcome: "RunOutcome") -> Iterator[str]:
+def exceeded_sentence(peaks: Mapping["LimitKind", float], outcome: "RunOutcome") -> Iterator[str]:
     """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
-    exceeded = {name for name, share in peaks.items() if share > 1.01}
+    exceeded = {kind for kind, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
-    safe = {name for name in exceeded if name.removeprefix("angular ") in enforced}
+    safe = {kind for kind in exceeded if kind.family in enforced}
     if exceeded - safe:
         yield (
             f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - safe))}; know what "

@@ -11,7 +11,7 @@ from identification.result import Value
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.cli.console import print_table
-from planner.precision import carries_rods, parameter_words, std_text, value_text
+from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
@@ -49,7 +49,7 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
     """Rows of a parameter table, lengths in mm: value, the larger standard deviation, and both of them."""
     rows, rods = [], carries_rods(parameters)
     for name, p in parameters.items():
-        scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
+        scale, unit = legible(p["unit"])
         estimate = Value(p["value"], p["std"], p["std_robust"], p["unit"])
         deviations = (estimate.reported, estimate.std, estimate.std_robust)
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
@@ -81,7 +81,7 @@ def show_noise(answer: dict[str, Any]) -> None:
     if attenuations:
         worst = max(attenuations, key=lambda name: abs(attenuations[name]["of_std"]))
         bias, unit = attenuations[worst], answer["parameters"][worst]["unit"]
-        scale, unit = (1e3, "mm") if unit == "m" else (1.0, unit)
+        scale, unit = legible(unit)
         print(
             f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
             f"(attenuation, not taken out; vibration biases none): {worst} by {bias['bias'] * scale:+.2g} {unit}"

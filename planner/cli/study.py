@@ -40,11 +40,12 @@ def run(
     from cases.files import read_json, write_text
     from cases.loading import load_case
     from planner.interruption import Interrupted
+    from planner.reports.page import render
     from planner.study.cluster import local_client, remote_client, require_dask
     from planner.study.spec import load_spec
     from planner.study.store import ABOUT, DONE, PLANNED, check_study, read_rows
     from planner.study.study_run import about_study, cells_of, missing, run_study
-    from planner.study.summary import best_groups, groups
+    from planner.study.summary import best_groups, groups, study_page
 
     loaded, study = load_case(case), load_spec(spec)
     loaded.need_motion("a study")
@@ -83,7 +84,7 @@ def run(
     table = read_rows(folder)
     settings_groups = groups(table)
     report = folder / "report.html"
-    write_text(report, _page(read_json(folder / ABOUT, "hexcite study"), table))
+    write_text(report, render(study_page(read_json(folder / ABOUT, "hexcite study"), table)))
     plans = [
         s for s, n in zip(table["status"].to_pylist(), table["noise_seed"].to_pylist(), strict=True) if n == PLANNED
     ]
@@ -104,13 +105,6 @@ def run(
     if not quiet:
         _show(answer, best_groups(settings_groups), case)
     return answer
-
-
-def _page(about: dict[str, Any], table: Any) -> str:
-    from planner.reports.page import render
-    from planner.study.summary import study_page
-
-    return render(study_page(about, table))
 
 
 def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:

@@ -1,6 +1,6 @@
 """What belongs together among plans, runs and results, and which excitation to prefer."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,8 +12,9 @@ from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from identification.noise.pose_field import PoseField
-from planner.comparison.entries import Entry, Level, entry_of_plan, read_entry
+from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
 from planner.plans import Plan
+from planner.vibration import least_shaken
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
 ONE_NOISE = 1.0001  # ratio of noises that are one
@@ -29,26 +30,28 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     """
     entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
-        plans = [
-            g for g in entry_groups if g[0].level is Level.PLANNED and run.plan is not None and run.plan == g[0].plan
-        ]
-        if plans:
-            plans[0].append(run)
-        else:
-            entry_groups.append([run])
+        _group_of_plan(run, [g for g in entry_groups if g[0].level is Level.PLANNED], entry_groups).append(run)
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.hashes & result.hashes]
-        plans = [g for g in entry_groups if result.plan is not None and g[0].plan == result.plan]
+        made_of = result.sources.recordings
+        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.sources.recordings & made_of]
         if runs:
             home, run = runs[0]
-            entry = replace(result, duration=run.duration, load=run.load, machine=run.machine)
-            after = [k for k, e in enumerate(home) if e.hashes & run.hashes]
+            known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
+            entry = replace(result, duration=run.duration, conditions=known)
+            after = [k for k, e in enumerate(home) if e.sources.recordings & run.sources.recordings]
             home.insert(max(after) + 1, entry)
-        elif plans:
-            plans[0].append(result)
         else:
-            entry_groups.append([result])
+            _group_of_plan(result, entry_groups, entry_groups).append(result)
     return entry_groups
+
+
+def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: list[list[Entry]]) -> list[Entry]:
+    """The group that begins with an entry's plan, or a new one."""
+    for group in known:
+        if group[0].sources.same_plan(entry.sources):
+            return group
+    entry_groups.append([])
+    return entry_groups[-1]
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -56,17 +59,17 @@ def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
     warnings = []
     if len({e.model for e in entries}) > 1:
         warnings.append("models differ: criteria of different models do not compare, standard deviations do")
-    if len({e.case.hash for e in entries}) > 1:
+    if len({e.conditions.case.hash for e in entries}) > 1:
         warnings.append("cases differ: the machines are not the same, or the case was changed between")
-    noises = [(e.noise, e) for e in entries if e.noise is not None]
+    noises = [(e.conditions.noise, e) for e in entries if e.conditions.noise is not None]
     if noises and max(n for n, _ in noises) > ONE_NOISE * min(n for n, _ in noises):
         text = _listed((f"{noise:.3g} N", e) for noise, e in noises)
         warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {text}")
-    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
-        text = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+    if len({round(e.conditions.load, 3) for e in entries if e.conditions.load is not None}) > 1:
+        text = _listed((f"{e.conditions.load:.4g} kg", e) for e in entries if e.conditions.load is not None)
         warnings.append(f"different weights are mounted, with which errors of the machine grow: {text}")
-    if len({e.machine for e in entries if e.machine is not None}) > 1:
-        text = _listed((e.machine, e) for e in entries if e.machine is not None)
+    if len({e.conditions.machine for e in entries if e.conditions.machine is not None}) > 1:
+        text = _listed((e.conditions.machine, e) for e in entries if e.conditions.machine is not None)
         warnings.append(f"not the same was measured, so that residuals do not compare: {text}")
     return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
 
@@ -102,8 +105,11 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
     alike = under_equal_conditions(selection)
     if len(alike) == 1:
         found_best = _among(selection, level, remarks)
-        return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(selection)))
-    text = "; ".join(f"{', '.join(e.name for e in group)} ({_conditions(group)})" for group in alike)
+        vibrations = [(e.name, e.vibration) for e in selection if e.vibration is not None]
+        return found_best._replace(sentences=(*found_best.sentences, *least_shaken(vibrations)))
+    text = "; ".join(
+        f"{', '.join(e.name for e in group)} ({_in_words([e.conditions for e in group])})" for group in alike
+    )
     parts = [_among(group, level, remarks) for group in alike if len(group) > 1]
     return Recommendation(
         parts[0].best if len(parts) == 1 else None,
@@ -116,24 +122,13 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
     )
 
 
-def _where_it_vibrates(entries: Sequence[Entry]) -> Iterator[str]:
-    """Which planned motion to prefer on a machine with a structural mode, by the errors to be expected there."""
-    vibrations = [(e.name, e.vibration) for e in entries if e.vibration is not None]
-    if len(vibrations) < 2 or len({frozenset(v.errors) for _, v in vibrations}) > 1:
-        return
-    best, least = min(vibrations, key=lambda pair: pair[1].over(vibrations[0][1]))
-    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in vibrations if name != best)
-    yield (
-        f"on a machine with a structural mode at {least.frequency:.3g} Hz (simulation.disturbances) {best} is expected "
-        f"to err least: {others}"
-    )
-
-
 def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries of one machine, one load and one noise each; what nothing tells of an entry agrees with everything."""
     result: list[list[Entry]] = []
     for entry in entries:
-        home = next((group for group in result if all(_comparable(entry, other) for other in group)), None)
+        home = next(
+            (group for group in result if all(_comparable(entry.conditions, other.conditions) for other in group)), None
+        )
         if home is None:
             result.append([entry])
         else:
@@ -141,7 +136,7 @@ def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     return result
 
 
-def _comparable(one: Entry, other: Entry) -> bool:
+def _comparable(one: Conditions, other: Conditions) -> bool:
     if bound_hash(one.case) != bound_hash(other.case):
         return False
     if None not in (one.machine, other.machine) and one.machine != other.machine:
@@ -155,16 +150,16 @@ def _comparable(one: Entry, other: Entry) -> bool:
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
 
 
-def _conditions(entries: Sequence[Entry]) -> str:
-    """Machine, load and noise of entries that have them in common, in words."""
-    loads = [f"{e.load:.4g} kg mounted" for e in entries if e.load is not None]
-    noises = [f"noise {e.noise:.3g} N{_by_pose(e)}" for e in entries if e.noise is not None]
-    machines = [e.machine for e in entries if e.machine is not None]
-    return ", ".join([f"case {entries[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
+def _in_words(conditions: Sequence[Conditions]) -> str:
+    """Machine, load and noise of entries that have them in common."""
+    loads = [f"{c.load:.4g} kg mounted" for c in conditions if c.load is not None]
+    noises = [f"noise {c.noise:.3g} N{_by_pose(c.case)}" for c in conditions if c.noise is not None]
+    machines = [c.machine for c in conditions if c.machine is not None]
+    return ", ".join([f"case {conditions[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
 
 
-def _by_pose(entry: Entry) -> str:
-    field = PoseField.of(entry.case.sensors)
+def _by_pose(case: Case) -> str:
+    field = PoseField.of(case.sensors)
     return "" if field is None else f" and {field.words} that depends on the pose"
 
 
@@ -193,7 +188,9 @@ def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Reco
     else:
         reason = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
     reason += f" (geometric mean over {len(names)} parameters)"
-    sentences = [f"{best.name}: {reason}{_times(best, second)}", *remarks]
+    if best.duration is not None and second.duration is not None:
+        reason += f", in {best.duration:.1f} s against {second.duration:.1f} s"
+    sentences = [f"{best.name}: {reason}", *remarks]
     if best.warnings:
         others = [entries[k].name for k in order if not entries[k].warnings]
         instead = f"; without warnings the best is {others[0]}" if others else ""
@@ -212,12 +209,6 @@ def _size(entry: Entry, names: Iterable[str]) -> float:
     if not all(d > 0.0 for d in deviations):
         raise HexciteError(f"{entry.name}: a parameter was given, not identified; compare without --fix")
     return float(np.mean(np.log(deviations)))
-
-
-def _times(best: Entry, second: Entry) -> str:
-    if best.duration is None or second.duration is None:
-        return ""
-    return f", in {best.duration:.1f} s against {second.duration:.1f} s"
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -18,18 +18,18 @@ from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
 from identification.identify import default_model
 from identification.model import Model, identification_model
+from identification.parameters import physical_form
 from identification.recording import Recording, files_of, read
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.deviations import predicted_std
-from planner.noise import PoseErrors, expected_noise
+from planner.noise import PoseErrors, expected_noise, mean_information, of_estimate
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.recorded import standing_of
-from planner.search.problem import mean_information
 from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]
@@ -51,13 +51,34 @@ class Told(NamedTuple):
     unit: str
 
 
+class Conditions(NamedTuple):
+    """What something was planned, executed or identified under; None where nothing tells."""
+
+    case: Case
+    noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
+    load: float | None = None  # mass of the weights that are mounted [kg]
+    machine: str | None = None  # machine that was measured, in words; None for plans
+
+
+class Sources(NamedTuple):
+    """What something is or was made of."""
+
+    recordings: frozenset[str] = frozenset()  # their fingerprints
+    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
+
+    def same_plan(self, other: "Sources") -> bool:
+        """Whether both are known to go back to one plan."""
+        return self.plan is not None and self.plan == other.plan
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """One thing that is compared."""
 
     name: str  # as the user named it
     level: Level  # plan, run or result
-    case: Case
+    conditions: Conditions
+    sources: Sources
     model: int  # number in Table 2
     family: str  # family of the plan, or what the recording says
     duration: float | None  # measuring time [s]; None where nothing tells
@@ -67,11 +88,6 @@ class Entry:
     parameters: Mapping[str, Told]  # parameters by name
     s0: float | None  # s0 of an identified one [N]
     notes: Mapping[str, float]  # figures of the execution, by name
-    hashes: frozenset[str]  # fingerprints of the recordings that it is or was made of
-    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
-    noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
-    load: float | None = None  # mass of the weights that are mounted [kg]; None where nothing tells
-    machine: str | None = None  # machine that was measured, in words; None for plans, and where nothing tells
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
     # vibration of a planned motion on a machine with a structural mode; None where the case states none
     vibration: Vibration | None = None
@@ -89,9 +105,9 @@ class Entry:
             "s0_N": self.s0,
             "parameters": {n: t._asdict() for n, t in self.parameters.items()},
             "execution": dict(self.notes),
-            "assumed_noise_N": self.noise,
-            "load_kg": self.load,
-            "machine": self.machine,
+            "assumed_noise_N": self.conditions.noise,
+            "load_kg": self.conditions.load,
+            "machine": self.conditions.machine,
             "warnings": list(self.warnings),
             "vibration": None if self.vibration is None else asdict(self.vibration),
         }
@@ -108,8 +124,9 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         FileProblem: it is none of these.
         HexciteError: it cannot be used; the message says why.
     """
-    readers = {"plan.json": _plan, "recording.json": _run, "result.json": _result}
-    for file, reader in readers.items():
+    if (path / "plan.json").is_file():
+        return entry_of_plan(load_plan(path, case, stale), str(path))
+    for file, reader in (("recording.json", _run), ("result.json", _result)):
         if (path / file).is_file():
             return reader(path, case, stale)
     remedy = "name folders that plan, poses, run or identify wrote"
@@ -119,10 +136,6 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         raise FileProblem(path, "is a file", remedy)
     other = another_kind(path, "plan.json")
     raise FileProblem(path, f"{other or 'holds no plan, run or result'}", remedy)
-
-
-def _plan(path: Path, case: Case | None, stale: bool) -> Entry:
-    return entry_of_plan(load_plan(path, case, stale), str(path))
 
 
 def entry_of_plan(saved: Plan, name: str) -> Entry:
@@ -145,15 +158,13 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
     deviations = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
-        name, Level.PLANNED, saved.case, model.number, saved.family, saved.duration, samples,
-        _criteria(information, model), deviations, None, {}, frozenset(),
-        fingerprint(saved), noise, float(load), warnings=saved.stale, vibration=vibrating,
+        name, Level.PLANNED, Conditions(saved.case, noise, float(load)), Sources(plan=fingerprint(saved)),
+        model.number, saved.family, saved.duration, samples,
+        _criteria(information, model), deviations, None, {}, saved.stale, vibrating,
     )  # fmt: skip
 
 
 def _units(model: Model) -> dict[str, str]:
-    from identification.parameters import physical_form
-
     return {p.name: p.unit for p in physical_form(model).parameters}
 
 
@@ -187,14 +198,16 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
         scattered = weighted if scattered is None else scattered
         scattered = scattered + errors.scatter(rows * scaling, struts, seconds)
     units = _units(model)
-    expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
+    weighted = weighted if scattered is None else of_estimate(weighted, scattered)
+    expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
-        str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")).split(" (")[0],
+        str(path), Level.EXECUTED, Conditions(case, noise.sensors, _mounted(about), _machine(about)),
+        Sources(_fingerprints(path), about.get("plan_hash")), model.number,
+        str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
-        {n: float(about[n]) for n in figures if about.get(n) is not None}, _fingerprints(path),
-        about.get("plan_hash"), noise.sensors, _mounted(about), _machine(about),
+        {n: float(about[n]) for n in figures if about.get(n) is not None},
         (*(str(about[k]) for k in ("remark",) if about.get(k)), *stale_in),
     )  # fmt: skip
 
@@ -244,13 +257,12 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     model = identification_model(case, saved.model)
     try:
         samples, s0, measured = int(data["samples"]), float(data["s0"]), float(data["s0_N"])
-        weights, seconds = str(data["weights"]), data.get("measuring_s")
+        weights, seconds = str(data["weights"]), None if data.get("measuring_s") is None else float(data["measuring_s"])
         deviations = {
             n: Told(v.value, v.reported, v.unit)
             for n, p in data["parameters"].items()
             for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
         }
-        seconds = None if seconds is None else float(seconds)
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     criteria: dict[str, float] = {}
@@ -260,9 +272,9 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
             scaling = reference_scaling(case, model)
             criteria = _criteria(mean * np.outer(scaling, scaling), model)
         except (np.linalg.LinAlgError, IdentificationError):
-            criteria = {}
+            pass
     return Entry(
-        str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
-        seconds, samples, criteria, deviations, measured, {}, saved.recordings, data.get("plan_hash"),
-        warnings=tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
+        str(path), Level.IDENTIFIED, Conditions(case), Sources(saved.recordings, data.get("plan_hash")), saved.model,
+        str(data.get("estimator", "")), seconds, samples, criteria, deviations, measured, {},
+        tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

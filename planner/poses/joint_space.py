@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limits import TOLERANCE, everything, shares_at
+from identification.limit import TOLERANCE
+from identification.limit_proof import everything, shares_at
 from identification.machines import Machine, machine_of
 from identification.motion import StandingPoses
 from planner.search.state_limits import standing_limits

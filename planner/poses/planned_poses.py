@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
-from identification.limits import LimitReport, prove, worst_of
+from identification.limit import LimitReport, worst_of
+from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses
@@ -23,10 +24,10 @@ from planner.poses.pose_criteria import (
     require_full_rank,
     total_information,
 )
-from planner.poses.pose_request import METHODS, PoseMethod, PoseRequest
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
 from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
+from planner.request import METHODS, PoseMethod, PoseRequest
 from planner.worth import PoseWorth
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from cases.units import DEG
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.machines import machine_of
 from identification.motion import StandingPoses
 from identification.pose import rotation, rpy

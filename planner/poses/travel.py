@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.limits import loads_of, mechanical_pace
+from identification.limit_proof import loads_of, mechanical_pace
 from identification.machines import kinetic
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.poses.space import space_of

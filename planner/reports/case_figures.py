@@ -8,7 +8,8 @@ from cases.errors import CaseError
 from cases.loading import find_case, load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.limits import prove
+from identification.limit import LimitKind
+from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import StandingPoses
 from planner.infeasible import remedy
@@ -18,7 +19,13 @@ from planner.reach import Reach, reach
 
 GRID = (-1.0, 0.0, 1.0)
 MOST_COORDINATES = 7  # whose corners and middles are all looked at
-STATIC = ("strut length", "base joint angle", "platform joint angle", "singularity", "position", "angle")
+STATIC = (
+    LimitKind.STRUT_LENGTH, LimitKind.BASE_JOINT_ANGLE, LimitKind.PLATFORM_JOINT_ANGLE, LimitKind.SINGULARITY,
+    LimitKind.POSITION, LimitKind.ANGLE, LimitKind.DISTANCE_FROM_BOX,
+)  # fmt: skip
+OF_CHAINS = (
+    LimitKind.DISTANCE_FROM_BOX, LimitKind.DISTANCE_BETWEEN_LINKS, LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE,
+)  # fmt: skip
 
 
 def case_figures(name: str) -> dict[str, Any]:
@@ -64,8 +71,8 @@ def _joints_in_box(case: Case, file: str) -> dict[str, Any]:
     if at_home.violations:
         problem = at_home.violations[0].sentence(timed=False)
         raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
-    checks = prove(StandingPoses(poses), case, 1.0).to_json()
-    entries = {k: v for k, v in checks.items() if k.startswith(("distance", "joint torque", "joint force"))}
+    checks = prove(StandingPoses(poses), case, 1.0).checks
+    entries = {str(c.of): c.to_json() for c in checks if c.kind in OF_CHAINS}
     return {"poses": len(poses), "limits_in_box": entries} if entries else {}
 
 
@@ -112,7 +119,7 @@ def _in_box(case: Case, file: str) -> dict[str, Any]:
     return {
         "home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist(),
         "poses": len(poses),
-        "limits_in_box": {k: v for k, v in report.to_json().items() if k in STATIC or k.startswith("distance from")},
+        "limits_in_box": {str(c.of): c.to_json() for c in report.checks if c.kind in STATIC},
     }
 
 

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cases.files import provenance
-from planner.comparison.advising import Recommendation, warnings_of
+from planner.comparison.advising import Comparison
 from planner.comparison.entries import Entry, Level, Told
-from planner.precision import parameter_words, std_text, value_text
+from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.charts import Series, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
@@ -47,7 +47,7 @@ def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str,
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         values = [e.parameters.get(name) for e in entries]
         unit = next(t.unit for t in values if t is not None)
-        yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), values
+        yield name, *legible(unit), values
 
 
 def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -95,31 +95,31 @@ def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
 EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
 
 
-def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> Page:
+def compare_page(comparison: Comparison) -> Page:
     """The page of `hexcite compare`."""
-    entries = [e for g in groups for e in g]
+    groups, entries = comparison.groups, comparison.entries
     names = tuple(e.name for e in entries)
     execution = execution_rows(groups)
     sections = [
-        Section("Recommendation", tuple(Note(s) for s in advice.sentences)),
+        Section("Recommendation", tuple(Note(s) for s in comparison.advice.sentences)),
         Section(
             "Parameters side by side",
             (
                 _std_plot(groups),
-                Table(parameter_columns(entries), tuple(map(tuple, parameter_rows(entries)))),
+                Table(parameter_columns(entries), parameter_rows(entries)),
                 Note(
                     "std of plans and runs: predicted from the information alone, with white noise as the case states."
                 ),
             ),
         ),
-        Section("Figures", (Table(("", *names), tuple(map(tuple, figure_rows(entries)))), _scaling_note())),
+        Section("Figures", (Table(("", *names), figure_rows(entries)), _scaling_note())),
         Section(
             "Per second of measuring time",
-            (Table(("std · √time", *names), tuple(map(tuple, per_second_rows(entries)))),),
+            (Table(("std · √time", *names), per_second_rows(entries)),),
         ),
     ]
     if execution:
-        items: tuple[Item, ...] = (Table(EXECUTION, tuple(map(tuple, execution)), left=2),)
+        items: tuple[Item, ...] = (Table(EXECUTION, execution, left=2),)
         words = (
             "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
         )
@@ -127,12 +127,12 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
             words + "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
         )
         sections.append(Section("Planned and executed", (*items, note)))
-    hashes = dict.fromkeys((f"case {e.case.name}", e.case.hash) for e in entries)
+    hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
     return Page(
         title="Comparison of excitations",
         lead=f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
         inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
-        warnings=warnings_of(entries),
+        warnings=comparison.warnings,
         sections=tuple(sections),
     )
 

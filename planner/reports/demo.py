@@ -5,16 +5,18 @@ from typing import Any
 import numpy as np
 
 from cases.schema import Case
+from identification.limit import Status
 from identification.motion import sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
-from planner.precision import parameter_words, std_text, value_text
+from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned
-from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_plots
+from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_items
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
 from planner.reports.plan import pictured, starts_items
 from planner.runs.running import RunOutcome
+from postprocessors.program_file import Program
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
@@ -30,6 +32,7 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
     assert result.identifiability is not None
     assert result.residuals is not None
     run, plan = answer["run"], answer["plan"]
+    settings = [f"{key} {value}" for key, value in plan["settings"].items() if not isinstance(value, list | dict)]
     source = case.need_simulation("the demo").source
     return Page(
         title=case.title,
@@ -38,7 +41,7 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
         f"({source}).",
         inputs=(
             ("case", f"{case.name} (hash {case.hash})"),
-            ("plan", f"{plan['family']}, criterion {plan['criterion']}, {settings_text(plan['settings'])}"),
+            ("plan", f"{plan['family']}, criterion {plan['criterion']}, {', '.join(settings)}"),
             *run_inputs(run),
             *answer["identify"]["versions"].items(),
         ),
@@ -46,19 +49,14 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
         sections=(
             Section("What came out", (_headline(answer, chain), *_truth(chain))),
             *pictured(case, outcome.planned),
-            Section("The planned motion and its limits", _motion(case, outcome)),
-            Section("Proof of the program's text", _proof(answer)),
+            Section("The planned motion and its limits", motion_items(case, sample(outcome.planned, DRAWN_RATE))),
+            Section("Proof of the program's text", _proof(chain.program)),
             Section("What the controller made of it", _executed(case, answer, outcome)),
             Section("Forces and residuals", residual_items(case, result.residuals)),
             Section("What the run determines", identifiability_items(result.identifiability)),
             Section("How the plan was found", starts_items(plan)),
         ),
     )
-
-
-def settings_text(settings: dict[str, Any]) -> str:
-    """Settings of a plan in one line."""
-    return ", ".join(f"{key} {value}" for key, value in settings.items() if not isinstance(value, list | dict))
 
 
 def _headline(answer: dict[str, Any], chain: Demo) -> Tiles:
@@ -92,7 +90,7 @@ def _truth(chain: Demo) -> tuple[Item, ...]:
 
 def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     """Name, truth, estimate, standard deviation, error, error / std and unit of one row of `truth_rows`."""
-    scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
+    scale, unit = legible(row["unit"])
     std = row["std"] * scale
     texts = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     estimate, error = texts
@@ -100,16 +98,11 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
-def _motion(case: Case, outcome: RunOutcome) -> tuple[Item, ...]:
-    note = Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
-    return (*motion_plots(case, sample(outcome.planned, DRAWN_RATE)), note)
-
-
-def _proof(answer: dict[str, Any]) -> tuple[Item, ...]:
-    limits = answer["check"]["limits"]
-    words = f"{answer['post']['blocks']} blocks, {answer['check']['duration_s']:.2f} s, read back by code that shares "
+def _proof(program: Program) -> tuple[Item, ...]:
+    limits = program.proof.limits
+    words = f"{program.reading.blocks} blocks, {program.proof.duration:.2f} s, read back by code that shares "
     items: list[Item] = [Note(words + "nothing with the writer; paths checked at 10 kHz."), limits_plot(limits)]
-    remarks = [f"{v['at'].split(' (')[0]}: {v['status']}" for v in limits.values() if v["status"] != "proven"]
+    remarks = [f"{c.of}: {c.status}" for c in limits.checks if c.status is not Status.PROVEN]
     if remarks:
         items.append(Note("What the program does not determine and its text cannot prove: " + "; ".join(remarks) + "."))
     return tuple(items)

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import Identifiability
+from identification.limit import LimitReport, Status
 from identification.motion import Motion
 from planner.precision import bounds_text, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned
-from planner.reports.page import Item, Plot, Table
+from planner.reports.page import Item, Note, Plot, Table
 
 if TYPE_CHECKING:
     from identification.outcome import Residuals
@@ -28,7 +29,7 @@ MOST_SHARE = 120.0  # [%] of a limit that a chart shows
 MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 
-def motion_plots(case: Case, motion: Motion) -> list[Plot]:
+def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
     """Position, velocity, acceleration and jerk over time, each axis with its own limits."""
     home, box = case.need_motion("the report")
     rows = (
@@ -37,7 +38,7 @@ def motion_plots(case: Case, motion: Motion) -> list[Plot]:
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
         ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
     )
-    plots = []
+    plots: list[Item] = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
         for kind, own, unit, factor in (
             ("translation", ~box.turns, length_unit, to_length),
@@ -57,7 +58,7 @@ def motion_plots(case: Case, motion: Motion) -> list[Plot]:
             if name == "jerk" and not np.any(values) and np.any(motion.accelerations):
                 note = "Accelerations step, and the jerk between the steps is zero: limits of jerk do not count here."
             plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), note, half=not own.all()))
-    return plots
+    return (*plots, Note("Dashed: the limit of the axis in its colour, grey where axes share it."))
 
 
 def colour(k: int) -> str:
@@ -77,46 +78,39 @@ def _add_limits(figure: Chart, limits: Array, colours: Sequence[str]) -> None:
             figure.add_hline(y=float(value), line={"color": colour, "dash": "dash", "width": 1})
 
 
-def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
+_KEEPERS = {Status.PROVEN: "proven", Status.ENFORCED: "kept by the controller"}
+_NOBODY = "kept by nobody"
+
+
+def limits_plot(report: LimitReport) -> Plot:
     """Share of each limit that is used, in a colour for who answers for it: the proof, the controller, or nobody."""
-    names = [plain(v["at"]) for v in limits.values()][::-1]
     figure = Chart()
-    for label, colour in (
-        ("proven", COLOURS[5]),
-        ("kept by the controller", COLOURS[2]),
-        ("kept by nobody", COLOURS[1]),
-    ):
-        checks = [v for v in limits.values() if _keeper(v) == label][::-1]
+    for label, colour in zip((*_KEEPERS.values(), _NOBODY), (COLOURS[5], COLOURS[2], COLOURS[1]), strict=True):
+        checks = [c for c in reversed(report.checks) if _KEEPERS.get(c.status, _NOBODY) == label]
         if not checks:
             continue
         figure.add(
             "bar",
-            x=[min(100 * v["ratio"], MOST_SHARE) for v in checks],
-            y=[plain(v["at"]) for v in checks],
+            x=[min(100 * c.ratio, MOST_SHARE) for c in checks],
+            y=[plain(c.name) for c in checks],
             name=label,
             orientation="h",
-            text=[f"{v['worst']:.4g} of {bounds_text(v)} {v['unit']}" for v in checks],
+            text=[f"{c.worst:.4g} of {bounds_text(c)} {c.unit}" for c in checks],
             textposition="inside",
             insidetextanchor="start",
             marker={"color": colour},
             textfont={"color": "#102a43" if label == "proven" else "#ffffff"},
         )
+    names = [plain(c.name) for c in reversed(report.checks)]
     figure.add_vline(x=100, line={"color": GREY, "width": 2})
     figure.update_xaxes(title="share of the limit [%]", range=[0, MOST_SHARE])
     figure.update_yaxes(categoryorder="array", categoryarray=names)
     layout = figure.update_layout(height=130 + 30 * len(names), showlegend=True, barmode="overlay")
-    nobody = [v["at"] for v in limits.values() if _keeper(v) == "kept by nobody"]
+    nobody = [c.name for c in report.checks if c.status not in _KEEPERS]
     note = "Largest use of each limit; 100 % is the limit."
     if nobody:
         note += f" No one keeps {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
     return Plot("limits", layout, note)
-
-
-def _keeper(limit: dict[str, Any]) -> str:
-    """Who answers for a limit."""
-    if limit["status"] == "proven":
-        return "proven"
-    return "kept by the controller" if limit["status"].startswith("enforced") else "kept by nobody"
 
 
 def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:

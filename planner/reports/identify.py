@@ -5,7 +5,7 @@ from typing import Any
 
 from cases.schema import Case
 from identification.outcome import TOLD_OF_RUNS, Residuals, Result
-from planner.precision import carries_rods, parameter_words, std_text, value_text, with_deviation
+from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import (
     distribution_plot,
     forces_plot,
@@ -91,7 +91,7 @@ def parameter_items(result: Result) -> tuple[Item, ...]:
     """Figure and table of the parameters."""
     rows, freedom, rods = [], float(result.record["degrees_of_freedom"]), carries_rods(result.parameters)
     for name, p in result.parameters.items():
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        scale, unit = legible(p.unit)
         low, high = p.interval(freedom)
         widest = p.reported * scale
         value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))

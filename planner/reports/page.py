@@ -8,7 +8,7 @@ figure passes `plain`, for plotly reads some HTML in labels.
 import base64
 import gzip
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -24,8 +24,6 @@ from cases.files import write_text
 from planner.reports.charts import Chart, script_json
 
 if TYPE_CHECKING:
-    from identification.criteria import Identifiability
-    from identification.model import Model
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
     from planner.plans import Plan
@@ -86,7 +84,7 @@ class Table:
     """A table; the first `left` columns hold words, the others numbers."""
 
     columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: Sequence[Sequence[str]]
     left: int = 1
     kind: str = "table"
 
@@ -173,11 +171,6 @@ def explained(text: str) -> Markup:
     return Markup("").join([*parts, escape(text[end:])])
 
 
-def rows_of(rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
-    """Rows of a table that was made for the terminal."""
-    return tuple(tuple(row) for row in rows)
-
-
 # What only one kind of value needs is imported for that: SciPy takes a second.
 
 
@@ -191,54 +184,26 @@ def report(value: "Shown", file: Path | str) -> None:
     write_text(Path(file), render(page(value)))
 
 
-def page(value: "Shown") -> Page:
+def page(value: Any) -> Page:
     """The page of a value."""
-    return _PAGES[type(value).__name__](value)
+    match type(value).__name__:  # to import the types of all takes a second
+        case "Plan" if len(value.poses):
+            from planner.reports.poses import poses_page
 
+            return poses_page(value)
+        case "Plan":
+            from planner.reports.plan import plan_page
 
-def _page_of_result(result: "Result") -> Page:
-    from planner.reports.identify import identify_page
+            return plan_page(value)
+        case "Result":
+            from planner.reports.identify import identify_page
 
-    return identify_page(result)
+            return identify_page(value)
+        case "Comparison":
+            from planner.reports.compare import compare_page
 
+            return compare_page(value)
+        case _:
+            from planner.reports.validation import validation_page
 
-def _page_of_comparison(comparison: "Comparison") -> Page:
-    from planner.reports.compare import compare_page
-
-    return compare_page(comparison.groups, comparison.advice)
-
-
-def _page_of_validation(validation: "Validation") -> Page:
-    from planner.reports.validation import validation_page
-
-    v = validation
-    return validation_page(v.case, v.steps, v.findings, v.columns, v.machine, v.failed)
-
-
-def _page_of_plan(plan: "Plan") -> Page:
-    if len(plan.poses):
-        from planner.reports.poses import poses_page
-
-        return poses_page(plan, _of_poses(plan)[1])
-    from planner.comparison.beside_manual import beside_manual
-    from planner.reports.plan import plan_page
-
-    return plan_page(plan, beside_manual(plan))
-
-
-_PAGES: "dict[str, Callable[[Any], Page]]" = {  # by name: to import the types of all takes a second
-    "Plan": _page_of_plan,
-    "Result": _page_of_result,
-    "Comparison": _page_of_comparison,
-    "Validation": _page_of_validation,
-}
-
-
-def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
-    """The model of a plan of poses, and what its poses determine."""
-    from identification.criteria import analyse
-    from planner.noise import standing_model
-    from planner.poses.pose_criteria import pose_regressors
-
-    model = standing_model(plan.case, plan.model)
-    return model, analyse(pose_regressors(model, plan.poses), model.names)
+            return validation_page(value)

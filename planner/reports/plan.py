@@ -10,18 +10,20 @@ from cases.schema import Case
 from cases.units import MM
 from identification.criteria import analyse, reference_scaling
 from identification.evaluate import over_samples
-from identification.limited import strut_motion
-from identification.limits import load_shares
+from identification.limit import Status
+from identification.limit_proof import load_shares
+from identification.limited_quantities import strut_motion
 from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters, physical_form
-from planner.comparison.beside_manual import Beside
+from planner.deviations import Beside, beside_manual
+from planner.found import bound_by
 from planner.plans import Plan
-from planner.precision import parameter_words, std_text
+from planner.precision import legible, parameter_words, std_text
 from planner.reports.charts import Chart, plain, thinned
-from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
+from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_items
 from planner.reports.machine import moving_machine
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
 from planner.search.ipopt import solver_text
@@ -32,12 +34,8 @@ DRAWN_RATE = 500.0  # [1/s]
 INFORMATION_RATE = 100.0  # [1/s] of the figures of information: its mean needs no more
 
 
-def plan_page(plan: Plan, manual: Beside | str) -> Page:
-    """The page of `hexcite plan`.
-
-    Args:
-        manual: the hand-made motion of the same case, or why there is none.
-    """
+def plan_page(plan: Plan) -> Page:
+    """The page of `hexcite plan`."""
     case, (request, worth) = plan.case, plan.of_motion
     model = identification_model(case, request.model)
     motion = sample(plan.motion, DRAWN_RATE)
@@ -65,14 +63,19 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         sections=(
             Section(
                 "What the plan promises",
-                (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual), *_notes(plan)),
+                (
+                    _headline(plan),
+                    _verdicts(plan),
+                    *_deviations(plan, model, beside_manual(plan)),
+                    *_notes(plan),
+                ),
             ),
             *pictured(case, plan.motion),
-            Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
-            Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
+            Section("How close it comes to each limit", (limits_plot(plan.limits), _bound_by(plan))),
+            Section("The motion and its limits", motion_items(case, motion)),
             *([Section("Struts", _struts(case, motion))] if case.hexapod is not None else []),
             Section("Predicted sensor forces", _forces(case, motion, request.payload)),
-            Section("Information of the motion", (*_information(plan, model), *_identifiability(plan, model))),
+            Section("Information of the motion", _information(plan, model)),
             Section("How the plan was found", starts_items(plan.to_json())),
         ),
     )
@@ -101,10 +104,6 @@ def _notes(plan: Plan) -> tuple[Item, ...]:
     return tuple(map(Note, notes))
 
 
-def _dashed() -> Note:
-    return Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
-
-
 def _ends(plan: Plan) -> str:
     first, last = map(plan.case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
     return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
@@ -131,25 +130,17 @@ def _headline(plan: Plan) -> Tiles:
 
 def _verdicts(plan: Plan) -> Answers:
     """Whether the motion keeps all limits, and whether a controller that limits jerk can follow it."""
-    limits = plan.limits.to_json().values()
-    steps = [v["at"] for v in limits if v["status"].startswith("steps")]
-    proven = [v for v in limits if v["status"] == "proven"]
-    most = max(proven, key=lambda v: v["ratio"])
-    claims = [
+    steps = [c.name for c in plan.limits.checks if c.status is Status.STEPS]
+    proven = [c for c in plan.limits.checks if c.status is Status.PROVEN]
+    most = max(proven, key=lambda c: c.ratio)
+    used = f"{len(proven)} limits are proven; most used is {most.name} with {100 * most.ratio:.1f} %"
+    jerk = f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit" if steps else "proven too"
+    return Answers(
         (
-            all(v["ratio"] <= 1.0 + 1e-6 for v in proven),
-            "Is the motion inside the limits?",
-            f"{len(proven)} limits are proven; most used is {most['at']} with {100 * most['ratio']:.1f} %",
-        ),
-        (
-            not steps,
-            "Is its jerk inside the limits?",
-            f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit"
-            if steps
-            else "proven too",
-        ),
-    ]
-    return Answers(tuple(claims))
+            (all(c.kept for c in proven), "Is the motion inside the limits?", used),
+            (not steps, "Is its jerk inside the limits?", jerk),
+        )
+    )
 
 
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
@@ -173,7 +164,7 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
             note += f" {manual[0].upper()}{manual[1:]}."
     rows = []
     for p in physical_form(model).parameters:
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        scale, unit = legible(p.unit)
         std = plan.predicted_std[p.name]
         row = [parameter_words(p.name), std_text(std * scale)]
         if other is not None:
@@ -182,10 +173,9 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     return (Table((*columns, "unit"), tuple(rows)), Note(note))
 
 
-def _bound_by(plan: Plan) -> tuple[Item, ...]:
-    names = plan.to_json()["bound_by"]
-    words = f"What shapes the motion: {', '.join(names)}." if names else "No limit is used up."
-    return (Note(words),)
+def _bound_by(plan: Plan) -> Note:
+    names = bound_by(plan.limits)
+    return Note(f"What shapes the motion: {', '.join(names)}." if names else "No limit is used up.")
 
 
 def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> Chart:
@@ -265,7 +255,7 @@ def _instants(motion: Trajectory) -> Array:
 
 
 def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
-    """What each parameter costs: its deviation if all others were known, and as one of all."""
+    """What each parameter costs, its deviation if all others were known and as one of all, and what is determined."""
     matrices = _matrices(plan, model)
     stacked = matrices.reshape(-1, matrices.shape[2])
     information = stacked.T @ stacked / len(matrices)
@@ -278,7 +268,8 @@ def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
     figure.update_xaxes(tickangle=-60)
     figure.update_yaxes(title="std of one sample, scaled")
     words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
-    return (Plot("information", figure.update_layout(height=360, barmode="group"), words), _progress(plan, matrices))
+    costs = Plot("information", figure.update_layout(height=360, barmode="group"), words)
+    return (costs, _progress(plan, matrices), *identifiability_items(analyse(matrices, model.names)))
 
 
 def _progress(plan: Plan, matrices: Array) -> Plot:
@@ -303,10 +294,6 @@ def _progress(plan: Plan, matrices: Array) -> Plot:
     figure.update_yaxes(title="information gathered [%]", range=[0, 105])
     words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
     return Plot("progress", figure.update_layout(height=300), words)
-
-
-def _identifiability(plan: Plan, model: Model) -> tuple[Item, ...]:
-    return identifiability_items(analyse(_matrices(plan, model), model.names))
 
 
 def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:

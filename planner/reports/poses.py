@@ -1,22 +1,26 @@
 """The page of a pose set: the machine in each pose, what the set promises, and what its poses determine."""
 
 from cases.files import provenance
-from identification.criteria import Identifiability
-from identification.model import identification_model
+from identification.criteria import analyse
+from identification.model import Model
 from identification.parameters import physical_form
+from planner.noise import standing_model
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
-from planner.poses.pose_request import PoseRequest
+from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import places
-from planner.precision import parameter_words, std_text
+from planner.precision import legible, parameter_words, std_text
 from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
+from planner.request import PoseRequest
 
 
-def poses_page(plan: Plan, found: Identifiability) -> Page:
+def poses_page(plan: Plan) -> Page:
     """The page of `hexcite poses`."""
+    model = standing_model(plan.case, plan.model)
+    found = analyse(pose_regressors(model, plan.poses), model.names)
     about = plan.to_json()
     case, settings = plan.case, about["settings"]
     tiles = (
@@ -35,7 +39,7 @@ def poses_page(plan: Plan, found: Identifiability) -> Page:
         inputs=(*inputs, *provenance([])["versions"].items()),
         warnings=(),
         sections=(
-            Section("What the set promises", (Tiles(tiles), *_deviations(plan))),
+            Section("What the set promises", (Tiles(tiles), *_deviations(plan, model))),
             *_pictures(plan),
             Section("Where the poses are", (_places(plan),)),
             Section("What the poses determine", identifiability_items(found)),
@@ -50,10 +54,10 @@ def _pictures(plan: Plan) -> tuple[Section, ...]:
     return (Section("The machine in each pose", (posing_machine(plan.case, plan.poses, "In the order of visit."),)),)
 
 
-def _deviations(plan: Plan) -> tuple[Item, ...]:
+def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:
     rows = []
-    for p in physical_form(identification_model(plan.case, plan.request.model)).parameters:
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+    for p in physical_form(model).parameters:
+        scale, unit = legible(p.unit)
         rows.append((parameter_words(p.name), std_text(plan.predicted_std[p.name] * scale), unit))
     note = Note(
         f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."

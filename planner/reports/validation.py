@@ -7,16 +7,17 @@ import numpy as np
 
 from cases.files import provenance
 from cases.schema import Case
-from planner.precision import parameter_words, with_deviation
+from identification.result import Estimate
+from planner.precision import legible, parameter_words, with_deviation
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
-from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, rows_of
+from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
 from planner.validation.experiment import TABLE_3
-from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep
-from planner.validation.verdict import OFF_COLUMNS, Claim, off_rows
+from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
+from planner.validation.validation import Validation
+from planner.validation.verdict import OFF_COLUMNS, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
-SCALES = {"zC": (1e3, "mm"), "xC": (1e3, "mm"), "yC": (1e3, "mm")}
 LEAST_DEVIATION = 1e-12  # the first step is its own theory
 
 
@@ -27,8 +28,7 @@ def table_7(steps: Sequence[MethodStep]) -> list[list[str]]:
         row = [f"{step.load:.0f} kg", f"{step.s0:.2f}"]
         for name in SHOWN:
             value = step.estimate.physical.get(name)
-            scale = SCALES.get(name, (1.0, ""))[0]
-            row.append("-" if value is None else f"{value.value * scale:.2f}")
+            row.append("-" if value is None else f"{value.value * legible(value.unit)[0]:.2f}")
             if name[0] != "k":
                 deviation = step.deviation(name)
                 blank = deviation is None or abs(deviation) < LEAST_DEVIATION
@@ -41,36 +41,23 @@ def _methods(steps: Sequence[MethodStep]) -> list[str]:
     return list(dict.fromkeys(step.method for step in steps))
 
 
-def validation_page(
-    case: Case,
-    steps: Sequence[MethodStep],
-    verdict: Sequence[Claim],
-    columns: Mapping[int, Identified],
-    machine: str,
-    failed: Mapping[str, str],
-) -> Page:
-    """The page of `hexcite validate`.
-
-    Args:
-        verdict: claims about the methods, answered.
-        columns: runs without payload by several models; empty where they were not made.
-        machine: what was used, in words.
-        failed: methods that could not be carried out, and why.
-    """
-    payloads = case.payloads
+def validation_page(validation: Validation) -> Page:
+    """The page of `hexcite validate`."""
+    case, steps, payloads = validation.case, validation.steps, validation.case.payloads
     assert payloads is not None
-    warnings = tuple(f"{method} was not run: {reason}" for method, reason in failed.items())
+    warnings = tuple(f"{method} was not run: {reason}" for method, reason in validation.failed.items())
     warnings += tuple(_warnings(steps))
+    loads = ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps))
     tables: list[Item] = []
     for method in _methods(steps):
         own = [s for s in steps if s.method == method]
         text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [
             Note(f"{method}{text}, model {own[0].estimate.model}"),
-            Table(TABLE_7, tuple(map(tuple, table_7(own)))),
+            Table(TABLE_7, table_7(own)),
         ]
     sections = [
-        Section("What it comes to", (_findings(verdict),)),
+        Section("What it comes to", (Answers(tuple((f.holds, f.claim, f.figures) for f in validation.findings)),)),
         Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
         Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
         Section("Residuals grow with the load", (_s0_plot(steps),)),
@@ -82,32 +69,22 @@ def validation_page(
             "one without which the error would be smallest. Where it is the structural mode, hexcite identify "
             "--flexible estimates it too."
         )
-        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, rows_of(off), left=3))))
-    if columns:
-        sections.append(
-            Section("Models side by side, without payload (Table 3)", models_table(case, dict(sorted(columns.items()))))
-        )
+        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, off, left=3))))
+    if columns := dict(sorted(validation.columns.items())):
+        sections.append(Section("Models side by side, without payload (Table 3)", models_table(case, columns)))
     return Page(
         title=f"Validation with payloads: {case.title}",
-        lead=f"Known weights of {_loads(steps)} mounted one after the other and identified by "
-        f"{len(_methods(steps))} methods on {machine}.",
+        lead=f"Known weights of {loads} kg mounted one after the other and identified by "
+        f"{len(_methods(steps))} methods on {validation.machine}.",
         inputs=(
             ("case", f"{case.name} (hash {case.hash})"),
-            ("machine", machine),
+            ("machine", validation.machine),
             ("weights", payloads.source),
             *provenance([])["versions"].items(),
         ),
         warnings=warnings,
         sections=tuple(sections),
     )
-
-
-def _loads(steps: Sequence[MethodStep]) -> str:
-    return ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps)) + " kg"
-
-
-def _findings(verdict: Sequence[Claim]) -> Answers:
-    return Answers(tuple((f.holds, f.claim, f.figures) for f in verdict))
 
 
 def _warnings(steps: Sequence[MethodStep]) -> list[str]:
@@ -175,9 +152,8 @@ def _std_table(steps: Sequence[MethodStep]) -> Table:
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
     rows.append(("s0", *(f"{s.s0:#.3g} N" for s in bare)))
     for name in names:
-        scale, unit = SCALES.get(name, (1.0, ""))
         estimates = [s.estimate.physical.get(name) for s in bare]
-        unit = unit or next(v.unit for v in estimates if v is not None)
+        scale, unit = legible(next(v.unit for v in estimates if v is not None))
         rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in estimates)))
     return Table(("without payload", *(s.method for s in bare)), tuple(rows))
 
@@ -228,16 +204,15 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
     return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
 
 
-def models_table(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
+def models_table(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
     """Parameters by several models of one recording, a column a model."""
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:
-        scale, unit = SCALES.get(name, (1.0, ""))
         estimates = [e.physical.get(name) for e in columns.values()]
         if not any(estimates):  # standing still tells no inertia
             continue
-        unit = unit or next(v.unit for v in estimates if v is not None)
+        scale, unit = legible(next(v.unit for v in estimates if v is not None))
         texts = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in estimates)
         rows.append((f"{name} [{unit}]", *texts))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."

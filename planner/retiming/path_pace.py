@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.limits import TOLERANCE, kinetic_shares, prove
+from identification.limit import TOLERANCE, LimitKind
+from identification.limit_proof import kinetic_shares, prove
 from identification.motion import TimedPoints, Trajectory
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from planner.infeasible import remedy
@@ -31,8 +32,7 @@ FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
 LONGEST = 120.0  # [s] of a path: beyond that the search takes minutes
 SLOWER = 1.02  # steps in which a motion is stretched whose sensor forces are too large
 STRETCHES = 40
-PACED = ("velocity", "acceleration", "jerk", "sensor force", "sensor moment", "joint torque", "joint force")
-"""Words in the names of limits that a slower pace helps."""
+_FORCES = (LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT, LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE)
 
 
 def retimed_path(
@@ -124,11 +124,11 @@ def _inside(candidate: _Round, case: Case) -> PolynomialMotion:
         if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
             return motion
         worst = max(report.checks, key=lambda c: c.ratio)
-        if not any(word in worst.name for word in PACED):
+        if not worst.kind.kinetic:
             if report.kept:  # inside, with less than the margin: the path itself leaves no more
                 return motion
             break
-        slower *= SLOWER if worst.name.startswith(("sensor", "joint")) else 1.0 + 2e-4
+        slower *= SLOWER if worst.kind in _FORCES else 1.0 + 2e-4
     raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst, case)}")
 
 

@@ -18,7 +18,8 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limits import LimitReport, mechanical_pace, prove
+from identification.limit import LimitReport
+from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
@@ -27,12 +28,12 @@ from identification.trajectories.profile import Profile, StraightMove
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
 from planner.found import Found
+from planner.noise import mean_information
 from planner.planning import rated
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.retiming.path_pace import retimed_path
 from planner.search.inside import MARGIN
-from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 
@@ -117,7 +118,8 @@ def _slowed(count: int, moves: int) -> tuple[str, ...]:
     if not count:
         return ()
     return (
-        f"{count} of {moves} moves are slower than their coordinates allow, because of struts, sensors or joints' torques",
+        f"{count} of {moves} moves are slower than their coordinates allow, because of struts, sensors or joints' "
+        "torques",
     )
 
 

@@ -1,6 +1,7 @@
 """Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.criteria import reference_scaling
+from identification.limit import LimitKind
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.machines import machine_of
 from identification.model import full_model, identification_model
@@ -19,9 +21,9 @@ from identification.recording import Recording, about_case
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
+from planner.noise import mean_information
 from planner.runs.recorded import stood, way_of
 from planner.runs.written import of_another, plan_of_program, written_for_another
-from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
@@ -32,6 +34,7 @@ from postprocessors.proving.homing import planned_excitation
 from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
+_ACCELERATIONS = LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION
 SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # of a run
 
@@ -44,12 +47,12 @@ class RunRating(NamedTuple):
     path_error: float  # [m]
     efficiency_planned: float | None  # D-efficiency of the program's excitation; None where it measures standing still
     efficiency: float | None  # efficiency of the executed one, behind the filter of the evaluation; None as before
-    peaks: dict[str, float]  # largest share of each kinetic limit in the whole run, approach and return included
+    peaks: Mapping[LimitKind, float]  # largest share of each kinetic limit, approach and return included
 
     @property
     def peak_acceleration(self) -> float:
         """The largest of the accelerations' shares: of the origin, the angles and the struts."""
-        return max(share for name, share in self.peaks.items() if name.endswith("acceleration"))
+        return max(share for kind, share in self.peaks.items() if kind.family in _ACCELERATIONS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,7 +258,7 @@ def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> d
         "d_efficiency_planned": rating.efficiency_planned,
         "d_efficiency": rating.efficiency,
         "peak_acceleration_of_limit": rating.peak_acceleration,
-        "peaks_of_limit": rating.peaks,
+        "peaks_of_limit": {str(kind): share for kind, share in rating.peaks.items()},
         "poses_m_rad": outcome.poses.tolist(),
         "remark": "; ".join(text for text in (other and f"the program was {other}", outcome.run.remark) if text),
         "units": "SI with the unit in each column name",

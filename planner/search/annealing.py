@@ -278,9 +278,7 @@ def _in_blocks(function: ca.Function, starts: Array, ends: Array) -> Array:
 
 
 def annealed_start(
-    case: Case,
-    model: Model,
-    scaling: Array,
+    moves: EqualMoves,
     family: PointToPointFamily,
     draw: np.random.Generator,
     proposals: int,
@@ -290,16 +288,15 @@ def annealed_start(
     """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
     Args:
-        scaling: reference scaling, shape (u,).
+        moves: the family's own, as `EqualMoves.of` gives them.
         proposals: how many; the temperature falls geometrically meanwhile.
         watch: is told -log det F / u now and then; true ends the annealing.
         begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
-    moves = EqualMoves.of(case, model, scaling, family)
     points = np.tile(draw.uniform(-0.5, 0.5, len(moves.steps)), (family.moves + 1, 1)) if begin is None else begin
     walk = Walk(moves, _inside(moves, points), draw)
     for temperature in np.geomspace(HOT if begin is None else WARM, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)
-        if watch(-walk.best / len(scaling)):
+        if watch(-walk.best / moves.size):
             break
     return np.concatenate([walk.best_points.ravel(), np.tile(moves.times / family.unit, family.moves)])

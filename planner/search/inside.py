@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import TOLERANCE, LimitReport, prove
+from identification.limit import TOLERANCE, LimitReport
+from identification.limit_proof import prove
 from identification.model import Model
 from planner.families.family import Family
 from planner.infeasible import remedy
-from planner.noise import PoseErrors
-from planner.search.problem import information_of
+from planner.noise import PoseErrors, information_of
 
 Array = NDArray[np.float64]
 

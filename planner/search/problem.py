@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
-from identification.limited import Box
+from identification.limited_quantities import Box
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
-from planner.noise import PoseErrors, of_estimate
+from planner.noise import PoseErrors
 from planner.search.by_pose import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
@@ -124,25 +123,3 @@ def build_problem(
         errors=None if errors is None else FieldByStates(errors, family.duration),
     )
     return Problem(layout, program, limits, case.need_motion("planning")[1], *box_middle(case))
-
-
-def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
-    """What of the mean information errors of the pose leave; all of it where there are none, shape (u, u)."""
-    plain = mean_information(model, scaling, trajectory)
-    if errors is None:
-        return plain
-    return of_estimate(plain, plain + errors.scatter_of(model, scaling, trajectory))
-
-
-def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:
-    """Time average of H A^T A H over a trajectory, shape (u, u); W = 1.
-
-    Args:
-        scaling: diagonal of H, shape (u,).
-        rate: samples a second [1/s].
-    """
-    count = max(2, int(np.ceil(trajectory.duration * rate)))
-    motion = trajectory.at((np.arange(count) + 0.5) * trajectory.duration / count)
-    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
-    rows = matrices.reshape(-1, len(scaling)) * scaling
-    return np.asarray(rows.T @ rows / count)

@@ -21,7 +21,7 @@ from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import require_rest
 from planner.noise import PoseErrors, expected_noise, seen_through
-from planner.search.annealing import annealed_start
+from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
@@ -231,7 +231,8 @@ class _Run:
         # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
         walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
         proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2
-        return annealed_start(task.case, self.model, self.scaling, self.family, draw, proposals, self.told, walk)
+        moves = EqualMoves.of(task.case, self.model, self.scaling, self.family)
+        return annealed_start(moves, self.family, draw, proposals, self.told, walk)
 
     def solve(self, unknowns: Array, stage: _Stage) -> Array:
         """Runs the solver once."""

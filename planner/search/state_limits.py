@@ -1,7 +1,7 @@
 """Limits that are non-linear in the coordinates, as CasADi expressions: those of the machine, and sensor forces.
 
-Each is in units of itself and satisfied where every component lies between -1 and 1. `identification.limits` proves
-them by other means.
+Each is in units of itself and satisfied where every component lies between -1 and 1. `identification.limit_proof`
+proves them by other means.
 """
 
 from typing import NamedTuple
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.limit import LimitKind
 from identification.machines import machine_of
 from identification.model import identification_model
 from identification.overload import SHARE
@@ -25,13 +26,12 @@ CANDIDATES = 4000  # states of the box that tell which limits can bind
 NEAR = 0.9  # largest share in the box of a limit that is none of the optimiser's business: the proof sees to it
 BINDS = 1.05  # from which a limit is constrained from the start; others are where they come close
 SEED = 7
-FORCES = "sensor force"
 
 
 class LimitGroup(NamedTuple):
     """Limits of one kind."""
 
-    name: str  # name of the kind
+    kind: LimitKind
     peak: Peak  # where they are used most
     kernel: Kernel  # state -> shares of the limits
     most: float = np.inf  # largest share in the motion box; infinity where that was not asked for
@@ -48,10 +48,10 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, .
     state = ca.SX.sym("state", state_size(n))
     motion = state[:n], state[n : 2 * n], state[2 * n : 3 * n]
     groups = [
-        *((name, Peak.of_order(order), value) for name, order, value in machine_of(case).shares(case, *motion)),
-        *((FORCES, Peak.ACCELERATION, f) for f in _sensor_forces(case, loads, *motion)),
+        *((kind, Peak.of_order(order), value) for kind, order, value in machine_of(case).shares(case, *motion)),
+        *((LimitKind.SENSOR_FORCE, Peak.ACCELERATION, f) for f in _sensor_forces(case, loads, *motion)),
     ]
-    return tuple(LimitGroup(name, peak, Kernel(state, share)) for name, peak, share in groups)
+    return tuple(LimitGroup(kind, peak, Kernel(state, share)) for kind, peak, share in groups)
 
 
 def near_limits(case: Case) -> tuple[LimitGroup, ...]:
@@ -64,7 +64,7 @@ def near_limits(case: Case) -> tuple[LimitGroup, ...]:
     loads: tuple[int, ...] = ()
     if case.sensors.range is not None and case.bodies:
         every = tuple(range(len(case.bodies)))
-        shares = [g.kernel.values(states) for g in state_limits(case, every) if g.name == FORCES]
+        shares = [g.kernel.values(states) for g in state_limits(case, every) if g.kind is LimitKind.SENSOR_FORCE]
         largest = np.array([np.abs(share).max(axis=1) for share in shares])
         loads = tuple(int(n) for n in np.unique(largest.argmax(axis=0)[largest.max(axis=0) > NEAR]))
     groups = (g._replace(most=float(np.abs(g.kernel.values(states)).max())) for g in state_limits(case, loads))
@@ -78,7 +78,7 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
         poses: coordinates, shape (n, k) [m or rad].
     """
     states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])
-    return {g.name: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.peak is Peak.POSE}
+    return {g.kind: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.peak is Peak.POSE}
 
 
 def standing_limits(case: Case) -> ca.Function:

@@ -4,7 +4,6 @@ import hashlib
 import itertools
 import json
 import math
-import random
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -65,13 +64,6 @@ class Cells(Part):
     memory_GB: Positive = 2.0
 
 
-class Sample(Part):
-    """Cells drawn at random instead of the whole grid."""
-
-    count: Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS)]
-    seed: Annotated[int, Field(strict=True, ge=0)] = 0
-
-
 class Spec(Part):
     """A study."""
 
@@ -80,15 +72,11 @@ class Spec(Part):
     grid: Grid = Grid()
     execute: ExecutionSpec | None = None
     cells: Cells = Cells()
-    sample: Sample | None = None
 
     @property
     def size(self) -> int:
         """Number of combinations of the grid."""
-        return math.prod(len(values) for values in self._values())
-
-    def _values(self) -> list[tuple[Any, ...]]:
-        return [getattr(self.grid, name) for name in Grid.model_fields]
+        return math.prod(len(getattr(self.grid, name)) for name in Grid.model_fields)
 
 
 # Settings that mean something in one family only; elsewhere they do not make another cell.
@@ -120,7 +108,7 @@ def load_spec(name: str) -> Spec:
         first = error.errors(include_url=False)[0]
         key = ".".join(str(part) for part in first["loc"])
         if first["type"] == "extra_forbidden":
-            tables: dict[str, type[Part]] = {"grid": Grid, "execute": ExecutionSpec, "cells": Cells, "sample": Sample}
+            tables: dict[str, type[Part]] = {"grid": Grid, "execute": ExecutionSpec, "cells": Cells}
             table = tables.get(str(first["loc"][0]), Spec) if len(first["loc"]) > 1 else Spec
             problem = f"unknown setting; known here are {', '.join(table.model_fields)}"
         else:
@@ -129,25 +117,20 @@ def load_spec(name: str) -> Spec:
 
 
 def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
-    """The settings of every cell, each once, in the order of the grid, or those drawn from it.
+    """The settings of every cell, each once, in the order of the grid.
 
     Raises:
         HexciteError: more cells than a study can hold; the message tells what it would take.
     """
-    if spec.sample is None and spec.size > MOST_CELLS:
+    if spec.size > MOST_CELLS:
         hours = spec.size * 5.0 / 3600.0
         raise HexciteError(
             f"study {spec.name}: the grid has {spec.size} cells, at most {MOST_CELLS}; at 5 s a cell they would take "
-            f"{hours:.0f} hours of one core: draw some with [sample] count = 10000"
+            f"{hours:.0f} hours of one core: list fewer values"
         )
     names = list(Grid.model_fields)
-    columns = [getattr(spec.grid, name) for name in names]
-    combinations: Iterator[tuple[Any, ...]] = itertools.product(*columns)
-    if spec.sample is not None and spec.sample.count < spec.size:
-        places = random.Random(spec.sample.seed).sample(range(spec.size), spec.sample.count)
-        combinations = (_combination(columns, place) for place in sorted(places))
     texts: set[str] = set()
-    for values in combinations:
+    for values in itertools.product(*(getattr(spec.grid, name) for name in names)):
         settings = dict(zip(names, values, strict=True))
         family = settings["family"]
         settings = {k: v for k, v in settings.items() if v is not None and _ONLY.get(k, family) == family}
@@ -155,15 +138,6 @@ def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
         if text not in texts:
             texts.add(text)
             yield settings
-
-
-def _combination(columns: list[tuple[Any, ...]], place: int) -> tuple[Any, ...]:
-    """The combination at a place of the product of the columns, without going through those before it."""
-    values = []
-    for column in reversed(columns):
-        place, index = divmod(place, len(column))
-        values.append(column[index])
-    return tuple(reversed(values))
 
 
 def request_of(settings: dict[str, Any]) -> Request:

@@ -77,11 +77,11 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 
 def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     from identification.identify import identify
+    from identification.limit import KINETIC
     from identification.loaded import circumstances
     from identification.simulate import simulate_recording, truth_rows
     from planner.runs.running import execute
     from planner.runs.written import write
-    from postprocessors.proving.guarantees import KINETIC
 
     around = circumstances(job.case, job.request.payload, job.disturbed)
     truth_case = _loaded_case(job.case, around)

@@ -1,7 +1,6 @@
 """What the rows of a study say: convergence, spread over seeds, coverage, and the settings that came out best."""
 
 from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,7 +85,6 @@ def best_groups(found: list[SettingsGroup]) -> dict[str, SettingsGroup]:
     return best
 
 
-MOST_MAPS = 6
 MOST_BOXES = 60
 MOST_REASONS = 20
 
@@ -107,9 +105,6 @@ def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
         Section("In short", (Tiles(tuple(tiles)), *_best(settings_groups, about["case_file"]))),
         Section("Settings", (_table(settings_groups),)),
     ]
-    maps = _maps(settings_groups)
-    if maps:
-        sections.append(Section("Median criterion over pairs of settings", maps))
     sections.append(Section("Spread over seeds", _boxes(settings_groups)))
     if failures:
         rows = tuple((reason, str(count)) for reason, count in failures[:MOST_REASONS])
@@ -170,34 +165,6 @@ def _number(value: float) -> str:
 
 def _share(value: float) -> str:
     return f"{100 * value:.1f} %" if np.isfinite(value) else "-"
-
-
-def _maps(settings_groups: list[SettingsGroup]) -> tuple[Plot, ...]:
-    """A heat map for each criterion and pair of other settings that vary."""
-    plots = []
-    for letter in sorted({g.settings["criterion"] for g in settings_groups}):
-        members = [g for g in settings_groups if g.settings["criterion"] == letter and g.done]
-        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in members} - {None}) > 1]
-        for row, column in combinations(varied, 2):
-            plots.append(_map(letter, members, row, column))
-    return tuple(plots[:MOST_MAPS])
-
-
-def _map(letter: str, members: list[SettingsGroup], row: str, column: str) -> Plot:
-    ys = sorted({g.settings[row] for g in members if row in g.settings and column in g.settings})
-    xs = sorted({g.settings[column] for g in members if row in g.settings and column in g.settings})
-    scores: dict[tuple[Any, Any], list[float]] = {}
-    for g in members:
-        if row in g.settings and column in g.settings:
-            scores.setdefault((g.settings[row], g.settings[column]), []).extend(g.scores)
-    z = [[float(np.median(scores[y, x])) if (y, x) in scores else None for x in xs] for y in ys]
-    figure = Chart()
-    figure.add("heatmap", x=[str(x) for x in xs], y=[str(y) for y in ys], z=z, colorscale="Viridis")
-    figure.update_xaxes(title=column, type="category")
-    figure.update_yaxes(title=row, type="category")
-    figure.update_layout(title={"text": f"criterion {letter}"})
-    note = f"Median of the cells with this {row} and {column}."
-    return Plot(f"map-{letter}-{row}-{column}", figure, note, half=True)
 
 
 def _boxes(settings_groups: list[SettingsGroup]) -> tuple[Item, ...]:

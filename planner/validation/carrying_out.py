@@ -17,8 +17,7 @@ from planner.interruption import Interrupted
 from planner.library import planned
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
-from planner.poses.pose_request import PoseMethod, PoseRequest
-from planner.request import Request
+from planner.request import PoseMethod, PoseRequest, Request
 from planner.runs.recorded import stood
 from planner.runs.running import carried_out
 from planner.runs.written import write

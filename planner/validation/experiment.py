@@ -20,10 +20,10 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.standstills import Standing, average, find_standstills, match
+from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.validation.step import BODY, Identified, LinearAnswer, MethodStep, error_budget, linear_answer
+from planner.validation.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
 
 Array = NDArray[np.float64]
 
@@ -73,11 +73,8 @@ class Excitation:
         if not len(self.poses):
             return recording, parts
         standing = match(average(recording, find_standstills(recording, 0.0)), self.case, self.poses, source)
-        return standing.averages, ForceParts(*(_averages(part, standing) for part in parts))
-
-
-def _averages(values: Array, standing: Standing) -> Array:
-    return np.array([values[w.start : w.end].mean(axis=0) for w in standing.windows])
+        means = (np.array([part[w.start : w.end].mean(axis=0) for w in standing.windows]) for part in parts)
+        return standing.averages, ForceParts(*means)
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
@@ -96,11 +93,11 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
-    bare: Identified | None = None
+    bare: Estimate | None = None
     for k in mounted:
         recording, parts = excitation.recorded(k, disturbances, once)
         estimate = identify(recording, case)
-        bare = Identified.of(estimate) if bare is None else bare
+        bare = estimate if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
         model = identification_model(case, estimate.model)
@@ -115,9 +112,10 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
             scatter = true_deviations(case, answer, estimate, disturbances, load)
         theory = _theory(bare, weights)
         models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
-        columns = {number: Identified.of(identify(recording, case, number)) for number in models}
-        result = Identified.of(estimate)
-        yield MethodStep(excitation.name, k, load, excitation.duration, result, theory, truth, budget, scatter, columns)
+        columns = {number: identify(recording, case, number) for number in models}
+        yield MethodStep(
+            excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter, columns
+        )
 
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:
@@ -147,16 +145,16 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
             "mounted)",
             "a validation needs at least 0 and 1",
         )
-    bare: Identified | None = None
+    bare: Estimate | None = None
     for k, file in enumerate(files):
-        estimate = Identified.of(identify(read(file), case))
+        estimate = identify(read(file), case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)
         yield MethodStep(folder.name, k, load, None, estimate, _theory(bare, weights), {})
 
 
-def _theory(bare: Identified, mounted: Sequence[RigidBody]) -> dict[str, float]:
+def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
     """The platform as identified without payload, with weights on it; offsets stay.
 
     Masses, first moments and moments about the origin of {P} add; the estimate need not be one of a real body.

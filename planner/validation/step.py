@@ -1,4 +1,4 @@
-"""What a method says with some of the weights mounted: one row of Table 7, as a value that can be kept in a file."""
+"""What a method says with some of the weights mounted: one row of Table 7, as a value."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -132,25 +132,6 @@ SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
 
 
 @dataclass(frozen=True, slots=True)
-class Identified:
-    """What a validation needs of an estimate."""
-
-    model: int  # number in Table 2
-    samples: int  # used
-    unknowns: int  # parameters of the model
-    s0_N: float  # rms residual of the recorded forces [N]
-    physical: Mapping[str, Value]  # parameters by name
-    warnings: tuple[str, ...] = ()  # sentences
-
-    @classmethod
-    def of(cls, estimate: Estimate) -> "Identified":
-        """Of an estimate."""
-        return cls(
-            estimate.model, estimate.samples, len(estimate.names), estimate.s0_N, estimate.physical, estimate.warnings
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class MethodStep:
     """What a method says with some of the weights mounted."""
 
@@ -158,20 +139,20 @@ class MethodStep:
     weights: int  # so many
     load: float  # their mass [kg]
     duration: float | None  # measuring time [s]
-    estimate: Identified  # the identification
+    estimate: Estimate
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
     truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
     budget: Budget | None = None  # what a simulated machine's errors consist of; None for recordings
     # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
     scatter: Mapping[str, float] = field(default_factory=dict)
     # columns of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`
-    columns: Mapping[int, Identified] = field(default_factory=dict)
+    columns: Mapping[int, Estimate] = field(default_factory=dict)
 
     @property
     def s0(self) -> float:
         """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
         forces = 6 * self.estimate.samples
-        return self.estimate.s0_N * float(np.sqrt(forces / (forces - self.estimate.unknowns)))
+        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.names))))
 
     def deviation(self, name: str) -> float | None:
         """Relative deviation from theory; None where there is no theory."""

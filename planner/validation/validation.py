@@ -12,13 +12,14 @@ from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
 from identification.recording import Recording, read_recording, record_of
+from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from planner.runs.recorded import standing_of
 from planner.runs.running import require_controller
 from planner.validation.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
-from planner.validation.step import Identified, MethodStep
-from planner.validation.verdict import Claim, findings, to_json
+from planner.validation.step import MethodStep
+from planner.validation.verdict import Claim, findings
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -37,7 +38,7 @@ class Validation:
     made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
 
     @property
-    def columns(self) -> dict[int, Identified]:
+    def columns(self) -> dict[int, Estimate]:
         """Of Table 3: runs without payload identified with several models, by number."""
         return {number: one for step in self.steps for number, one in step.columns.items()}
 
@@ -52,7 +53,7 @@ class Validation:
             "disturbances": None if self.disturbances is None else self.disturbances.model_dump(),
             "not_run": dict(self.failed),
             "rows": [step.to_json() for step in self.steps],
-            "findings": to_json(list(self.findings)),
+            "findings": [finding._asdict() for finding in self.findings],
             "models": {str(n): {k: v._asdict() for k, v in e.physical.items()} for n, e in self.columns.items()},
             "executed": dict(self.executed),
         }

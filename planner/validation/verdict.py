@@ -1,12 +1,13 @@
 """What a validation comes to: claims about the methods, each answered by the figures of the run."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from cases.schema import Case
-from planner.validation.step import BODY, CAUSES, SUSPICIOUS, Identified, MethodStep
+from identification.result import Estimate
+from planner.validation.step import BODY, CAUSES, SUSPICIOUS, MethodStep
 
 OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
@@ -26,7 +27,7 @@ class Claim(NamedTuple):
         return f"{'yes' if self.holds else 'NO'}: {self.claim} ({self.figures})"
 
 
-def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Identified]) -> list[Claim]:
+def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Estimate]) -> list[Claim]:
     """Answers to what the paper's comparison asks, for the methods that were run.
 
     Args:
@@ -109,7 +110,7 @@ def _seconds(step: MethodStep) -> str:
     return "unknown time" if step.duration is None else f"{step.duration:.2f} s"
 
 
-def _true_mass(case: Case, columns: Mapping[int, Identified], numbers: Sequence[int]) -> Claim:
+def _true_mass(case: Case, columns: Mapping[int, Estimate], numbers: Sequence[int]) -> Claim:
     """Section 5: a motion tells the mass without the orientation-dependent terms, standstills do not."""
     true = case.need_simulation("the comparison of models").parameters.body.mass_kg
     words, holds = [], True
@@ -171,8 +172,3 @@ def _off(step: MethodStep, name: str) -> str:
     """Masses and inertias in per cent, coordinates in millimetres: those about zero have no per cent."""
     error = step.estimate.physical[name].value - step.truth[name]
     return f"{error * 1e3:+.2f} mm" if name[1:] == "C" else f"{100 * error / step.truth[name]:+.2f} %"
-
-
-def to_json(found: Sequence[Claim]) -> list[dict[str, Any]]:
-    """For the answer."""
-    return [f._asdict() for f in found]

@@ -10,7 +10,7 @@ from ruckig import Trajectory as Planned
 
 from cases.errors import ExecutionError
 from cases.schema import Case
-from identification.limited import Box
+from identification.limited_quantities import Box
 from identification.machines import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import DriveExecution

@@ -50,18 +50,15 @@ class Calibration:
     @property
     def origin(self) -> tuple[str, ...]:
         """Which result, case, model and version made a file, and every warning: one sentence a line."""
+        terms = f" ({', '.join(self.result.terms)})" if self.result.terms else ""
         return (
             f"made by hexcite {version('hexcite')}",
             f"result {self.result.source} (sha256 {self.result_hash}), from {self.recording}: {self.samples} samples, "
             f"s0 {self.s0:.4g}",
-            f"case {self.case.name}, hash {self.case.hash}; model {self.model.number}{self._terms} with "
+            f"case {self.case.name}, hash {self.case.hash}; model {self.model.number}{terms} with "
             f"{len(self.model.names)} parameters",
             *(f"WARNING: {warning}" for warning in self.warnings),
         )
-
-    @property
-    def _terms(self) -> str:
-        return f" ({', '.join(self.result.terms)})" if self.result.terms else ""
 
 
 def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool = False) -> Calibration:

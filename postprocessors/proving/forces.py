@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from cases.chain import Chain
 from cases.schema import Case
-from identification.limited import Box, rotation_motion
-from identification.limits import LimitCheck, Status, load_motion, loaded_forces, loads_of
+from identification.limit import Limit, LimitCheck, LimitKind, Status
+from identification.limit_proof import load_motion, loaded_forces, loads_of
+from identification.limited_quantities import Box, rotation_motion
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
 from identification.strut_loads import StrutLoads
@@ -168,10 +169,9 @@ class ForceBounds:
     def _check(self, most: Array, times: Array) -> LimitCheck:
         row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / self.loads.limit)), most.shape))
         name, limit, worst = self.loads.labels[channel], float(self.loads.limit[channel]), float(most[row, channel])
-        quantity, unit = ("moment", "N m") if self.loads.moments[channel] else ("force", "N")
-        return LimitCheck(
-            f"sensor {quantity} ({name}, at most)", worst, limit, unit, worst / limit, float(times[row]), Status.PROVEN
-        )
+        kind = LimitKind.SENSOR_MOMENT if self.loads.moments[channel] else LimitKind.SENSOR_FORCE
+        ratio, time = worst / limit, float(times[row])
+        return LimitCheck(Limit(kind), f"{name}, at most", worst, limit, kind.unit, ratio, time, Status.PROVEN)
 
 
 def _matrices(spin: Array) -> Array:

@@ -1,13 +1,22 @@
-"""What a controller answers for, beyond what a program's text fixes: limits of its own, its time law, its accuracy."""
+"""What controllers answer for, beyond what a program's text fixes: limits of their own, time law, accuracy."""
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from cases.schema import Case
-from identification.limited import Box
-from identification.limits import LimitCheck, Status
-from identification.trajectories.profile import Profile, TimeLaw
+from cases.units import DEG, MM
+from identification.limit import LimitCheck, LimitKind, OwnMove, Status
+from identification.limited_quantities import Box
+from identification.motion import Array
+from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
+from postprocessors.polynomials import Pieces, path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
+from postprocessors.proving.stretches import Timed, stretches
+from postprocessors.reading.words import Polynomial, Reading
 
 Law = Callable[[float, float, float], TimeLaw]
 """How a controller covers a straight way from rest to rest.
@@ -37,7 +46,7 @@ class Guarantees:
     # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
     # at one feed): then rates are proven also where it does not follow the assumed curve
     even_blocks: bool
-    enforced: frozenset[str]  # families of limits that it keeps by itself, whatever the program asks for; see `family`
+    enforced: frozenset[LimitKind]  # families of limits that it keeps by itself, whatever the program asks for
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
     arc_law: ArcLaw
     jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
@@ -51,21 +60,6 @@ class Forecast:
 
     stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
     remarks: tuple[str, ...] = ()  # what to know about it and what to change, one sentence each
-
-
-def family(name: str) -> str:
-    """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
-    return name.split(" (")[0].split(",")[0].removeprefix("angular ")
-
-
-KINETIC = (
-    "velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment",
-    "joint torque", "joint force",
-)  # fmt: skip
-"""Families of limits that depend on a controller's time law; those of geometry do not."""
-
-
-UNTIMED = ", untimed moves"  # names apart what a controller does by itself, lest it hide what is proven
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,28 +76,189 @@ class Answering:
         """Of excitations."""
         return self.case.need_motion("the check of a program")[1]
 
-    def answer(self, name: str) -> Status:
-        """Who keeps a limit, by its name in a report, in a motion that the controller times."""
-        return Status.ENFORCED if family(name) in self.guarantees.enforced else Status.NOT_ENFORCED
+    def answer(self, kind: LimitKind) -> Status:
+        """Who keeps a limit in a motion that the controller times."""
+        return Status.ENFORCED if kind.family in self.guarantees.enforced else Status.NOT_ENFORCED
 
-    def own(self, check: LimitCheck, where: str = UNTIMED, status: Status | None = None) -> LimitCheck:
+    def own(self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None) -> LimitCheck:
         """A limit in a move that the controller times: a prediction, for which the text is not answerable."""
-        verdict = self.answer(check.name) if status is None else status
-        return replace(check, name=_renamed(check.name, where), status=verdict, binding=False)
+        verdict = self.answer(check.kind) if status is None else status
+        return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
     def forces_kept(
-        self, kind: str, bound: Callable[[ForceBounds], Iterable[LimitCheck]], where: str = ""
+        self, kind: LimitKind, bound: Callable[[ForceBounds], Iterable[LimitCheck]], move: OwnMove | None = None
     ) -> LimitCheck | None:
         """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.
 
         No controller knows forces of sensors. They are bounded where it keeps velocities and accelerations.
         """
-        if self.forces is None or not {"velocity", "acceleration"} <= self.guarantees.enforced:
+        if self.forces is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.guarantees.enforced:
             return None
-        check = next((c for c in bound(self.forces) if family(c.name) == kind), None)
-        return None if check is None or check.ratio > 1.0 else replace(check, name=_renamed(check.name, where))
+        check = next((c for c in bound(self.forces) if c.kind is kind), None)
+        return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
 
 
-def _renamed(name: str, addition: str) -> str:
-    kind, _, place = name.partition(" (")
-    return f"{kind}{addition} ({place}" if place else f"{kind}{addition}"
+ALONG, ACROSS = math.sqrt(0.75), 0.5
+"""Shares of the acceleration limit that an arc is assumed to spend along its path and on turning."""
+
+SHORTEST_POINTS = 1e-3
+"""[s] between points of a joint trajectory: rounding of closer ones would make jerks of its own."""
+
+LONGEST_POINTS = 0.25
+"""[s] between points of a path: the curve between them is near the assumed one only while they are near."""
+
+
+def _seven_segments(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+    return fastest_profile(1.0, velocity, acceleration, jerk)
+
+
+def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+    return fastest_profile(1.0, velocity, acceleration)
+
+
+def _seven_segment_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+    turning = math.sqrt(ACROSS * acceleration / angle)  # v^2 / r over the length r angle
+    return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration, ALONG * jerk)
+
+
+def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+    turning = math.sqrt(ACROSS * acceleration / angle)
+    return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration)
+
+
+def _of_own_axes(controller: str, limits: Iterable[str], smooth: bool, step: float) -> Guarantees:
+    """Of a machine whose axes are its joints: moves from rest to rest alone; `step` is the time of a cycle [s]."""
+    return Guarantees(
+        controller=controller,
+        shortest_block=step,
+        longest_block=0.0,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(map(LimitKind, limits)),
+        law=_seven_segments if smooth else _trapezoid,
+        arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
+        jerk_time=0.0 if smooth else step,
+    )
+
+
+def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
+    controller = case.need_controller("a SINUMERIK program")
+    if case.chain is not None:
+        axes = controller.need_sinumerik_axes(case.name)
+        return _of_own_axes("SINUMERIK", axes.controller_keeps, smooth=True, step=axes.shortest_block)
+    settings = controller.need_sinumerik(case.name)
+    polynomial = any(isinstance(e, Polynomial) for e in reading.events)
+    return Guarantees(
+        controller="SINUMERIK",
+        shortest_block=settings.shortest_block,
+        longest_block=math.inf if polynomial else LONGEST_POINTS,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
+        law=_seven_segments,
+        arc_law=_seven_segment_arc,
+        jerk_time=0.0,
+        block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
+    )
+
+
+def sinumerik_tolerance(case: Case) -> Array:
+    """How far POLY blocks may be off a motion that is not a polynomial, shape (6,) [m, rad]."""
+    if case.chain is not None:
+        return np.zeros(1)
+    length, angle = case.need_controller("a SINUMERIK program").need_sinumerik(case.name).poly_tolerance
+    return np.repeat([length, angle], 3)
+
+
+def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
+    controller = case.need_controller("a TwinCAT program")
+    if case.chain is not None:
+        axes = controller.need_twincat_axes(case.name)
+        return _of_own_axes("TwinCAT", axes.controller_keeps, axes.slope == "TRAPEZ", axes.shortest_block)
+    settings = controller.need_twincat(case.name)
+    smooth = settings.slope == "TRAPEZ"
+    return Guarantees(
+        controller="TwinCAT",
+        shortest_block=settings.shortest_block,
+        longest_block=LONGEST_POINTS,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
+        law=_seven_segments if smooth else _trapezoid,
+        arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
+        jerk_time=0.0 if smooth else settings.shortest_block,
+    )
+
+
+def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """The text states speed and acceleration of each move, a trapezoid: all is proven but the jerk of its ramps."""
+    return Guarantees(
+        controller="the robot",
+        shortest_block=0.0,
+        longest_block=0.0,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(),
+        law=_trapezoid,
+        arc_law=_trapezoid_arc,
+        jerk_time=case.need_controller("a URScript program").cycle,
+    )
+
+
+def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Quintic pieces through stated positions, rates and accelerations: all is proven, nothing is enforced."""
+    return Guarantees(
+        controller="joint_trajectory_controller",
+        shortest_block=SHORTEST_POINTS,
+        longest_block=math.inf,
+        follows_paths=True,
+        even_blocks=False,
+        enforced=frozenset(),
+        law=_seven_segments,
+        arc_law=_seven_segment_arc,
+        jerk_time=0.0,
+    )
+
+
+def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """A table carries its time exactly: all of it is proven from the rows; there are no moves of anybody else's law."""
+    settings = case.need_controller("a setpoint table").need_setpoints(case.name)
+    return Guarantees(
+        controller="setpoint generator",
+        shortest_block=settings.cycle,
+        longest_block=settings.cycle,
+        follows_paths=True,
+        even_blocks=False,
+        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
+        law=_seven_segments,
+        arc_law=_seven_segment_arc,
+        jerk_time=settings.cycle,
+    )
+
+
+def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
+    """What is known of the time within POLY blocks: each ends in time, how it passes is the controller's."""
+    motions = [s.points for s in stretches(reading) if isinstance(s, Timed) and isinstance(s.points, PolynomialMotion)]
+    if not motions:
+        return Forecast()
+    off = [path_speed_deviation(_pieces(motion), motion) for motion in motions]
+    position, angle = max(o.position for o in off), max(o.angle for o in off)
+    return Forecast(
+        1.0,
+        (
+            f"time within a POLY block is the controller's: at constant path speed in each block it strays up to "
+            f"{position / MM:.2g} mm and {angle / DEG:.2g} deg from the plan; a shorter controller.sinumerik."
+            "poly_block_ms leaves it less",
+        ),
+    )
+
+
+def _pieces(motion: PolynomialMotion) -> Pieces:
+    degree = max(len(p.coefficients) for p in motion.pieces)
+    coefficients = np.zeros((len(motion.pieces), degree, 6))
+    for k, piece in enumerate(motion.pieces):
+        powers = piece.duration ** np.arange(len(piece.coefficients))
+        coefficients[k, : len(powers)] = piece.coefficients * powers[:, None]
+    return Pieces(motion.times, coefficients)

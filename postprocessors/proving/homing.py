@@ -14,12 +14,13 @@ from cases.errors import ExecutionError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limited import Box
-from identification.limits import LimitCheck, Status, prove
+from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
+from identification.limit_proof import prove
+from identification.limited_quantities import Box
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
-from postprocessors.proving.guarantees import KINETIC, Answering, Guarantees, family
+from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 
 if TYPE_CHECKING:
@@ -84,10 +85,10 @@ def planned_excitation(read: "Program", case: Case) -> Trajectory:
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 
-WAY_HOME = ", way home"
-FEED_TO_HOME = "feed to home"
 _COORDINATES = "xyzabc"
 _AT_MOST = "from anywhere, at most"
+_TRANSLATION = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.JERK
+_ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKind.ANGULAR_JERK
 
 
 def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]:
@@ -100,7 +101,7 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
         clock: when it starts [s].
     """
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:
-        if family(check.name) not in KINETIC:
+        if not check.kind.kinetic:
             yield check
     if isinstance(by.limits, MotionLimits):
         yield from _of_a_pose(part, by, clock)
@@ -110,11 +111,11 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
         yield from _of_joints(part, by, by.limits, clock)
     for bound in by.forces.anywhere(clock, share) if by.forces is not None else ():
         if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
-            yield by.own(bound, WAY_HOME, Status.PROVEN)
+            yield by.own(bound, OwnMove.WAY_HOME, Status.PROVEN)
             continue
-        proof = by.forces_kept(family(bound.name), lambda forces: forces.anywhere(clock, share), WAY_HOME)
-        loose = replace(bound, name=bound.name.replace("at most", "at the limits"))
-        yield proof or by.own(loose, WAY_HOME, Status.NOT_ENFORCED)
+        proof = by.forces_kept(bound.kind, lambda forces: forces.anywhere(clock, share), OwnMove.WAY_HOME)
+        loose = replace(bound, place=bound.place.replace("at most", "at the limits"))
+        yield proof or by.own(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
 
 
 def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Iterable[LimitCheck]:
@@ -124,23 +125,19 @@ def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Itera
     # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
     speeds = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
     k = int(np.argmax(speeds / limits.rate))
-    scale, unit = (1 / DEG, "deg/s") if limits.turns[k] else (1 / MM, "mm/s")
-    safe = share * limits.rate[k]
-    yield LimitCheck(FEED_TO_HOME, speeds[k] * scale, safe * scale, unit, speeds[k] / safe, clock, Status.PROVEN)
+    kind = LimitKind.ANGULAR_VELOCITY if limits.turns[k] else LimitKind.VELOCITY
+    yield _feed_to_home(float(speeds[k]), share * float(limits.rate[k]), kind, clock)
     cycle = by.guarantees.jerk_time
-    for turning, kind, word in ((False, "", "m"), (True, "angular ", "rad")):
-        own = limits.turns == turning
+    for own, (velocity, acceleration, jerking) in ((~limits.turns, _TRANSLATION), (limits.turns, _ROTATION)):
         if not own.any():
             continue
         rate, most, jerk = (float(v[own].min()) for v in (limits.rate, limits.acceleration, limits.jerk))
-        scale, unit = (1 / DEG, "deg/s") if turning else (1 / MM, "mm/s")
         fastest = float(speeds[own].max())
         status = Status.PROVEN if part.acceleration is not None else None
-        yield _row(f"{kind}velocity", min(fastest, rate) * scale, rate * scale, unit, clock, by, status)
+        yield _row(velocity, min(fastest, rate), rate, clock, by, status)
         peak = part.acceleration if part.acceleration is not None else most
-        yield _row(f"{kind}acceleration", peak, most, f"{word}/s^2", clock, by, status)
-        steps = 2.0 * peak / cycle if cycle > 0.0 else jerk
-        yield _row(f"{kind}jerk", steps, jerk, f"{word}/s^3", clock, by)
+        yield _row(acceleration, peak, most, clock, by, status)
+        yield _row(jerking, 2.0 * peak / cycle if cycle > 0.0 else jerk, jerk, clock, by)
 
 
 def _of_a_pose(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]:
@@ -149,14 +146,15 @@ def _of_a_pose(part: Untimed, by: Answering, clock: float) -> Iterable[LimitChec
     rate = limits.rate.copy()
     safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
     feed = float(rate[:3].max()) if part.feed is None else part.feed
-    yield LimitCheck(FEED_TO_HOME, feed / MM, safe / MM, "mm/s", feed / safe, clock, Status.PROVEN)
+    yield _feed_to_home(feed, safe, LimitKind.VELOCITY, clock)
     rate[:3] = np.minimum(rate[:3], feed)
-    yield _largest("angular velocity", rate[3:], limits.rate[3:], "deg/s", clock, by)
+    k = int(np.argmax(rate[3:] / limits.rate[3:])) + 3
+    yield _row(LimitKind.ANGULAR_VELOCITY, float(rate[k]), float(limits.rate[k]), clock, by)
     peaks = _peak_accelerations(rate, by)
-    yield _largest("acceleration", peaks, limits.acceleration, "m/s^2 or rad/s^2", clock, by)
+    yield _largest(LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION, peaks, limits.acceleration, clock, by)
     cycle = by.guarantees.jerk_time
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
-    yield _largest("jerk", jerks, limits.jerk, "m/s^3 or rad/s^3", clock, by)
+    yield _largest(LimitKind.JERK, LimitKind.ANGULAR_JERK, jerks, limits.jerk, clock, by)
     yield from _of_struts(feed, rate, peaks, by, clock)
 
 
@@ -174,27 +172,38 @@ def _of_struts(feed: float, rate: Array, peaks: Array, by: Answering, clock: flo
     arm = float(np.linalg.norm(machine.platform.points, axis=1).max())
     omega = float(rate[3:].sum())
     speed = feed + arm * omega
-    kept = speed <= motion.strut_velocity_m_s and "velocity" in by.guarantees.enforced
-    yield _row("strut velocity", speed, motion.strut_velocity_m_s, "m/s", clock, by, Status.ENFORCED if kept else None)
+    kept = speed <= motion.strut_velocity_m_s and LimitKind.VELOCITY in by.guarantees.enforced
+    status = Status.ENFORCED if kept else None
+    yield _row(LimitKind.STRUT_VELOCITY, speed, motion.strut_velocity_m_s, clock, by, status)
     turning = float(peaks[3:].sum()) + omega**2
     shortest = max(motion.strut_length[0], workspace.strut_length[0])
     acceleration = float(np.linalg.norm(peaks[:3])) + arm * turning + speed**2 / shortest
-    yield _row("strut acceleration", acceleration, motion.strut_acceleration_m_s2, "m/s^2", clock, by)
+    yield _row(LimitKind.STRUT_ACCELERATION, acceleration, motion.strut_acceleration_m_s2, clock, by)
 
 
-def _largest(name: str, values: Array, limits: Array, unit: str, clock: float, by: Answering) -> LimitCheck:
-    scale = {"mm/s": 1 / MM, "deg/s": 180 / np.pi}.get(unit, 1.0)
+def _largest(
+    kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Answering
+) -> LimitCheck:
+    """The worst of all six coordinates, in the unit of its own, under the kind of translations."""
     k = int(np.argmax(values / limits))
-    unit = unit.split(" or ")[k // 3] if " or " in unit else unit
-    return _row(name, float(values[k]) * scale, float(limits[k]) * scale, unit, clock, by)
+    row = _row(kind, float(values[k]), float(limits[k]), clock, by)
+    return replace(row, unit=(kind if k < 3 else angular).unit)
 
 
 def _row(
-    name: str, worst: float, limit: float, unit: str, clock: float, by: Answering, status: Status | None = None
+    kind: LimitKind, worst: float, limit: float, clock: float, by: Answering, status: Status | None = None
 ) -> LimitCheck:
-    answer = by.answer(name) if status is None else status
+    """A bound and its limit [SI]."""
+    answer = by.answer(kind) if status is None else status
     if answer is Status.ENFORCED:
         worst = min(worst, limit)
-    return by.own(
-        LimitCheck(f"{name} ({_AT_MOST})", worst, limit, unit, worst / limit, clock, answer), WAY_HOME, answer
+    check = LimitCheck(
+        Limit(kind), _AT_MOST, worst * kind.scale, limit * kind.scale, kind.unit, worst / limit, clock, answer
     )
+    return by.own(check, OwnMove.WAY_HOME, answer)
+
+
+def _feed_to_home(feed: float, safe: float, kind: LimitKind, clock: float) -> LimitCheck:
+    """The programmed feed against the safe one [SI], in the unit of a kind of velocity."""
+    values = feed * kind.scale, safe * kind.scale, kind.unit
+    return LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, feed / safe, clock, Status.PROVEN)

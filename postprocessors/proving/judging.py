@@ -8,13 +8,10 @@ from numpy.typing import NDArray
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from identification.limited import Box
-from identification.limits import (
+from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
+from identification.limit_proof import (
     PROOF_RATE,
-    LimitCheck,
     Limited,
-    LimitReport,
-    Status,
     of_coordinates,
     of_mechanics,
     of_velocities,
@@ -22,21 +19,21 @@ from identification.limits import (
     prove_at,
     shares_at,
     worst_case,
-    worst_of,
 )
+from identification.limited_quantities import Box
 from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion, Tabulated
 from identification.trajectories.profile import StraightMove
 from postprocessors.proving.forces import Steady
-from postprocessors.proving.guarantees import UNTIMED, Answering, family
+from postprocessors.proving.guarantees import Answering
 from postprocessors.proving.homing import predicted, way_home
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
-RATES = ("velocity", "strut velocity")
-SENSED = ("sensor force", "sensor moment")
-BY_TIME_LAW = ("acceleration", "jerk", "strut acceleration")
+RATES = LimitKind.VELOCITY, LimitKind.STRUT_VELOCITY
+SENSED = LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT
+BY_TIME_LAW = LimitKind.ACCELERATION, LimitKind.JERK, LimitKind.STRUT_ACCELERATION
 
 
 def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, float]:
@@ -60,7 +57,6 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
 
 
-Flags = NDArray[np.bool_]
 PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
 
 
@@ -69,7 +65,7 @@ def _require_timing(part: Timed, by: Answering) -> None:
     guarantees, key = by.guarantees, by.guarantees.block_key
     steps, cycle = np.diff(part.points.times), 1e3 * by.guarantees.shortest_block
 
-    def refuse(mask: Flags, sentence: Callable[[float], str]) -> None:
+    def refuse(mask: NDArray[np.bool_], sentence: Callable[[float], str]) -> None:
         if mask.any():
             k = int(np.argmax(mask))
             raise ProgramError(by.file, part.lines[k], 0, sentence(1e3 * steps[k]))
@@ -109,14 +105,14 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
         steps = tuple(joint_checks(part.points, by.limits, by.guarantees.shortest_block, clock))
         report = worst_of([report, LimitReport(steps)])
     for check in report.checks:
-        kind = family(check.name)
+        kind = check.kind.family
         if by.guarantees.follows_paths:
             yield check
         elif kind in SENSED:
             proof = by.forces_kept(kind, lambda forces: forces.on(part.points, clock))
             yield proof or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
-            yield replace(check, status=by.answer(check.name))
+            yield replace(check, status=by.answer(check.kind))
         else:
             yield check
 
@@ -128,31 +124,33 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering,
     """
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
     report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
-    checks = {c.name.split(" (")[0]: c for c in _asked(part, motion, by, clock)}
+    asked = {c.kind: c for c in _asked(part, motion, by, clock)}
     for check in report.checks:
-        kind = check.name.split(" (")[0]
-        if part.acceleration is not None and family(kind) != "jerk":
+        family = check.kind.family
+        if part.acceleration is not None and family is not LimitKind.JERK:
             yield check
             continue
-        match family(kind):
-            case "velocity":
-                yield by.own(check) if part.feed is None else checks[kind]
-            case "strut velocity":
-                fastest = checks.get(kind)
+        match family:
+            case LimitKind.VELOCITY:
+                yield by.own(check) if part.feed is None else asked[check.kind]
+            case LimitKind.STRUT_VELOCITY:
+                fastest = asked.get(check.kind)
                 if fastest is None or not fastest.kept:
                     yield by.own(check)
                 elif part.feed is None:  # the fastest that the kept rates of all coordinates let pass
                     yield by.own(fastest, status=Status.ENFORCED)
                 else:
                     yield fastest  # even at the full feed everywhere on the way
-            case "acceleration" | "strut acceleration":
+            case LimitKind.ACCELERATION | LimitKind.STRUT_ACCELERATION:
                 yield by.own(check)
-            case "sensor force" | "sensor moment" as sensed:
-                proof = by.forces_kept(sensed, lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
+            case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
+                proof = by.forces_kept(
+                    family, lambda forces: forces.along(motion, part.share_rate, clock), OwnMove.UNTIMED
+                )
                 yield proof or by.own(check, status=Status.NOT_ENFORCED)
-            case "joint torque" | "joint force":
+            case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:
                 yield by.own(check, status=Status.NOT_ENFORCED)
-            case "jerk":
+            case LimitKind.JERK:
                 yield _jerk(check, motion, by)
             case _:
                 yield check
@@ -163,7 +161,7 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
     cycle = by.guarantees.jerk_time
     if cycle <= 0.0:
         return by.own(check)
-    axes = by.limits.turns if check.name.startswith("angular") else ~by.limits.turns
+    axes = by.limits.turns if check.kind is LimitKind.ANGULAR_JERK else ~by.limits.turns
     peak = np.abs(motion.at(np.linspace(0.0, motion.duration, FEWEST + 1)).accelerations).max(axis=0)
     steps = 2.0 * peak[axes] / cycle
     limit = by.limits.jerk[axes]
@@ -179,14 +177,13 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, cl
     """
     if part.feed is not None:
         speed = part.feed / part.length
-    elif "velocity" in by.guarantees.enforced and isinstance(motion, StraightMove):
+    elif LimitKind.VELOCITY in by.guarantees.enforced and isinstance(motion, StraightMove):
         way = np.abs(motion.end - motion.start)
         speed = float(np.min(by.limits.rate[way > 0.0] / way[way > 0.0]))
     else:
         return
-    steady = replace(motion, profile=Steady(1.0 / speed))
-    t = np.linspace(0.0, steady.duration, FEWEST + 1)
-    for quantity in of_velocities(steady.at(t), by.case):
+    t = np.linspace(0.0, 1.0 / speed, FEWEST + 1)
+    for quantity in of_velocities(replace(motion, profile=Steady(1.0 / speed)).at(t), by.case):
         yield worst_case(quantity, t + clock)
 
 
@@ -256,29 +253,27 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: flo
         for order in (1, 2)
     )
     times = motion.times + clock
-    yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, limits, times)
-    yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, limits, times)
+    jerks = np.maximum(da / cycle, 2 * dv / cycle**2)
+    kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
+    yield from _worst(kinds, dv / cycle, limits.acceleration, limits, times)
+    yield from _worst((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks, limits.jerk, limits, times)
 
 
 def _worst(
-    name: str,
-    linear: str,
-    angular: str,
-    values: Array,
-    most: Array,
-    limits: Box,
-    times: Array,
+    kinds: tuple[LimitKind, LimitKind], values: Array, most: Array, limits: Box, times: Array
 ) -> Iterable[LimitCheck]:
-    for kind, unit, own in ((name, linear, ~limits.turns), (f"angular {name}", angular, limits.turns)):
+    """Of translations and of rotations; values and limits in SI, which is the unit of both kinds."""
+    for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
         if not own.any():
             continue
         ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
         row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
         yield LimitCheck(
-            f"{kind} ({limits.labels[k]}, step between blocks)",
+            Limit(kind),
+            f"{limits.labels[k]}, step between blocks",
             float(values[row, k]),
             float(most[k]),
-            unit,
+            kind.unit,
             float(ratio[row, k]),
             float(times[row]),
             Status.PROVEN,

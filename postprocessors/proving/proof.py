@@ -8,18 +8,16 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limited import Box
-from identification.limits import LimitCheck, LimitReport, Status, worst_of
+from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
+from identification.limited_quantities import Box
 from identification.motion import Array
 from postprocessors.proving.forces import ForceBounds
-from postprocessors.proving.guarantees import KINETIC, Answering, Guarantees, family
-from postprocessors.proving.homing import FEED_TO_HOME
+from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.proving.judging import judge
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches
 from postprocessors.reading.words import Reading, Stand, Switch
 
 MOST_TIMES = 10.0  # times a limit above which nobody needs the number
-AT_A_SPEED = (*KINETIC, FEED_TO_HOME)  # limits that a slower program keeps
 
 
 def _times(ratio: float) -> str:
@@ -57,21 +55,21 @@ class ProgramProof:
         return not self.violations
 
     @property
-    def relies_on(self) -> tuple[str, ...]:
+    def relies_on(self) -> tuple[LimitKind, ...]:
         """Families of limits that nobody enforces, in the order of the report: `jerk`, `strut acceleration`."""
         return self._families(Status.NOT_ENFORCED)
 
-    def _families(self, status: Status) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(family(c.name) for c in self.limits.checks if c.status is status))
+    def _families(self, status: Status) -> tuple[LimitKind, ...]:
+        return tuple(dict.fromkeys(c.kind.family for c in self.limits.checks if c.status is status))
 
     @property
     def verdict(self) -> str:
         """What the proof comes to, never more than it holds."""
         if self.violations:
             return "NOT proven"
-        families = [name for name in self._families(Status.ENFORCED) if name not in self.relies_on]
+        families = [kind for kind in self._families(Status.ENFORCED) if kind not in self.relies_on]
         passed = self._exceeded
-        within = [name for name in self.relies_on if name not in passed]
+        within = [kind for kind in self.relies_on if kind not in passed]
         return "; ".join(
             [
                 "proven",
@@ -82,13 +80,11 @@ class ProgramProof:
         )
 
     @property
-    def _exceeded(self) -> dict[str, str]:
+    def _exceeded(self) -> dict[LimitKind, str]:
         """Limits that nobody enforces and the motion is predicted to exceed, each with its share in words."""
-        worst = {
-            name: max(c.ratio for c in self.limits.checks if family(c.name) == name and c.status is Status.NOT_ENFORCED)
-            for name in self.relies_on
-        }
-        return {name: f"{name} ({_times(ratio)})" for name, ratio in worst.items() if ratio > 1.0}
+        nobodys = [c for c in self.limits.checks if c.status is Status.NOT_ENFORCED]
+        worst = {kind: max(c.ratio for c in nobodys if c.kind.family is kind) for kind in self.relies_on}
+        return {kind: f"{kind} ({_times(ratio)})" for kind, ratio in worst.items() if ratio > 1.0}
 
     def require_accepted(self, accepted: Collection[str]) -> None:
         """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
@@ -122,7 +118,10 @@ class ProgramProof:
         if self.violations:
             first = self.violations[0]
             more = f" ({len(self.violations) - 1} more)" if len(self.violations) > 1 else ""
-            remedy = "slow down or change the move" if family(first.check.name) in AT_A_SPEED else "change the move"
+            kind = first.check.kind
+            remedy = (
+                "slow down or change the move" if kind.kinetic or kind is LimitKind.FEED_TO_HOME else "change the move"
+            )
             raise ProgramError(self.file, first.line, 0, f"{first.check.sentence()}; {remedy}{more}")
 
 
@@ -197,7 +196,9 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
             yield f"line {first.line}: the first move does not go home, {distance}"
     elif isinstance(reading.events[0], Stand):
         yield "the machine must stand at home when it starts"
-    if distance := _away(_end_of(moves[-1]), home, limits):
+    last = moves[-1]
+    end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
+    if distance := _away(end, home, limits):
         yield f"the program does not end at home, {distance}"
     if reading.unsaid:
         yield (
@@ -209,10 +210,6 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
         yield "the trigger is never switched on: a recording would not know what to evaluate"
     elif switches[-1].on:
         yield f"line {switches[-1].line}: the trigger is never switched off again"
-
-
-def _end_of(part: Timed | Untimed) -> Array:
-    return part.end if isinstance(part, Untimed) else part.points.at([part.points.duration]).pose[0]
 
 
 def _away(pose: Array, home: Array, limits: Box) -> str:

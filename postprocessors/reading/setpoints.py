@@ -16,7 +16,7 @@ from cases.errors import ProgramError
 from cases.machine import HexapodMachine
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limited import strut_motion
+from identification.limited_quantities import strut_motion
 from identification.motion import Array, Motion
 from postprocessors.reading.words import Event, Pause, Reading, Stand, Switch, TableRows
 

@@ -10,10 +10,10 @@ from identification.motion import Trajectory
 from planner.bounds.kept import box_bound
 from planner.cli.console import print_table
 from planner.families.settings import family_class
+from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
 from planner.search.parallel import SILENT, workers
-from planner.search.problem import mean_information
 from tests.bench.least_condition import least_condition
 
 MODEL = 9

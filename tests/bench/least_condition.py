@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
+from planner.bounds.certificate import TightDerivative
 from planner.bounds.features import Features, box_features
 from planner.bounds.moments import Moments, Multipliers, combined, motion_moments
 from planner.bounds.tight import climb
-from planner.bounds.tight_certificate import TightDerivative
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Trajectory
 from planner.cli.console import print_table

@@ -20,7 +20,7 @@ from planner.bounds.kept import box_bound
 from planner.deviations import predicted_std
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
-from planner.noise import expected_noise, seen_through
+from planner.noise import expected_noise, mean_information, seen_through
 from planner.planning import make
 from planner.request import Request
 from planner.runs.identifying import identify
@@ -28,7 +28,6 @@ from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.inside import keep_limits
 from planner.search.parallel import SILENT, run_here
-from planner.search.problem import mean_information
 
 DURATION, WALKS, RUNS = 10.0, 100, 20
 BY_HAND = np.deg2rad([

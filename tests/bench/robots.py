@@ -22,11 +22,11 @@ from planner.bounds.kept import box_bound
 from planner.cli.console import print_table
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
+from planner.noise import mean_information
 from planner.planning import make
 from planner.request import Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import SILENT, run_here
-from planner.search.problem import mean_information
 
 ROBOTS = Path(__file__).parent / "robots"
 DURATION, RATE = 10.0, 1000.0  # [s], [1/s]

@@ -11,7 +11,9 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
-from identification.limits import prove
+from identification.limit import LimitReport
+from identification.limit_proof import prove
+from identification.motion import Standstill
 from identification.trajectories.profile import StraightMove
 from planner.poses.space import valid_poses
 from planner.search.state_limits import state_limits
@@ -84,6 +86,15 @@ def test_a_strut_that_enters_a_box_while_the_platform_stays_away_is_named(far: f
     assert valid_poses(guarded, move.end[None])[0] == (far < 0.1)
 
 
+def test_boxes_that_are_told_apart_in_brackets_are_limits_of_their_own(hexapod_case: Case):
+    names = [f"vice ({side})" for side in ("left", "right, behind")]
+    boxes = [{**beside_strut(hexapod_case, 0.05), "name": name} for name in names]
+    report = prove(Standstill(HOME, 0.01), changed(hexapod_case, workspace__keep_out=boxes), 100.0)
+    data = report.to_json()
+    assert {f"distance from {name}" for name in names} <= set(data)
+    assert LimitReport.of_json(data) == report
+
+
 def test_a_strut_has_the_radius_that_the_case_says(hexapod_case: Case):
     box = beside_strut(hexapod_case, 0.05)
     still = StraightMove.fastest(HOME, HOME + np.r_[0.0, 0.0, 1e-3, 0.0, 0.0, 0.0], *rate_limits(hexapod_case))
@@ -141,7 +152,7 @@ def test_what_the_optimiser_takes_for_outside_is_outside(seed: int):
     ranges = {f"{axis}_mm": [1e3 * corner[k], 1e3 * corner[k] + 150.0] for k, axis in enumerate("xyz")}
     case = changed(CASE, workspace__keep_out=[{"name": "post", **ranges}], workspace__tool=[SPINDLE])
     pose = HOME + draw.uniform(-1.0, 1.0, 6) * np.r_[0.4, 0.4, 0.3, 0.3, 0.3, 0.3]
-    (group,) = (g for g in state_limits(case) if g.name == "keep-out box")
+    (group,) = (g for g in state_limits(case) if g.kind == "distance from")
     shares = group.kernel.values(np.r_[pose, np.zeros(13)][None])[0]
     turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
     ends = np.array([[0.03, 0.0, 0.0], [0.03, -0.02, 0.25]]) @ turn.T

@@ -45,7 +45,7 @@ def found(chain: Chain, q: np.ndarray) -> dict[str, np.ndarray]:
     still = np.zeros_like(q)
     motion = Motion(np.arange(len(q)) * 1.0, q, still, still, still)
     return {
-        f"{quantity.name} ({label})": values
+        f"{quantity.of} ({label})": values
         for quantity in body_clearances(motion, chain)
         for label, values in zip(quantity.labels, quantity.values.T, strict=True)
     }
@@ -135,7 +135,7 @@ def test_the_search_keeps_off_before_anything_touches() -> None:
     chain, q = CHAINS["robot"], states(CHAINS["robot"])
     case = ROBOT.model_copy(update={"machine": ROBOT.machine.model_copy(update={"chain": chain})})
     symbol, none = ca.SX.sym("q", len(chain.joints)), ca.SX(len(chain.joints), 1)
-    shares = [s.value for s in SerialChain(chain).shares(case, symbol, none, none) if s.name == "distance"]
+    shares = [s.value for s in SerialChain(chain).shares(case, symbol, none, none) if s.kind == "distance from"]
     largest = over_samples(ca.Function("shares", [symbol], [ca.vertcat(*shares)]), q)[0].max(axis=1)
     nearest = np.min(list(found(chain, q).values()), axis=0)
     assert np.all(largest[nearest < -0.005] > 1.0)
@@ -180,7 +180,7 @@ def test_distances_of_few_instants_bound_those_of_many_and_not_by_much(name: str
         angle = t[:, None] * waves
         q, first, second = (size * np.sin(angle), size * waves * np.cos(angle), -size * waves**2 * np.sin(angle))
         motion = Motion(t, chain.home + q, first, second, np.zeros_like(q))
-        return {q.name + label: float(v.min()) for q in body_clearances(motion, chain) for label, v in zip(
+        return {str(q.of) + label: float(v.min()) for q in body_clearances(motion, chain) for label, v in zip(
             q.labels, q.values.T, strict=True)}  # fmt: skip
 
     coarse, fine = nearest(few), nearest(many)

@@ -9,8 +9,8 @@ from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import RigidBody, together
 from identification.evaluate import over_samples
-from identification.limited import rotation_motion
-from identification.limits import prove
+from identification.limit_proof import prove
+from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Standstill
 from identification.overload import Loads, sensor_forces
@@ -58,7 +58,7 @@ def test_together_is_what_two_bodies_weigh_and_resist_about_any_point(hexapod_ca
 def test_sensors_that_are_too_weak_for_a_payload_are_named(hexapod_case: Case):
     weak = changed(hexapod_case, sensors__range_N=300.0)
     report = prove(Standstill(HOME, 0.01), weak, 100.0)
-    (worst,) = (c for c in report.violations if c.name.startswith("sensor force"))
+    (worst,) = (c for c in report.violations if c.kind == "sensor force")
     assert "5 payloads" in worst.name
     assert worst.limit == pytest.approx(np.sign(worst.worst) * 240.0)
 

@@ -5,7 +5,7 @@ import pytest
 
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.motion import Joined, Standstill
 from identification.trajectories.executed import DriveExecution, coordinate_rates, executed_peaks
 from identification.trajectories.profile import StraightMove

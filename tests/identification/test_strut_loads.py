@@ -6,7 +6,8 @@ import pytest
 from cases.loading import load_case
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.limits import load_shares, prove, prove_at
+from identification.limit import LimitKind
+from identification.limit_proof import load_shares, prove, prove_at
 from identification.model import identification_model
 from identification.motion import Motion, Standstill
 from identification.overload import SHARE
@@ -15,7 +16,7 @@ from identification.strut_loads import StrutLoads
 from identification.trajectories.profile import StraightMove
 from planner.families.ptp import PointToPointFamily
 from planner.search.solving import Task, run_start
-from planner.search.state_limits import FORCES, near_limits, state_limits
+from planner.search.state_limits import near_limits, state_limits
 from planner.search.states import state_size
 from postprocessors.proving.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic
@@ -55,7 +56,7 @@ def test_proof_and_regressor_know_the_same_forces(kind: str) -> None:
     assert loads is not None
     expected = forces(case, motion.pose, motion.rates, motion.accelerations)
     report = prove_at(Harmonic(seed=4, size=0.8), case, np.linspace(0.1, 2.9, 40), in_box=False)
-    (check,) = (c for c in report.checks if c.name.startswith("sensor force"))
+    (check,) = (c for c in report.checks if c.kind == "sensor force")
     row, channel = np.unravel_index(int(np.abs(expected).argmax()), expected.shape)
     exact = 1e-9 if kind != "friction" else 1e-2  # Coulomb friction of the regressor is smooth at rest
     assert check.worst == pytest.approx(expected[row, channel], rel=exact)
@@ -105,12 +106,12 @@ def test_sensors_that_are_too_weak_are_named_and_the_search_knows_their_limit() 
     """At states of a motion the shares that the optimiser limits are the forces that the proof finds."""
     weak = of("drive", 900.0)
     report = prove(Standstill(HOME, 0.01), of("drive", 100.0), 100.0)
-    assert "5 payloads" in next(c.name for c in report.violations if c.name.startswith("sensor force"))
-    assert FORCES in [group.name for group in near_limits(weak)]
-    assert FORCES not in [group.name for group in near_limits(of("drive", 100_000.0))]
+    assert "5 payloads" in next(c.name for c in report.violations if c.kind == "sensor force")
+    assert LimitKind.SENSOR_FORCE in [group.kind for group in near_limits(weak)]
+    assert LimitKind.SENSOR_FORCE not in [group.kind for group in near_limits(of("drive", 100_000.0))]
     motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 20))
     states = np.hstack([motion.pose, motion.rates, motion.accelerations])
-    (group,) = (g for g in state_limits(weak, (5,)) if g.name == FORCES)
+    (group,) = (g for g in state_limits(weak, (5,)) if g.kind is LimitKind.SENSOR_FORCE)
     shares = group.kernel.values(np.hstack([states, np.zeros((20, state_size(6) - 18))]))
     assert np.abs(shares).max() == pytest.approx(load_shares(motion, weak)[5], rel=1e-9)
 
@@ -121,7 +122,7 @@ def test_a_search_holds_the_range_that_shapes_its_motion() -> None:
     start = run_start(Task(weak, 6, PointToPointFamily.of(weak, 8, 3.0), "D", seed=1))
     motion = start.family.motion(start.unknowns)
     kept = prove(motion, weak, 1000.0)
-    (force,) = (c for c in kept.checks if c.name.startswith("sensor force"))
+    (force,) = (c for c in kept.checks if c.kind == "sensor force")
     assert force.ratio > 0.8
     assert force.kept
 

@@ -12,8 +12,7 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import physical_form
 from planner.deviations import predicted_std, predicted_std_of
-from planner.noise import expected_noise
-from planner.search.problem import mean_information
+from planner.noise import expected_noise, mean_information
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 
 RATE = 1000.0  # [1/s]

@@ -13,10 +13,10 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.schema import Case
-from planner.comparison.advising import groups, recommend
-from planner.comparison.entries import Entry, Level, Told, read_entry
+from planner.comparison.advising import groups, recommend, warnings_of
+from planner.comparison.entries import Conditions, Entry, Level, Sources, Told, read_entry
 from planner.plan_folder import fingerprint_of
-from planner.reports.compare import coloured, warnings_of
+from planner.reports.compare import coloured
 from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.helpers import few
@@ -29,8 +29,14 @@ Chain = dict[str, dict[str, Any]]
 def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
     told = {n: Told(1.0, std, "kg") for n in names}
     return Entry(
-        name, Level.IDENTIFIED, case, 9, "", seconds, 1000, {}, told, 1.0, {}, frozenset({name})
+        name, Level.IDENTIFIED, Conditions(case), Sources(frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
     )  # fmt: skip
+
+
+def changed(one: Entry, **changes: Any) -> Entry:
+    """An entry of another model or under other conditions."""
+    model = changes.pop("model", one.model)
+    return replace(one, model=model, conditions=one.conditions._replace(**changes))
 
 
 def noisier(one: Entry, factor: float) -> Entry:
@@ -92,10 +98,10 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
     entries = [read_entry(path) for path in (twin, *moved)]
     plan, run, result = (Path(entry.name).name for entry in entries[1:])
     assert (
-        entries[2].plan
-        == entries[1].plan
+        entries[2].sources.plan
+        == entries[1].sources.plan
         == fingerprint_of((shared / "plan" / "plan.json").read_bytes())
-        != entries[0].plan
+        != entries[0].sources.plan
     )
     found = [[Path(e.name).name for e in g] for g in groups(entries)]
     assert found == [["a-twin"], [plan, run, result]]
@@ -148,15 +154,21 @@ def test_the_command_compares_and_writes_a_page(
 
 def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: Case):
     """Two controllers, and two evaluations of one of the runs: nothing is left out for having a sibling."""
-    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level=Level.PLANNED, plan="p", hashes=frozenset())
-    runs = [replace(entry(hexapod_case, n, 0.1, 12.0), level=Level.EXECUTED, plan="p", load=2.0) for n in "rs"]
+    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level=Level.PLANNED, sources=Sources(plan="p"))
+    runs = [
+        replace(
+            entry(hexapod_case, n, 0.1, 12.0), level=Level.EXECUTED, conditions=Conditions(hexapod_case, load=2.0),
+            sources=Sources(frozenset({n}), "p"),
+        )
+        for n in "rs"
+    ]  # fmt: skip
     results = [
-        replace(entry(hexapod_case, n, std, 1.0), hashes=frozenset({of}), duration=None, plan="p")
+        replace(entry(hexapod_case, n, std, 1.0), sources=Sources(frozenset({of}), "p"), duration=None)
         for n, std, of in (("s1", 0.3, "s"), ("r1", 0.2, "r"), ("r2", 0.1, "r"), ("other", 0.4, "elsewhere"))
     ]
     (found,) = groups([*results, *runs, plan])
     assert [e.name for e in found] == ["plan", "r", "r1", "r2", "s", "s1", "other"]
-    assert [(e.duration, e.load) for e in found if e.name in ("r1", "s1")] == [(12.0, 2.0)] * 2
+    assert [(e.duration, e.conditions.load) for e in found if e.name in ("r1", "s1")] == [(12.0, 2.0)] * 2
     advice = recommend([found])
     assert (advice.best, advice.level) == ("r2", "identified")
     assert advice.ratios == pytest.approx({"r2": 1.0, "r1": 2.0, "s1": 3.0, "other": 4.0})
@@ -187,10 +199,10 @@ def test_nothing_is_recommended_across_machines_loads_or_noise(
     hexapod_case: Case, one: dict[str, Any], other: dict[str, Any]
 ):
     a, b, c = (entry(hexapod_case, n, std, 12.0) for n, std in (("a", 0.1), ("b", 0.2), ("c", 0.3)))
-    alone = recommend([[replace(a, **one)], [replace(b, **other)]])
+    alone = recommend([[changed(a, **one)], [changed(b, **other)]])
     assert (alone.best, alone.ratios) == (None, {})
     assert "none is preferred across them: a (case hexapod" in alone.sentences[0]
-    advice = recommend([[replace(a, **one)], [replace(b, **other)], [replace(c, **other)]])
+    advice = recommend([[changed(a, **one)], [changed(b, **other)], [changed(c, **other)]])
     assert advice.best == "b"
     assert set(advice.ratios) == {"b", "c"}
 
@@ -208,8 +220,8 @@ def test_what_keeps_figures_from_being_compared_is_told(
     hexapod_case: Case, one: dict[str, Any], other: dict[str, Any], said: str
 ):
     a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.2, 12.0)
-    assert warnings_of([a, b]) == warnings_of([replace(a, **one), replace(b, name="c", **one)]) == ()
-    (warning,) = warnings_of([replace(a, **one), replace(b, **other)])
+    assert warnings_of([a, b]) == warnings_of([changed(a, **one), changed(replace(b, name="c"), **one)]) == ()
+    (warning,) = warnings_of([changed(a, **one), changed(b, **other)])
     assert re.search(said, warning)
 
 
@@ -224,7 +236,7 @@ def test_a_run_at_poses_is_compared_as_what_it_is(shared: Path, tmp_path: Path):
     (group,) = groups([plan, run, result])
     assert [e.model for e in group] == [5, 5, 5]
     assert [e.samples for e in group] == [6, 6, 6]
-    assert run.noise == pytest.approx(plan.noise)
+    assert run.conditions.noise == pytest.approx(plan.conditions.noise)
     assert result.duration == run.duration == pytest.approx(plan.duration, abs=0.1)
     assert run.criteria["D"] == pytest.approx(plan.criteria["D"], abs=1e-3)
     for name, told in plan.parameters.items():
@@ -239,7 +251,7 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
     for result in results:
         call("identify", shared / "recording" / "recording.csv", "--case", hexapod_file, "-o", result)
     entries = [read_entry(result) for result in results]
-    assert [e.case.name for e in entries] == ["mine", "mine"]
+    assert [e.conditions.case.name for e in entries] == ["mine", "mine"]
     assert entries[0].duration == pytest.approx(chain["run"]["duration_s"], abs=0.05)
     hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"))
     assert "has changed since: sensors.range_N was 5000, is 6000" in refused(

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
+from identification.limit import LimitKind
 from planner.cli.run import exceeded_sentence
-from postprocessors.proving.controller_guarantees import twincat_guarantees
+from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.setpoints import write_csv, write_parquet
 from tests.planner.command_line import call, refused
@@ -74,12 +75,12 @@ def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the
     """The case says that a TwinCAT keeps strut accelerations; the built-in controller and LinuxCNC do not."""
     guarantees = twincat_guarantees(Reading("p", (), 0), CASE)
     outcome = SimpleNamespace(run=SimpleNamespace(real=real), guarantees=guarantees)
-    (sentence,) = exceeded_sentence({"angular velocity": 1.0, "strut acceleration": 1.03}, outcome)
+    (sentence,) = exceeded_sentence({LimitKind.ANGULAR_VELOCITY: 1.0, LimitKind.STRUT_ACCELERATION: 1.03}, outcome)
     assert sentence.startswith(
         "EXCEEDED BY THE CONTROLLER" if real else "exceeded by the built-in controller only: strut acc"
     )
     assert ("TwinCAT keeps it itself" in sentence) is not real
-    assert list(exceeded_sentence({"jerk": 1.005}, outcome)) == []
+    assert list(exceeded_sentence({LimitKind.JERK: 1.005}, outcome)) == []
 
 
 def test_a_program_is_written_in_the_language_that_its_suffix_names(planned: dict[str, Any], tmp_path: Path):

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.limits import Status, prove
+from identification.limit import Status
+from identification.limit_proof import prove
 from identification.motion import Joined
 from identification.trajectories.polynomial import polynomials_of
 from identification.trajectories.profile import StraightMove, has_steps
@@ -84,11 +85,11 @@ def test_the_proof_sees_steps_of_acceleration(hexapod_case: Case):
     """The derivative is 0 before and after a step; what the case limits is exceeded in between."""
     motion = trapezoids(hexapod_case)
     report = prove(motion, hexapod_case)
-    assert sorted(v.name.split(" (")[0] for v in report.violations) == ["angular jerk", "jerk"]
+    assert sorted(str(v.of) for v in report.violations) == ["angular jerk", "jerk"]
     own = controlled(hexapod_case, "linuxcnc")
     told = own.reported(report)
     assert told.kept
-    jerk = next(c for c in told.checks if c.name.startswith("jerk"))
+    jerk = next(c for c in told.checks if c.kind == "jerk")
     assert jerk.status is Status.STEPS
     largest = max(part.profile.acceleration * np.abs(part.end - part.start)[:3].max() for part in motion.parts)
     assert largest / 1e-3 <= abs(jerk.worst) <= 2 * largest / 1e-3 * (1 + 1e-9)  # from one side to the other in a cycle

@@ -17,11 +17,10 @@ from hypothesis import strategies as st
 import hexcite as hx
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.limits import LimitCheck, LimitReport, Status
+from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status
 from planner.families.settings import FAMILIES
 from planner.plans import Plan
-from planner.poses.pose_request import PoseMethod, PoseRequest
-from planner.request import Request
+from planner.request import PoseMethod, PoseRequest, Request
 from tests.helpers import one_line
 from tests.planner.command_line import refused
 
@@ -149,11 +148,19 @@ def test_what_was_asked_of_poses_comes_back(count: int | None, method: PoseMetho
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 
 
+LIMITS = st.builds(
+    Limit, st.sampled_from(LimitKind), st.just(""), move=st.none() | st.sampled_from(OwnMove)
+) | st.builds(
+    Limit, st.just(LimitKind.DISTANCE_FROM_BOX), st.sampled_from(("vice", "rack (old), left", "strut length"))
+)
+
+
 @given(
     checks=st.lists(
-        st.builds(LimitCheck, st.uuids().map(str), NUMBERS, NUMBERS, st.just("m/s"), NUMBERS, NUMBERS,
-                  st.sampled_from(Status), bounds=st.none() | st.tuples(NUMBERS, NUMBERS)),
-        max_size=5,
+        st.builds(LimitCheck, LIMITS, st.sampled_from(("", "x", "strut 3", "sensor 2, 5 payloads", "tool (long)")),
+                  NUMBERS, NUMBERS, st.just("m/s"), NUMBERS, NUMBERS, st.sampled_from(Status),
+                  bounds=st.none() | st.tuples(NUMBERS, NUMBERS)),
+        max_size=5, unique_by=lambda check: check.of,
     )
 )  # fmt: skip
 def test_limits_come_back(checks: list[LimitCheck]):

@@ -14,9 +14,9 @@ from identification.model import identification_model
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion
-from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
 from planner.search.inside import MARGIN, keep_limits
-from planner.search.problem import build_problem, mean_information
+from planner.search.problem import build_problem
 from planner.search.solving import Task, run_start
 from tests.planner.command_line import call
 from tests.planner.monte_carlo import vibrating, vibrating_runs

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.motion import Standstill
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily

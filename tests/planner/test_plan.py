@@ -10,16 +10,18 @@ import pytest
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
-from identification.limits import LimitReport, prove
+from identification.limit import LimitReport
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import Spline
 from planner.found import Found, notes
+from planner.noise import mean_information
 from planner.plans import Plan
 from planner.request import Request
 from planner.search.inside import MARGIN, keep_limits
-from planner.search.problem import build_problem, mean_information
+from planner.search.problem import build_problem
 from tests.postprocessors.independent import strut_lengths
 
 INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's grid

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.loading import load_case
-from planner.comparison.beside_manual import Beside, beside_manual
+from planner.deviations import Beside, beside_manual
 from planner.precision import std_text
 from planner.request import Request
 from tests.helpers import few

@@ -11,10 +11,10 @@ from identification.model import identification_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import PointToPoint
 from planner.infeasible import require_rest
+from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
 from planner.search.parallel import SILENT, run_here
-from planner.search.problem import mean_information
 from tests.bench.machines.description import case_of, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.machines.drawn import HOME, drawn, of_poses

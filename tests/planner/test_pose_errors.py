@@ -19,9 +19,9 @@ from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.noise import PoseErrors, expected_noise, of_estimate, without_pose_errors
+from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate, without_pose_errors
 from planner.poses.pose_criteria import pose_regressors
-from planner.search.problem import build_problem, information_of, mean_information
+from planner.search.problem import build_problem
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope
 

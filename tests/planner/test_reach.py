@@ -13,7 +13,7 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from cases.recording_format import POSE
 from cases.schema import Case
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.motion import StandingPoses
 from planner.motion_box import largest_box
 from planner.reach import UNITS, StaticLimits, reach
@@ -116,7 +116,7 @@ def test_shares_of_limits_are_those_of_the_independent_proof(name: str, request:
     poses = limits.poses(limits.box, np.random.default_rng(3).random((50, 6)))
     for pose, shares in zip(poses, limits.shares(poses), strict=True):
         for check in prove(StandingPoses(pose[None].repeat(2, axis=0)), case, 1.0).checks:
-            columns = [kind == check.name.split(" (")[0] for kind in limits.kinds]
+            columns = [limit == check.of for limit in limits.kinds]
             if any(columns):
                 assert max(shares[columns].max(), 0.0) == pytest.approx(max(check.ratio, 0.0), abs=1e-9)
 
@@ -237,7 +237,7 @@ def test_the_command_prints_and_draws_the_reach(small: Case, tmp_path: Path) -> 
     (row,) = (line for line in text.splitlines() if "z_mm" in line)
     assert "below: strut length" in row
     assert "above: strut length" in row
-    drawn = call("case", "show", file, "-o", tmp_path / "machine.svg").out
+    drawn = call("case", "show", file, "-o", tmp_path / "machine.html").out
     assert "is reachable" in drawn
 
 

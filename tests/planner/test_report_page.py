@@ -18,7 +18,7 @@ from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
 from planner.reports.charts import Chart, plain, script_json, thinned
-from planner.reports.figures import motion_plots
+from planner.reports.figures import motion_items
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import TERMS, Note, Page, Section, Table, explained, render
 from tests.helpers import Harmonic
@@ -42,7 +42,7 @@ def motion() -> Harmonic:
 @pytest.fixture(scope="module")
 def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A page with everything that outsiders can name named in HTML."""
-    plots = motion_plots(hexapod_case, sample(motion, 200.0))
+    plots = motion_items(hexapod_case, sample(motion, 200.0))
     plots[0].figure.update_traces(name=plain(HOSTILE))
     wide = tuple(f"a wide column {k}" for k in range(30))
     page = Page(
@@ -225,7 +225,7 @@ def test_twenty_seconds_are_at_most_three_megabytes_beside_plotly(hexapod_case: 
 
     motion = Harmonic(seed=0, duration=20.0)
     page = Page("long", "", (), (), (Section("motion", (
-        *motion_plots(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion, ""),
+        *motion_items(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion, ""),
     )),))  # fmt: skip
     assert len(render(page)) - len(get_plotlyjs()) < 3e6
 

@@ -7,8 +7,9 @@ import planner.search.problem as problem_module
 from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limited import rotation_motion
-from identification.limits import LimitCheck, LimitReport, Status, load_shares, prove
+from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
+from identification.limit_proof import load_shares, prove
+from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, sensor_forces
@@ -21,7 +22,7 @@ from planner.found import Found, notes
 from planner.request import Request
 from planner.search.problem import build_problem
 from planner.search.solving import Start, Task, run_start
-from planner.search.state_limits import FORCES, near_limits, state_limits
+from planner.search.state_limits import near_limits, state_limits
 from planner.search.states import state_size
 from tests.postprocessors.changed_case import changed
 
@@ -52,7 +53,7 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
     states = problem.layout.critical.at(start).reshape(-1, state_size(6))
     pose, rates, accelerations = states[:, :6], states[:, 6:12], states[:, 12:18]
     motion = Motion(np.arange(float(len(pose))), pose, rates, accelerations, np.zeros_like(pose))
-    groups = [group for group in state_limits(weak, (0, 5)) if group.name == FORCES]
+    groups = [group for group in state_limits(weak, (0, 5)) if group.kind is LimitKind.SENSOR_FORCE]
     for group, count in zip(groups, (0, 5), strict=True):
         forces = sensor_forces(*rotation_motion(motion), accelerations[:, :3], weak.body(count), weak)
         shares = group.kernel.values(states)
@@ -60,11 +61,11 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
 
 
 def test_the_heaviest_load_is_limited_where_it_comes_close_and_none_where_it_does_not(weak: Case, hexapod_case: Case):
-    assert [group.name for group in near_limits(weak)].count(FORCES) >= 1
+    assert [group.kind for group in near_limits(weak)].count(LimitKind.SENSOR_FORCE) >= 1
     strong = changed(hexapod_case, sensors__range_N=100_000.0)
     boundless = hexapod_case.model_copy(update={"sensors": hexapod_case.sensors.model_copy(update={"range_N": None})})
     for case in (strong, boundless):
-        assert FORCES not in [group.name for group in near_limits(case)]
+        assert LimitKind.SENSOR_FORCE not in [group.kind for group in near_limits(case)]
 
 
 def explored_and_refined(case: Case, name: str) -> Start:
@@ -79,11 +80,13 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
     motion = shaped.family.motion(shaped.unknowns)
     report = prove(motion, weak, 1000.0)
     assert report.kept
-    (force,) = (c for c in report.checks if c.name.startswith("sensor force"))
+    (force,) = (c for c in report.checks if c.kind == "sensor force")
     assert force.ratio > 0.9
     assert "5 payloads" in force.name
     monkeypatch.setattr(
-        problem_module, "near_limits", lambda case: tuple(g for g in near_limits(case) if g.name != FORCES)
+        problem_module,
+        "near_limits",
+        lambda case: tuple(g for g in near_limits(case) if g.kind is not LimitKind.SENSOR_FORCE),
     )
     shrunk = explored_and_refined(weak, name)
     assert shaped.logdet > shrunk.logdet + 1.0  # of ten parameters: each is known at least 5 % better
@@ -98,7 +101,9 @@ def test_shares_grow_with_what_is_mounted(weak: Case):
 
 
 def test_the_plan_says_which_load_bound_it():
-    check = LimitCheck("sensor force (sensor 3, 5 payloads)", 800.0, 800.0, "N", 0.999, 1.0, Status.PROVEN)
+    check = LimitCheck(
+        Limit(LimitKind.SENSOR_FORCE), "sensor 3, 5 payloads", 800.0, 800.0, "N", 0.999, 1.0, Status.PROVEN
+    )
     found = Found(None, {}, LimitReport((check,)))
     (note,) = notes(found, Request(PointToPoint()), None, {})
     assert note.startswith("sensor force (sensor 3, 5 payloads) shapes the motion")

@@ -2,14 +2,14 @@
 
 import pytest
 
+from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from planner.cli.console import LIMIT_COLUMNS, limit_rows, print_table
 
-LIMITS = {
-    "strut": {"at": "strut acceleration, way home (from anywhere, at most)", "worst": -450.6, "limit": -10.0,
-              "unit": "m/s^2", "ratio": 45.06, "status": "enforced by controller"},
-    "force": {"at": "sensor force", "worst": 1445.0, "limit": 4000.0, "unit": "N", "ratio": 0.36125,
-              "status": "proven"},
-}  # fmt: skip
+LIMITS = (
+    LimitCheck(Limit(LimitKind.STRUT_ACCELERATION, move=OwnMove.WAY_HOME), "from anywhere, at most", -450.6, -10.0,
+               "m/s^2", 45.06, 0.0, Status.ENFORCED, binding=False),
+    LimitCheck(Limit(LimitKind.SENSOR_FORCE), "", 1445.0, 4000.0, "N", 0.36125, 0.0, Status.PROVEN),
+)  # fmt: skip
 
 
 def test_a_narrow_terminal_folds_words_only(
@@ -37,9 +37,9 @@ def test_a_pipe_gets_whole_rows(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 
 def test_a_limit_that_is_exceeded_reads_so_and_strut_lengths_show_both_bounds() -> None:
     """What is used of a strut length is the distance from the middle of both bounds, so both stand there."""
-    strut = {"at": "strut length (strut 6)", "worst": 1463.0, "limit": 1460.0, "bounds": [650.0, 1460.0], "unit": "mm",
-             "ratio": 1.0072, "status": "proven"}  # fmt: skip
-    (row,) = limit_rows({"strut length": strut})
+    length, bounds = Limit(LimitKind.STRUT_LENGTH), (650.0, 1460.0)
+    strut = LimitCheck(length, "strut 6", 1463.0, 1460.0, "mm", 1.0072, 0.0, Status.PROVEN, bounds=bounds)
+    (row,) = limit_rows((strut,))
     assert row == ["strut length (strut 6)", "1463", "650 to 1460", "mm", "100.72 %", "EXCEEDED"]
     middle, half = (650.0 + 1460.0) / 2, (1460.0 - 650.0) / 2
-    assert abs(1463.0 - middle) / half == pytest.approx(strut["ratio"], abs=1e-3)
+    assert abs(1463.0 - middle) / half == pytest.approx(strut.ratio, abs=1e-3)

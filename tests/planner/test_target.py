@@ -8,7 +8,7 @@ import pytest
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
-from identification.limits import LimitReport
+from identification.limit import LimitReport
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline, family_class
 from planner.found import Found as Searched
 from planner.found import notes

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.limits import LimitCheck, LimitReport, Status
+from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
@@ -17,8 +17,8 @@ from planner.search.solving import DRAWN_BACK, Start
 SIZE = 20
 
 
-def check(name: str, ratio: float) -> LimitCheck:
-    return LimitCheck(name, ratio, 1.0, "m/s", ratio, 0.5, Status.PROVEN)
+def check(kind: LimitKind, place: str, ratio: float) -> LimitCheck:
+    return LimitCheck(Limit(kind), place, ratio, 1.0, "m/s", ratio, 0.5, Status.PROVEN)
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def start(hexapod_case: Case) -> Start:
 @pytest.fixture
 def found(start: Start) -> Found:
     """A search with nothing to be said against it."""
-    limits = LimitReport((check("velocity (x)", 0.999), check("strut length (strut 1)", 0.5)))
+    limits = LimitReport((check(LimitKind.VELOCITY, "x", 0.999), check(LimitKind.STRUT_LENGTH, "strut 1", 0.5)))
     return Found(start.family.motion(start.unknowns), start.family.settings, limits, (start,))
 
 
@@ -86,16 +86,24 @@ def test_a_motion_that_was_drawn_back(share: float, told: bool, found: Found, st
     assert not told or f"drawn to {100 * share:.0f} % of its ways" in weak[0]
 
 
-@pytest.mark.parametrize("place", ["strut length (strut 1)", "position (x)", "base joint angle (joint 2)"])
-def test_no_limit_of_speed_is_used(place: str, found: Found, said: Said):
+@pytest.mark.parametrize(
+    "kind", [LimitKind.STRUT_LENGTH, LimitKind.POSITION, LimitKind.BASE_JOINT_ANGLE, LimitKind.JOINT_ANGLE]
+)
+def test_no_limit_of_speed_is_used(kind: LimitKind, found: Found, said: Said):
     """That poses are at their limits is not an excuse."""
-    used = LimitReport((check("velocity (x)", FULL - 0.1), check("strut velocity (strut 3)", 0.7), check(place, 0.999)))
+    used = LimitReport(
+        (
+            check(LimitKind.VELOCITY, "x", FULL - 0.1),
+            check(LimitKind.STRUT_VELOCITY, "strut 3", 0.7),
+            check(kind, "strut 1", 0.999),
+        )
+    )
     (told,) = said(found._replace(limits=used))
     assert f"beyond {100 * (FULL - 0.1):.0f} % (velocity (x))" in told
-    force = LimitReport((*used.checks, check("sensor force (sensor 1)", 0.95)))
+    force = LimitReport((*used.checks, check(LimitKind.SENSOR_FORCE, "sensor 1", 0.95)))
     assert said(found._replace(limits=force)) == ()
 
 
 def test_what_was_made_by_hand_is_not_judged(found: Found, said: Said):
-    slow = LimitReport((check("velocity (x)", 0.2),))
+    slow = LimitReport((check(LimitKind.VELOCITY, "x", 0.2),))
     assert said(found._replace(starts=(), limits=slow)) == ()

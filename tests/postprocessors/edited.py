@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily

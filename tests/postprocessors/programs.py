@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger

@@ -13,8 +13,8 @@ from pyarrow import parquet
 
 from cases.errors import ProgramError
 from cases.loading import load_case
-from identification.limited import strut_motion
-from identification.limits import prove
+from identification.limit_proof import prove
+from identification.limited_quantities import strut_motion
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily

@@ -240,9 +240,9 @@ def test_a_motion_that_passes_a_limit_is_named_with_its_line(typed: Typed):
 def test_limits_say_who_answers_for_them(hexapod_case: Case):
     nobody = changed(hexapod_case, controller__twincat__controller_keeps=())
     text = TWINCAT.text(TWINCAT.timed(smooth_points(TWINCAT, "X", 20.0)))
-    status = {c.name.split(" (")[0]: str(c.status) for c in TWINCAT.proof(text).limits.checks}
+    status = {str(c.of): str(c.status) for c in TWINCAT.proof(text).limits.checks}
     assert status["jerk"] == "enforced by controller"
     assert status["position"] == "proven"
-    status = {c.name.split(" (")[0]: str(c.status) for c in TWINCAT.proof(text, nobody).limits.checks}
+    status = {str(c.of): str(c.status) for c in TWINCAT.proof(text, nobody).limits.checks}
     assert status["jerk"] == "NOT enforced"
     assert status["position"] == "proven"

@@ -78,7 +78,7 @@ def test_who_answers_for_what() -> None:
     proof = judged(TEXT)
     assert proof.ok
     assert proof.relies_on == ("jerk",)
-    status = {c.name.split(" (")[0]: str(c.status) for c in proof.limits.checks}
+    status = {str(c.of): str(c.status) for c in proof.limits.checks}
     for name in ("position", "angle", "joint position", "joint angle", "velocity", "angular velocity"):
         assert status[name] == "proven"
     assert status["angular acceleration, untimed moves"] == "enforced by controller"

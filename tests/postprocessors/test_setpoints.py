@@ -63,7 +63,7 @@ def test_moves_at_the_limits_are_proven_to_the_last_digit(write):
     """Rows at whole cycles slow each motion by less than one of them; nothing is rounded over a limit."""
     result = proof(write(moves(), CASE))
     assert result.ok
-    kinds = {c.name.split(" (")[0]: c for c in result.limits.checks}
+    kinds = {str(c.of): c for c in result.limits.checks}
     assert 0.97 < kinds["jerk"].ratio <= 1.0 + 1e-6
     assert all(str(c.status) == "proven" for c in kinds.values())
 

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import pytest
 
 from cases.schema import Case
-from identification.limits import LimitCheck, LimitReport, Status, worst_of
-from postprocessors.proving.guarantees import KINETIC, family
+from identification.limit import KINETIC, Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
 from postprocessors.proving.proof import ProgramProof
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, TWINCAT, Typed, smooth_points
@@ -109,12 +108,12 @@ MOVES = {
 }
 
 
-def said(result: ProgramProof, home: bool) -> dict[str, set[Status]]:
+def said(result: ProgramProof, home: bool) -> dict[LimitKind, set[Status]]:
     """Status by family of kinetic limits: of the way home, or of all else."""
-    found: dict[str, set[Status]] = {}
+    found: dict[LimitKind, set[Status]] = {}
     for check in result.limits.checks:
-        if family(check.name) in KINETIC and (HOME in check.name) == home:
-            found.setdefault(family(check.name), set()).add(check.status)
+        if check.kind.kinetic and (check.of.move is OwnMove.WAY_HOME) == home:
+            found.setdefault(check.kind.family, set()).add(check.status)
     return found
 
 
@@ -131,7 +130,7 @@ def test_each_limit_in_each_kind_of_block_has_the_one_who_answers_for_it(name: s
     result = CONTROLLERS[name].proof(kind)
     assert said(result, False) == {k: {v} for k, v in zip(KINETIC, MOVES[name, kind], strict=False)}
     for check in result.limits.checks:
-        if family(check.name) not in KINETIC:
+        if not check.kind.kinetic:
             assert check.status is P, "geometry is the text's"
 
 
@@ -165,8 +164,8 @@ def test_the_weaker_answer_stands_where_two_moves_have_different_ones():
 
 
 def test_the_worst_of_two_reports_is_proven_only_where_both_are():
-    slow = LimitCheck("velocity (x)", 1.0, 10.0, "mm/s", 0.1, 0.0, N)
-    fast = LimitCheck("velocity (y)", 9.0, 10.0, "mm/s", 0.9, 1.0, P)
+    slow = LimitCheck(Limit(LimitKind.VELOCITY), "x", 1.0, 10.0, "mm/s", 0.1, 0.0, N)
+    fast = LimitCheck(Limit(LimitKind.VELOCITY), "y", 9.0, 10.0, "mm/s", 0.9, 1.0, P)
     for order in ([slow, fast], [fast, slow]):
         (check,) = worst_of([LimitReport((c,)) for c in order]).checks
         assert (check.name, check.worst, check.status) == ("velocity (y)", 9.0, N)

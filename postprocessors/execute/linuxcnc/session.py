@@ -80,12 +80,14 @@ def run_linuxcnc(
             program without timed blocks (G93), else `acceleration_headroom`.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
             depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
-            cycles or shortens dwells is repeated at half the speed-up and at a quarter; then that is an error.
+            cycles, waits for blocks or shortens dwells is repeated at half the speed-up and at a quarter; then that is
+            an error.
         time_limit: time limit for the program [s on the wall]. By default its dwells and 20 s of controller time for
             each of its lines, both divided by the speed-up, and a minute.
 
     Raises:
-        ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles or does not end in time.
+        ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
+            not end in time.
         FileProblem: the program cannot be read.
         CaseError: the case lacks a part.
         ValueError: speedup is not positive and finite.
@@ -114,10 +116,10 @@ def run_linuxcnc(
         except LostCycles as error:
             problem = str(error)
         else:
-            if not (durations or switched):
-                return log
-            timing.check_order(program, log)
-            reason = timing.dwell_problem(log, durations, switched, window)
+            reason = timing.supply_problem(log)
+            if durations or switched:
+                timing.check_order(program, log)
+                reason = reason or timing.dwell_problem(log, durations, switched, window)
             if reason is None:
                 return timing.without_surplus(log, durations, switched, window)
             problem = f"{program}, {reason}"

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.limit import LimitKind
 from identification.motion import TimedPoints
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
@@ -47,7 +48,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=LONGEST_BLOCK,
         follows_paths=False,
         even_blocks=True,
-        enforced=frozenset({"velocity", "acceleration"} if real else {"velocity"}),
+        enforced=frozenset({LimitKind.VELOCITY, LimitKind.ACCELERATION} if real else {LimitKind.VELOCITY}),
         law=partial(_line, headroom),
         arc_law=partial(_arc, headroom),
         jerk_time=SERVO_PERIOD,

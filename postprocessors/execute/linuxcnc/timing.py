@@ -6,8 +6,9 @@ trigger took its time is then checked in the log. Written programs hold dwells i
 line of its own; any other form is refused, since it could not be proven. That a dwell has ended, and that an output
 is to switch at once (M64, M65), is seen some milliseconds late, on the wall: these cycles of waiting are cut out.
 
-Blocks reach the motion controller one by one, some thousand a second on the wall. Where they come too slowly the motion
-stops between them, and the log is true but not what LinuxCNC does in real time.
+Blocks reach the motion controller one by one, some thousand a second on the wall. Where they come too slowly, which
+heavy work of others on the computer's disk does, the motion stops between them: not what LinuxCNC does in real time.
+The log shows it: no line is executed for a while between a line and the next.
 """
 
 import re
@@ -23,7 +24,8 @@ from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc.isolation import words
 
 ATTEMPTS = 3
-"""Sessions for a program, each at half the speed-up of the one before, where cycles were lost or dwells not proven."""
+"""Sessions for a program, each at half the speed-up of the one before, where cycles were lost, blocks came too late or
+dwells were not proven."""
 
 BLOCK = 1e-3
 """Shortest block that a session is given [s on the wall]. Down to half of it motion is the same at every speed-up, also
@@ -109,6 +111,20 @@ def check_order(program: Path, log: ControllerLog) -> None:
             "LinuxCNC jumped back to this line, so that dwells and switches cannot be timed",
             "write the program without loops",
         )
+
+
+def supply_problem(log: ControllerLog) -> str | None:
+    """What is wrong where the motion waited for a block that follows on the line before; None where it never did."""
+    moving = np.flatnonzero(log.lines)
+    executed, waits = log.lines[moving], np.diff(moving) - 1
+    late = np.flatnonzero((waits > 0) & (np.diff(executed) <= 1))  # a dwell or a switch has a line of its own
+    if not len(late):
+        return None
+    first = late[0]
+    return (
+        f"line {executed[first + 1]}: the motion waited {waits[first] * log.period:.3f} s for this block; the computer "
+        "is too busy, run again"
+    )
 
 
 def dwell_problem(

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.limits import LimitReport, prove
+from identification.limit import LimitReport
+from identification.limit_proof import prove
 from identification.motion import Joined, Motion, Standstill, TimedPoints
 from identification.trajectories.path_timing import FASTEST, UntimedPath, retime
 from identification.trajectories.profile import StraightMove
@@ -49,7 +50,7 @@ class Wave:
 
 
 def ratio(report: LimitReport, *names: str) -> float:
-    return max(c.ratio for c in report.checks if c.name.split(" (")[0] in (names or LIMITED))
+    return max(c.ratio for c in report.checks if str(c.of) in (names or LIMITED))
 
 
 def test_the_wave_is_what_it_says():

@@ -11,14 +11,14 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from identification.criteria import reference_scaling, uniform_states
 from identification.evaluate import over_samples
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
 from planner.bounds.kept import GAP, Bound, bound, compute_bound
 from planner.families.fourier import FourierFamily
-from planner.search.problem import mean_information
+from planner.noise import mean_information
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 

@@ -10,21 +10,21 @@ from hypothesis import strategies as st
 
 from cases.units import DEG, MM
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
+from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.features import box_features
 from planner.bounds.kept import box_bound, compute_bound
 from planner.bounds.moments import combined, motion_moments
 from planner.bounds.tight import TightDesign, climb, tight_design
-from planner.bounds.tight_certificate import TightDerivative, first_tight_cells
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
+from planner.noise import mean_information
 from planner.search.inside import keep_limits
-from planner.search.problem import mean_information
 from planner.search.solving import Task, run_start
 from tests.helpers import few
 from tests.planner.bounds.test_moments import CASE, FAMILIES

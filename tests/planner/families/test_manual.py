@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.motion import Standstill
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove

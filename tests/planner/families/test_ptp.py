@@ -5,14 +5,15 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
 from identification.trajectories.profile import StraightMove
 from planner.controlled import controlled
 from planner.families.ptp import PointToPointFamily
+from planner.noise import mean_information
 from planner.search.inside import MARGIN, keep_limits
-from planner.search.problem import Problem, build_problem, mean_information
+from planner.search.problem import Problem, build_problem
 from planner.search.rows import BlockRows, StateRows
 from planner.search.solving import Start, Task, run_start
 from planner.search.state_limits import pose_shares

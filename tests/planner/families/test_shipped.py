@@ -9,15 +9,16 @@ import pytest
 from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.saved import FILE, shipped_start
 from planner.families.settings import family_class
-from planner.search.annealing import annealed_start
-from planner.search.problem import build_problem, mean_information
+from planner.noise import mean_information
+from planner.search.annealing import EqualMoves, annealed_start
+from planner.search.problem import build_problem
 from planner.search.solving import CLOSE
 
 FAMILIES = ("fourier", "ptp", "ptp, steps", "spline")
@@ -93,6 +94,7 @@ def test_a_walk_that_is_annealed_further_is_no_worse():
     scaling, told = reference_scaling(CASE, model), []
     walk = family.split(shipped_start(family, CASE))[0]
     draw = np.random.default_rng(1)
-    unknowns = annealed_start(CASE, model, scaling, family, draw, 2000, lambda f: told.append(f) is not None, walk)
+    moves = EqualMoves.of(CASE, model, scaling, family)
+    unknowns = annealed_start(moves, family, draw, 2000, lambda f: told.append(f) is not None, walk)
     assert told == sorted(told, reverse=True)  # -log det F / u of the best until then
     assert np.abs(family.split(unknowns)[0]).max() <= 1.0 + 1e-9

@@ -70,7 +70,7 @@ def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
     """Constrained at the knots alone, they would exceed their limit by much more: they peak between them."""
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     unknowns *= 0.9 / problem.worst(unknowns)
-    (velocity,) = (group for group in state_limits(hexapod_case) if group.name == "strut velocity")
+    (velocity,) = (group for group in state_limits(hexapod_case) if group.kind == "strut velocity")
     shares = np.abs(velocity.kernel.values(problem.layout.critical.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
     constrained = problem.layout.peaks[Peak.VELOCITY].ravel()
     motion = sample(family.motion(unknowns), 5_000.0)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import CaseError, HexciteError, InfeasiblePlan
 from cases.loading import load_case
 from cases.schema import Case
-from identification.limits import prove_at
+from identification.limit_proof import prove_at
 from identification.motion import Standstill
 from planner.poses.space import PoseSpace, grid_candidates, margins_of, sampled_candidates
 from tests.helpers import one_line, paper_poses

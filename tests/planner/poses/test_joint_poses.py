@@ -8,7 +8,7 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import static_model
 from identification.motion import StandingPoses
 from identification.simulate import truth_rows
@@ -88,9 +88,7 @@ def test_moves_between_poses_are_slowed_where_torques_need_it():
     home = strong.need_motion("a test")[0]
     start, end = home + np.deg2rad([0, 14, 14, 0, 0, 0]), home + np.deg2rad([0, -14, -14, 40, 0, 0])
     quick, slow = (fastest_move(case, start, end) for case in (strong, weak))
-    quick_torque, torque = (
-        {c.name.split(" (")[0]: c for c in prove(m, weak).checks}["joint torque"] for m in (quick, slow)
-    )
+    quick_torque, torque = ({str(c.of): c for c in prove(m, weak).checks}["joint torque"] for m in (quick, slow))
     assert quick_torque.ratio > 1.0 >= torque.ratio > 0.95
     assert slow.duration > quick.duration
 

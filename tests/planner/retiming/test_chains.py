@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Joined, TimedPoints
 from identification.trajectories.path_timing import retime
@@ -36,7 +36,7 @@ def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(j
         assert part.at([part.duration]).pose[0] == pytest.approx(planned.at([planned.duration]).pose[0], abs=1e-12)
         used = prove(part, case).checks
         assert max(c.ratio for c in used if "angle" not in c.name and "distance" not in c.name) <= 1.0
-        assert max(c.ratio for c in used if c.name.split(" (")[0] in KINETIC) > 0.97
+        assert max(c.ratio for c in used if str(c.of) in KINETIC) > 0.97
 
 
 KINETIC = {

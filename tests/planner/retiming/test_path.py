@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import InfeasiblePlan
 from cases.loading import load_case
-from identification.limits import kinetic_shares, prove
+from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Joined, TimedPoints
 from identification.trajectories.path_timing import retime
 from identification.trajectories.profile import StraightMove

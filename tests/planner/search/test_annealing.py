@@ -8,12 +8,13 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
+from planner.noise import mean_information
 from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Proposals, Walk, annealed_start
-from planner.search.problem import build_problem, mean_information
+from planner.search.problem import build_problem
 from planner.search.state_limits import pose_shares
 from tests.bench.machines.description import case_of, reachable
 from tests.bench.machines.designed import DESIGNED
@@ -172,12 +173,10 @@ def test_two_instants_a_move_rate_a_walk_well_enough_for_a_choice(
 
 
 @pytest.fixture(scope="module")
-def annealed(
-    hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
-) -> Callable[[int], np.ndarray]:
+def annealed(moves: EqualMoves, family: PointToPointFamily) -> Callable[[int], np.ndarray]:
     def annealed(seed: int) -> np.ndarray:
         draw = np.random.default_rng(seed)
-        return annealed_start(hexapod_case, model, scaling, family, draw, 6000, lambda objective: False)
+        return annealed_start(moves, family, draw, 6000, lambda objective: False)
 
     return annealed
 
@@ -196,9 +195,7 @@ def test_annealing_finds_more_than_chance_and_the_same_again(
     assert np.array_equal(first, annealed(1))
 
 
-def test_a_watch_that_has_seen_enough_ends_it(
-    hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
-):
+def test_a_watch_that_has_seen_enough_ends_it(moves: EqualMoves, family: PointToPointFamily):
     told: list[float] = []
 
     def watch(objective: float) -> bool:
@@ -206,7 +203,7 @@ def test_a_watch_that_has_seen_enough_ends_it(
         return len(told) == 2
 
     draw = np.random.default_rng(0)
-    unknowns = annealed_start(hexapod_case, model, scaling, family, draw, 50_000, watch)
+    unknowns = annealed_start(moves, family, draw, 50_000, watch)
     assert len(told) == 2
     assert told[1] <= told[0]
     assert np.isfinite(unknowns).all()

@@ -13,8 +13,8 @@ from identification.evaluate import over_samples
 from identification.model import Model, identification_model
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
+from planner.noise import mean_information
 from planner.poses.removal import log_determinant
-from planner.search.problem import mean_information
 from planner.search.program import regressor_kernel
 
 

@@ -10,10 +10,10 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner import planning
 from planner.families.settings import family_class
+from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
 from planner.search.parallel import SILENT, run_here
-from planner.search.problem import mean_information
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.postprocessors.changed_case import changed

@@ -8,7 +8,7 @@ import pytest
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.families.family import Family, box_middle
 from planner.families.fourier import START_SHARE, FourierFamily
@@ -90,8 +90,8 @@ def test_strut_limits_are_the_struts_of_the_motion(problem: Problem, unknowns: n
     }
     states = problem.layout.critical.at(0.1 * unknowns).reshape(-1, state_size(6))
     for group in state_limits(hexapod_case):
-        if group.name in expected:
-            assert group.kernel.values(states) == pytest.approx(expected.pop(group.name), abs=1e-5)
+        if group.kind in expected:
+            assert group.kernel.values(states) == pytest.approx(expected.pop(group.kind), abs=1e-5)
     assert not expected
 
 
@@ -106,9 +106,9 @@ def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
     table[:, :18] = np.hstack(
         [machine.home.vector + draw.uniform(*box.pose, (500, 6)), signs[0] * box.rate, signs[1] * box.acceleration]
     )
-    near = [group.name for group in near_limits(case)]
+    near = [group.kind for group in near_limits(case)]
     for group in state_limits(case):
-        assert group.name in near or np.abs(group.kernel.values(table)).max() <= 1.0, group.name
+        assert group.kind in near or np.abs(group.kernel.values(table)).max() <= 1.0, group.kind
 
 
 def chosen(part: Rows) -> np.ndarray | None:

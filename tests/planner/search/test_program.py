@@ -8,7 +8,7 @@ import pytest
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
-from planner.search.problem import mean_information
+from planner.noise import mean_information
 from planner.search.program import NonlinearProgram, regressor_kernel
 from tests.helpers import taylor_slope
 from tests.planner.search.conftest import Small

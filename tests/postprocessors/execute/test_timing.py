@@ -64,6 +64,17 @@ def test_dwells_next_to_no_motion_are_proven_within_the_run() -> None:
     assert "line 3: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, {}, (40, 245)))
 
 
+@pytest.mark.parametrize("late", [0, 1, 107])
+def test_a_motion_that_waits_for_its_next_block_is_found(late: int) -> None:
+    """A block that comes too late is told from a dwell, which has a line of its own between two of motion."""
+    lines = np.repeat([7, 0, 8, 0, 10], [50, late, 50, 300, 50])
+    log = ControllerLog("none", 1e-3, np.zeros((len(lines), 6)), np.zeros((len(lines), 6)), lines > 0, lines)
+    problem = timing.supply_problem(log)
+    assert (problem is None) == (late == 0)
+    if problem is not None:
+        assert f"line 8: the motion waited {1e-3 * late:.3f} s" in problem
+
+
 def standing(phases: list[tuple[int, bool]]) -> ControllerLog:
     """Motion in line 1, phases of standstill with the trigger as stated, motion in line 9."""
     count = sum(n for n, _ in phases)

@@ -7,7 +7,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.limits import prove
+from identification.limit_proof import prove
 from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import path_error

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.limited import rotation_motion
+from identification.limited_quantities import rotation_motion
 from identification.motion import Motion
 from identification.overload import sensor_forces
 from identification.trajectories.circle import CircularMove, Plane

@@ -1,47 +1,50 @@
-"""Figure of a file of unknown format: its channels over time, those that belong together in one panel."""
+"""The page of a file of unknown format: its channels over time, those that belong together in one figure."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from cases.files import provenance
 from cases.recording_format import CLOCK
 from identification.formats.looked import CLOCKS, Column, Look
 from identification.formats.naming import GROUPS
+from planner.reports.charts import Chart, plain, thinned
+from planner.reports.page import Note, Page, Plot, Section
 
 Array = NDArray[np.float64]
 
-MOST = 4000  # points of a line; more cannot be seen
 _TITLES = (
     "struts", "strut velocities", "drive positions", "drive velocities", "pose", "rotation", "accelerometer", "forces",
     "forces and moments",
 )  # fmt: skip
-_PANEL = 2.2  # inches
 
 
-def look_figure(found: Look) -> Figure:
+def look_page(found: Look) -> Page:
     """Every column of numbers over time, or over the rows where there is no clock."""
-    panels = list(_panels(found.columns))
-    figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
     t, label = _time(found)
-    step = -(-found.rows // MOST)
-    all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (title, columns) in zip(all_axes, panels, strict=True):
+    plots = []
+    for k, (title, columns) in enumerate(_panels(found.columns)):
+        figure = Chart()
         for column in columns:
-            axes.plot(t[::step], column.values[::step], linewidth=0.8, label=_legend(column))
+            x, y = thinned(t, np.asarray(column.values, dtype=float))
+            figure.add_scatter(x=x, y=y, name=plain(_legend(column)), line={"width": 1})
         units = {column.unit for column in columns if column.unit}
-        axes.set_ylabel(f"[{units.pop()}]" if len(units) == 1 else "")
-        axes.set_title(title, loc="left", fontsize="small")
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
-        axes.grid(alpha=0.25)
-    all_axes[-1].set_xlabel(label)
-    return figure
+        figure.update_xaxes(title=label)
+        figure.update_yaxes(title=f"[{plain(units.pop())}]" if len(units) == 1 else "")
+        plots.append(Plot(f"panel-{k}", figure.update_layout(height=280, showlegend=True), f"{title.capitalize()}."))
+    return Page(
+        title=f"Look at {found.file.name}",
+        lead=f"{found.rows} rows. What each column is taken for stands behind it; ? marks a guess by its values.",
+        inputs=(("recording", str(found.file)), *provenance([])["versions"].items()),
+        warnings=tuple(found.odd),
+        sections=(Section("Channels", tuple(plots) or (Note("There are no columns of numbers."),)),),
+    )
 
 
 def _legend(column: Column) -> str:
     name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
-    return name.replace("$", r"\$") + (" ?" if column.guessed else "")
+    return name + (" ?" if column.guessed else "")
 
 
 def _time(report: Look) -> tuple[Array, str]:

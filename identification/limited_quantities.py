@@ -1,16 +1,16 @@
-"""What a case limits, computed from a sampled motion in NumPy from the definitions; see `limits`."""
+"""What a case limits of coordinates and of a hexapod, of a sampled motion: in NumPy from the definitions."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.machine import HexapodMachine, MotionLimits, Workspace
-from cases.units import DEG, MM
+from cases.units import DEG
 from identification.keep_out import distances, guarded
+from identification.limit import Limit, LimitKind
 from identification.motion import Motion
 
 Array = NDArray[np.float64]
@@ -24,27 +24,21 @@ _STRUTS = tuple(f"strut {k}" for k in range(1, 7))
 class Quantity:
     """Something that is limited, one row an instant and one column a coordinate or strut."""
 
-    name: str  # name of the limit
-    unit: str  # unit of values and limits times `scale`
+    of: Limit
     labels: tuple[str, ...]  # labels of the columns
     values: Array  # shape (n, k)
     limits: Array  # lower and upper limit of each column, twice the same where there is but one, shape (2, k)
     ratio: Array  # share of the limit that is used, infinite where a value is not a number, shape (n, k)
-    scale: float  # scale to the unit
 
     @classmethod
-    def between(
-        cls, name: str, unit: str, labels: tuple[str, ...], values: Array, low: Array, high: Array, scale: float
-    ) -> "Quantity":
+    def between(cls, kind: LimitKind, labels: tuple[str, ...], values: Array, low: Array, high: Array) -> "Quantity":
         """Two-sided limits: the share is the distance from their middle over half their width.
 
         Args:
-            unit: unit in which people read it.
             labels: labels of its k columns.
             values: shape (n, k) [SI].
             low: shape (k,) [SI].
             high: shape (k,) [SI].
-            scale: the unit in SI.
         """
         values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
         ratio = values - (low + high) / 2
@@ -52,7 +46,7 @@ class Quantity:
         ratio /= (high - low) / 2
         if np.isnan(ratio.max()):
             ratio[np.isnan(ratio)] = np.inf
-        return cls(name, unit, labels, values, np.stack([low, high]), ratio, scale)
+        return cls(Limit(kind), labels, values, np.stack([low, high]), ratio)
 
     def limit_of(self, row: int, column: int) -> float:
         """The limit on whose side of the middle a value lies."""
@@ -102,26 +96,24 @@ def limited_coordinates(
         reach: region that the machine reaches.
         in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
     """
-    scale = np.where(limits.turns, 1 / DEG, 1 / MM)  # to mm and degrees for the report
     if in_box:
-        offset = motion.pose - home
-        yield from _by_kind(("position", "mm"), ("angle", "deg"), offset, limits.pose[0], limits.pose[1], scale, limits)
+        kinds = LimitKind.POSITION, LimitKind.ANGLE
+        yield from _by_kind(kinds, motion.pose - home, limits.pose[0], limits.pose[1], limits)
     yield from reach
     a, j = limits.acceleration, limits.jerk
-    one = np.ones(len(home))
     yield from limited_rates(motion, limits)
-    kinds = ("acceleration", "m/s^2"), ("angular acceleration", "rad/s^2")
-    yield from _by_kind(*kinds, motion.accelerations, -a, a, one, limits)
+    kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
+    yield from _by_kind(kinds, motion.accelerations, -a, a, limits)
     if limits.limits_jerk:
-        jerks = _with_steps(motion, j)
-        yield from _by_kind(("jerk", "m/s^3"), ("angular jerk", "rad/s^3"), jerks, -j, j, one, limits)
+        kinds = LimitKind.JERK, LimitKind.ANGULAR_JERK
+        yield from _by_kind(kinds, _with_steps(motion, j), -j, j, limits)
 
 
 def plane(motion: Motion, machine: HexapodMachine, workspace: Workspace) -> Quantity:
     """How far the platform of a hexapod is from home, in the plane that it can reach."""
     low, high = workspace.plane[0], workspace.plane[1]
     offset = motion.pose[:, :2] - machine.home.vector[:2]
-    return Quantity.between("workspace position", "mm", ("x", "y"), offset, low, high, 1 / MM)
+    return Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y"), offset, low, high)
 
 
 def _with_steps(motion: Motion, limit: Array) -> Array:
@@ -138,29 +130,23 @@ def _with_steps(motion: Motion, limit: Array) -> Array:
 def strut_velocities(motion: Motion, machine: HexapodMachine, limits: MotionLimits) -> Quantity:
     """Velocities of the struts alone."""
     most = np.full(6, limits.strut_velocity_m_s)
-    return Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
+    return Quantity.between(LimitKind.STRUT_VELOCITY, _STRUTS, strut_motion(motion, machine)[1], -most, most)
 
 
 def limited_rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
     """Rates of the coordinates alone."""
-    scale, v = np.where(limits.turns, 1 / DEG, 1 / MM), limits.rate
-    yield from _by_kind(("velocity", "mm/s"), ("angular velocity", "deg/s"), motion.rates, -v, v, scale, limits)
+    v = limits.rate
+    yield from _by_kind((LimitKind.VELOCITY, LimitKind.ANGULAR_VELOCITY), motion.rates, -v, v, limits)
 
 
 def _by_kind(
-    length: tuple[str, str],
-    angle: tuple[str, str],
-    values: Array,
-    low: Array,
-    high: Array,
-    scale: Array,
-    limits: Box,
+    kinds: tuple[LimitKind, LimitKind], values: Array, low: Array, high: Array, limits: Box
 ) -> Iterable[Quantity]:
-    """Translations and rotations of a derivative of the coordinates; name and unit of each, values in SI."""
-    for (name, unit), axes in ((length, ~limits.turns), (angle, limits.turns)):
+    """Translations and rotations of a derivative of the coordinates; the kind of each, values in SI."""
+    for kind, axes in zip(kinds, (~limits.turns, limits.turns), strict=True):
         if axes.any():
             labels = tuple(label for label, own in zip(limits.labels, axes, strict=True) if own)
-            yield Quantity.between(name, unit, labels, values[:, axes], low[axes], high[axes], float(scale[axes][0]))
+            yield Quantity.between(kind, labels, values[:, axes], low[axes], high[axes])
 
 
 def axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
@@ -235,9 +221,9 @@ def limited_struts(
     low = max(limits.strut_length[0], workspace.strut_length[0])
     high = min(limits.strut_length[1], workspace.strut_length[1])
     v, a = limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six
-    yield Quantity.between("strut length", "mm", _STRUTS, length, low * six, high * six, 1 / MM)
-    yield Quantity.between("strut velocity", "m/s", _STRUTS, along, -v, v, 1.0)
-    yield Quantity.between("strut acceleration", "m/s^2", _STRUTS, second, -a, a, 1.0)
+    yield Quantity.between(LimitKind.STRUT_LENGTH, _STRUTS, length, low * six, high * six)
+    yield Quantity.between(LimitKind.STRUT_VELOCITY, _STRUTS, along, -v, v)
+    yield Quantity.between(LimitKind.STRUT_ACCELERATION, _STRUTS, second, -a, a)
     direction = strut / length[:, :, None]
     yield from _joint_angles(direction, normal, workspace)
     yield _singularity(motion, strut, direction, machine)
@@ -250,41 +236,32 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     lines from joint to joint, with the radius that the case says around them, tools likewise. What moves at 1 m/s is
     between two instants of 10 kHz nearer by at most 0.05 mm.
     """
-    labels = guarded(workspace)
     for box in workspace.keep_out:
+        labels = guarded(workspace)
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
         ratio = np.maximum(0.0, 1.0 - distance / box.vicinity)
         ratio = np.nan_to_num(ratio, nan=np.inf)
         surface = np.zeros((2, len(labels)))
-        yield Quantity(f"distance from {box.name}", "mm", labels, distance, surface, ratio, 1 / MM)
+        yield Quantity(Limit(LimitKind.DISTANCE_FROM_BOX, box.name), labels, distance, surface, ratio)
 
 
 def _joint_angles(direction: Array, normal: Array, workspace: Workspace) -> Iterable[Quantity]:
     """Angles between struts and the normals of base and platform; 0 is straight up."""
     at_base = np.arccos(np.clip(direction[:, :, 2], -1.0, 1.0))
     at_platform = np.arccos(np.clip(np.einsum("nki,ni->nk", direction, normal), -1.0, 1.0))
-    for name, angle, limit in (
-        ("base joint angle", at_base, workspace.base_joint_angle_deg * DEG),
-        ("platform joint angle", at_platform, workspace.platform_joint_angle_deg * DEG),
+    for kind, angle, limit in (
+        (LimitKind.BASE_JOINT_ANGLE, at_base, workspace.base_joint_angle_deg * DEG),
+        (LimitKind.PLATFORM_JOINT_ANGLE, at_platform, workspace.platform_joint_angle_deg * DEG),
     ):
-        yield Quantity.between(name, "deg", _STRUTS, angle, np.full(6, -limit), np.full(6, limit), 1 / DEG)
+        yield Quantity.between(kind, _STRUTS, angle, np.full(6, -limit), np.full(6, limit))
 
 
 def _determinant(direction: Array, arms: Array) -> Array:
     return np.asarray(np.linalg.det(np.concatenate([direction, np.cross(arms, direction)], axis=2)))
 
 
-@dataclass(frozen=True, slots=True)
-class _Of:
-    """A machine as a key."""
-
-    machine: HexapodMachine
-
-
-@lru_cache(maxsize=8)
-def _at_home(of: _Of) -> float:
+def _at_home(machine: HexapodMachine) -> float:
     """det(J^-1) at home."""
-    machine = of.machine
     standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
     strut, _, _, _ = strut_vectors(standing, rotation_motion(standing), machine)
     direction = strut / np.linalg.norm(strut, axis=2)[:, :, None]
@@ -294,6 +271,6 @@ def _at_home(of: _Of) -> float:
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
     """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
     arms = strut + machine.base.points - motion.pose[:, None, :3]
-    determinant = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
+    determinant = (_determinant(direction, arms) / _at_home(machine))[:, None]
     ratio = np.nan_to_num(1.0 - determinant, nan=np.inf)
-    return Quantity("singularity", "% of det J^-1 at home", ("",), determinant, np.zeros((2, 1)), ratio, 100.0)
+    return Quantity(Limit(LimitKind.SINGULARITY), ("",), determinant, np.zeros((2, 1)), ratio)

@@ -3,12 +3,12 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
+from playwright.sync_api import Browser
 
 from cases.schema import Case
-from planner.reach import StaticLimits, reach
-from planner.reports.case_plots import case_figure
-from tests.helpers import few
+from planner.reach import StaticLimits
+from planner.reports.case_page import hexapod_picture
+from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
 
 
@@ -36,19 +36,19 @@ def test_reach_is_as_symmetric_as_the_machine(hexapod_case: Case) -> None:
     assert np.ptp(StaticLimits(hexapod_case).shares(poses[:2]).max(axis=1)) < 1e-9
 
 
-@pytest.mark.parametrize("suffix", few(".svg", ".PDF", ".png", kept=2))
-def test_the_picture_is_written(suffix: str, tmp_path: Path) -> None:
-    file = tmp_path / f"machine{suffix}"
+def test_the_page_is_written_and_drawn(browser: Browser, tmp_path: Path) -> None:
+    file = tmp_path / "machine.html"
     assert call("case", "show", "hexapod", "-o", file, "--json").json() == {"ok": True, "figure": str(file)}
-    start = {".svg": b"<?xml", ".png": b"\x89PNG", ".PDF": b"%PDF"}[suffix]
-    assert file.read_bytes().startswith(start)
+    with opened(browser, file) as tab:
+        assert set(tab.page.evaluate("[...document.querySelectorAll('.plot')].map(e => e.id)")) == {
+            "plot-machine-at-home", "plot-reach-x", "plot-reach-roll"
+        }  # fmt: skip
+        assert (tab.errors, tab.requests) == ([], [])
 
 
 def test_what_cannot_be_drawn(tmp_path: Path) -> None:
     assert "machine: is missing" in refused("case", "show", "ft_wrist")
-    assert "name a file that ends in .svg or .png or .pdf" in refused(
-        "case", "show", "hexapod", "-o", tmp_path / "machine.toml"
-    )
+    assert "name a file that ends in .html" in refused("case", "show", "hexapod", "-o", tmp_path / "machine.toml")
 
 
 def test_a_new_case_is_checked_and_drawn(tmp_path: Path) -> None:
@@ -59,5 +59,6 @@ def test_a_new_case_is_checked_and_drawn(tmp_path: Path) -> None:
 
 
 def test_joints_and_sensors_are_numbered_to_be_compared_with_the_drawing(hexapod_case: Case) -> None:
-    texts = [text.get_text() for text in case_figure(hexapod_case, reach(hexapod_case)).axes[0].texts]
+    traces = hexapod_picture(hexapod_case).figure.data
+    texts = [name for trace in traces if trace["mode"] == "text" for name in trace["text"]]
     assert [texts.count(str(k)) for k in range(1, 7)] == [3] * 6  # base joint, platform joint, sensor

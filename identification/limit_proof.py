@@ -5,16 +5,15 @@ with the CasADi models that the optimiser uses.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import (
+from identification.limit import LimitCheck, LimitKind, LimitReport, Status, worst_of
+from identification.limited_chain import body_clearances, chain_frames, frame_motion, joint_efforts, joint_ranges
+from identification.limited_quantities import (
     Quantity,
     limited_coordinates,
     limited_rates,
@@ -23,7 +22,6 @@ from identification.limited import (
     rotation_motion,
     strut_velocities,
 )
-from identification.limited_chain import body_clearances, chain_frames, frame_motion, joint_efforts, joint_ranges
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 from identification.strut_loads import StrutLoads
@@ -31,104 +29,7 @@ from identification.strut_loads import StrutLoads
 Array = NDArray[np.float64]
 
 PROOF_RATE = 10_000.0  # [1/s]; at most 200 rad/s^3 * (1e-4 s)^2 / 8 escape between samples, 1e-7 of the rate limits
-TOLERANCE = 1e-6  # a limit counts as kept up to this share of it: rounding, not motion
 CHUNK = 2000  # samples at once: what is computed of them stays in the processor's cache
-
-
-class Status(StrEnum):
-    """Who answers for a limit."""
-
-    PROVEN = "proven"
-    ENFORCED = "enforced by controller"
-    NOT_ENFORCED = "NOT enforced"
-    STEPS = "steps, not limited by controller"
-
-
-@dataclass(frozen=True, slots=True)
-class LimitCheck:
-    """The worst approach to one limit."""
-
-    name: str  # limit, with the coordinate or strut that came closest
-    worst: float  # the value there, in `unit`
-    limit: float  # the limit it came closest to, in `unit`
-    unit: str  # unit of both
-    ratio: float  # share of the limit that is used; the limit is kept up to 1
-    time: float  # when [s]
-    status: Status
-    # whether the motion itself is answerable for it; not where a controller's own law is only predicted
-    binding: bool = True
-    # lower and upper limit, in `unit`, where the share is counted from a middle other than 0
-    bounds: tuple[float, float] | None = None
-
-    @property
-    def kept(self) -> bool:
-        """Whether the limit is kept, as far as the motion is answerable for it."""
-        return not self.binding or self.ratio <= 1.0 + TOLERANCE
-
-    def sentence(self, timed: bool = True) -> str:
-        """One phrase with value and limit, and when, unless that tells nothing."""
-        digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
-        time_text = f" at {self.time:.3f} s" if timed else ""
-        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
-
-
-@dataclass(frozen=True, slots=True)
-class LimitReport:
-    """All limits of a motion, worst case each."""
-
-    checks: tuple[LimitCheck, ...]
-
-    @property
-    def kept(self) -> bool:
-        """Whether every limit is kept."""
-        return all(c.kept for c in self.checks)
-
-    @property
-    def violations(self) -> tuple[LimitCheck, ...]:
-        """The limits that are exceeded, the worst first."""
-        return tuple(sorted((c for c in self.checks if not c.kept), key=lambda c: -c.ratio))
-
-    @property
-    def worst_ratio(self) -> float:
-        """Largest share that is used of a limit for which the motion is answerable."""
-        return max(c.ratio for c in self.checks if c.binding)
-
-    def to_json(self) -> dict[str, dict[str, Any]]:
-        """One object a limit, by name."""
-        return {
-            c.name.split(" (")[0]: {
-                "at": c.name,
-                "worst": c.worst,
-                "limit": c.limit,
-                "unit": c.unit,
-                "ratio": c.ratio,
-                "time_s": c.time,
-                "status": str(c.status),
-                **({"bounds": list(c.bounds)} if c.bounds is not None else {}),
-            }
-            for c in self.checks
-        }
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
-        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
-        return cls(tuple(_check(entry) for entry in data.values()))
-
-
-def _check(entry: Mapping[str, Any]) -> LimitCheck:
-    bounds = entry.get("bounds")
-    status = Status(entry["status"])
-    return LimitCheck(
-        name=str(entry["at"]),
-        worst=float(entry["worst"]),
-        limit=float(entry["limit"]),
-        unit=str(entry["unit"]),
-        ratio=float(entry["ratio"]),
-        time=float(entry["time_s"]),
-        status=status,
-        binding=status is not Status.STEPS,
-        bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
-    )
 
 
 def prove(
@@ -256,6 +157,13 @@ def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool,
     return np.concatenate(parts)
 
 
+_BY_POWER = (
+    (LimitKind.VELOCITY, LimitKind.STRUT_VELOCITY),
+    (LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION),
+    (LimitKind.JERK,),
+)  # families of limits that shrink with the first, second and third power of the pace
+
+
 def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple[Array, Array, Array]:
     """Share that is used at each instant of any limit of velocities, of accelerations and of jerks, each of shape (n,).
 
@@ -263,8 +171,8 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     """
     parts = [
         [
-            np.max([q.ratio.max(axis=1) for q in quantities if q.name.endswith(word)], axis=0)
-            for word in ("velocity", "acceleration", "jerk")
+            np.max([q.ratio.max(axis=1) for q in quantities if q.of.kind.family in families], axis=0)
+            for families in _BY_POWER
         ]
         for quantities, _ in _evaluated(trajectory, case, instants, True, everything)
     ]
@@ -272,7 +180,10 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     return velocity, acceleration, jerk
 
 
-_OF_ACCELERATIONS = ("strut acceleration", "sensor force", "sensor moment", "joint torque", "joint force")
+_OF_ACCELERATIONS = (
+    LimitKind.STRUT_ACCELERATION, LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT, LimitKind.JOINT_TORQUE,
+    LimitKind.JOINT_FORCE,
+)  # fmt: skip
 
 
 def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> float:
@@ -283,11 +194,9 @@ def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> f
     """
     shares = [0.0]
     for check in prove(move, case, rate, in_box=False).checks:
-        if check.name.startswith(
-            ("strut acceleration", "sensor force", "sensor moment", "joint torque", "joint force")
-        ):
+        if check.kind in _OF_ACCELERATIONS:
             shares.append(math.sqrt(check.ratio))
-        elif check.name.startswith("strut velocity"):
+        elif check.kind is LimitKind.STRUT_VELOCITY:
             shares.append(check.ratio)
     return max(shares)
 
@@ -302,31 +211,18 @@ def _evaluated(
             yield tuple(limited(trajectory.at(t), case, in_box)), t
 
 
-def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
-    """The worst of each limit over several stretches of motion; proven only where it is in all of them."""
-    worst: dict[str, LimitCheck] = {}
-    for report in reports:
-        for check in report.checks:
-            key = check.name.split(" (")[0]
-            previous = worst.setdefault(key, check)
-            if check.ratio > previous.ratio:
-                previous, check = check, previous
-            weaker = max(previous.status, check.status, key=list(Status).index)
-            worst[key] = previous if weaker is previous.status else replace(previous, status=weaker)
-    return LimitReport(tuple(worst.values()))
-
-
 def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     """Where the largest share is used; `t` are the instants, shape (n,) [s]."""
     column = int(np.argmax(quantity.ratio.max(axis=0)))
     row = int(np.argmax(quantity.ratio[:, column]))
-    label = quantity.labels[column]
-    low, high = (float(limit[column] * quantity.scale) for limit in quantity.limits)
+    kind = quantity.of.kind
+    low, high = (float(limit[column] * kind.scale) for limit in quantity.limits)
     return LimitCheck(
-        f"{quantity.name} ({label})" if label else quantity.name,
-        float(quantity.values[row, column] * quantity.scale),
-        quantity.limit_of(row, column) * quantity.scale,
-        quantity.unit,
+        quantity.of,
+        quantity.labels[column],
+        float(quantity.values[row, column] * kind.scale),
+        quantity.limit_of(row, column) * kind.scale,
+        kind.unit,
         float(quantity.ratio[row, column]),
         float(t[row]),
         Status.PROVEN,

@@ -11,7 +11,8 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
-from identification.limits import LimitReport, prove
+from identification.limit import LimitReport
+from identification.limit_proof import prove
 from identification.motion import Motion, Standstill, TimedPoints, Trajectory, sample
 from identification.trajectories.profile import StraightMove
 from tests.helpers import HOME, Harmonic
@@ -43,7 +44,7 @@ def with_limits(**changes: object) -> Case:
 
 
 def named(report: LimitReport) -> dict[str, object]:
-    return {check.name.split(" (")[0]: check for check in report.checks}
+    return {str(check.of): check for check in report.checks}
 
 
 WIDE = [-1e4, 1e4]
@@ -76,7 +77,7 @@ def test_a_limit_just_below_what_the_motion_reaches_is_passed_and_just_above_it_
     for factor, kept in ((0.999, False), (1.001, True)):
         report = prove(motion, with_limits(**NO_LIMITS | KINDS[kind](factor * reached)), RATE)
         assert named(report)[kind].kept == kept
-        assert [v.name.split(" (")[0] for v in report.violations] == ([] if kept else [kind])
+        assert [str(v.of) for v in report.violations] == ([] if kept else [kind])
     worst = named(report)[kind]
     assert worst.sentence().startswith(f"{kind} (")
     assert f" reaches {worst.worst:.4g} {worst.unit} at " in worst.sentence()

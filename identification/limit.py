@@ -1,0 +1,228 @@
+"""What a case limits, by kind and place, and how close a motion comes to it."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from cases.units import DEG, MM
+
+TOLERANCE = 1e-6  # a limit counts as kept up to this share of it: rounding, not motion
+
+
+class LimitKind(StrEnum):
+    """What is limited, with the unit in which people read it and its scale from SI."""
+
+    unit: str
+    scale: float
+
+    def __new__(cls, words: str, unit: str = "", scale: float = 1.0) -> "LimitKind":
+        """One kind, equal to its words."""
+        kind = str.__new__(cls, words)
+        kind._value_, kind.unit, kind.scale = words, unit, scale
+        return kind
+
+    POSITION = "position", "mm", 1 / MM
+    ANGLE = "angle", "deg", 1 / DEG
+    WORKSPACE_POSITION = "workspace position", "mm", 1 / MM
+    JOINT_POSITION = "joint position", "mm", 1 / MM
+    JOINT_ANGLE = "joint angle", "deg", 1 / DEG
+    TURNING = "turning without end", ""  # a joint without ends
+    VELOCITY = "velocity", "mm/s", 1 / MM
+    ANGULAR_VELOCITY = "angular velocity", "deg/s", 1 / DEG
+    ACCELERATION = "acceleration", "m/s^2"
+    ANGULAR_ACCELERATION = "angular acceleration", "rad/s^2"
+    JERK = "jerk", "m/s^3"
+    ANGULAR_JERK = "angular jerk", "rad/s^3"
+    STRUT_LENGTH = "strut length", "mm", 1 / MM
+    STRUT_VELOCITY = "strut velocity", "m/s"
+    STRUT_ACCELERATION = "strut acceleration", "m/s^2"
+    BASE_JOINT_ANGLE = "base joint angle", "deg", 1 / DEG
+    PLATFORM_JOINT_ANGLE = "platform joint angle", "deg", 1 / DEG
+    SINGULARITY = "singularity", "% of det J^-1 at home", 100.0
+    DISTANCE_FROM_BOX = "distance from", "mm", 1 / MM
+    DISTANCE_BETWEEN_LINKS = "distance between links", "mm", 1 / MM
+    JOINT_FORCE = "joint force", "N"
+    JOINT_TORQUE = "joint torque", "N m"
+    SENSOR_FORCE = "sensor force", "N"
+    SENSOR_MOMENT = "sensor moment", "N m"
+    FEED_TO_HOME = "feed to home", "mm/s", 1 / MM
+
+    @property
+    def family(self) -> "LimitKind":
+        """The kind under which people accept it and controllers enforce it: of rotations that of translations."""
+        return _FAMILIES.get(self, self)
+
+    @property
+    def kinetic(self) -> bool:
+        """Whether it depends on a motion's time law; limits of geometry do not."""
+        return self.family in KINETIC
+
+
+_FAMILIES = {
+    LimitKind.ANGULAR_VELOCITY: LimitKind.VELOCITY,
+    LimitKind.ANGULAR_ACCELERATION: LimitKind.ACCELERATION,
+    LimitKind.ANGULAR_JERK: LimitKind.JERK,
+}
+KINETIC = (
+    LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.JERK, LimitKind.STRUT_VELOCITY, LimitKind.STRUT_ACCELERATION,
+    LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT, LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE,
+)  # fmt: skip
+"""Families of limits that depend on a motion's time law."""
+
+
+class OwnMove(StrEnum):
+    """Moves that a controller times by itself: their limits are named apart, lest a prediction hides what is proven."""
+
+    UNTIMED = "untimed moves"
+    WAY_HOME = "way home"  # from an unknown pose
+
+
+class Limit(NamedTuple):
+    """Something that is limited, wherever in the machine."""
+
+    kind: LimitKind
+    box: str = ""  # name of the box from which a distance is limited
+    move: OwnMove | None = None  # a kind of moves that the controller times by itself; None of all others
+
+    def __str__(self) -> str:
+        """Its name: `strut velocity`, `distance from vice`, `jerk, untimed moves`."""
+        name = f"{self.kind} {self.box}" if self.box else f"{self.kind}"
+        return f"{name}, {self.move}" if self.move else name
+
+    def at(self, place: str) -> str:
+        """Its name with the coordinate, strut, sensor or body that comes closest; an empty place adds nothing."""
+        return f"{self} ({place})" if place else f"{self}"
+
+    @classmethod
+    def named(cls, name: str) -> "Limit":
+        """The limit that has a name; raises ValueError where there is none."""
+        for move in OwnMove:
+            if name.endswith(f", {move}"):
+                return cls.named(name.removesuffix(f", {move}"))._replace(move=move)
+        start = f"{LimitKind.DISTANCE_FROM_BOX} "
+        if name.startswith(start):
+            return cls(LimitKind.DISTANCE_FROM_BOX, name.removeprefix(start))
+        return cls(LimitKind(name))
+
+
+class Status(StrEnum):
+    """Who answers for a limit."""
+
+    PROVEN = "proven"
+    ENFORCED = "enforced by controller"
+    NOT_ENFORCED = "NOT enforced"
+    STEPS = "steps, not limited by controller"
+
+
+@dataclass(frozen=True, slots=True)
+class LimitCheck:
+    """The worst approach to one limit."""
+
+    of: Limit
+    place: str  # coordinate, strut, sensor or body that came closest; empty where there is but one
+    worst: float  # the value there, in `unit`
+    limit: float  # the limit it came closest to, in `unit`
+    unit: str  # unit of both
+    ratio: float  # share of the limit that is used; the limit is kept up to 1
+    time: float  # when [s]
+    status: Status
+    # whether the motion itself is answerable for it; not where a controller's own law is only predicted
+    binding: bool = True
+    # lower and upper limit, in `unit`, where the share is counted from a middle other than 0
+    bounds: tuple[float, float] | None = None
+
+    @property
+    def name(self) -> str:
+        """Limit, with the coordinate or strut that came closest."""
+        return self.of.at(self.place)
+
+    @property
+    def kind(self) -> LimitKind:
+        """What is limited."""
+        return self.of.kind
+
+    @property
+    def kept(self) -> bool:
+        """Whether the limit is kept, as far as the motion is answerable for it."""
+        return not self.binding or self.ratio <= 1.0 + TOLERANCE
+
+    def sentence(self, timed: bool = True) -> str:
+        """One phrase with value and limit, and when, unless that tells nothing."""
+        digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
+        time_text = f" at {self.time:.3f} s" if timed else ""
+        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The object that `LimitReport.to_json` holds under the limit's name."""
+        return {
+            "at": self.name,
+            "worst": self.worst,
+            "limit": self.limit,
+            "unit": self.unit,
+            "ratio": self.ratio,
+            "time_s": self.time,
+            "status": str(self.status),
+            **({"bounds": list(self.bounds)} if self.bounds is not None else {}),
+        }
+
+    @classmethod
+    def of_json(cls, name: str, entry: Mapping[str, Any]) -> "LimitCheck":
+        """From a limit's name and what `to_json` made; errors as `LimitReport.of_json`."""
+        bounds, status, at = entry.get("bounds"), Status(entry["status"]), str(entry["at"])
+        return cls(
+            of=Limit.named(name),
+            place=at.removeprefix(name).removeprefix(" (").removesuffix(")"),
+            worst=float(entry["worst"]),
+            limit=float(entry["limit"]),
+            unit=str(entry["unit"]),
+            ratio=float(entry["ratio"]),
+            time=float(entry["time_s"]),
+            status=status,
+            binding=status is not Status.STEPS,
+            bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class LimitReport:
+    """All limits of a motion, worst case each."""
+
+    checks: tuple[LimitCheck, ...]
+
+    @property
+    def kept(self) -> bool:
+        """Whether every limit is kept."""
+        return all(c.kept for c in self.checks)
+
+    @property
+    def violations(self) -> tuple[LimitCheck, ...]:
+        """The limits that are exceeded, the worst first."""
+        return tuple(sorted((c for c in self.checks if not c.kept), key=lambda c: -c.ratio))
+
+    @property
+    def worst_ratio(self) -> float:
+        """Largest share that is used of a limit for which the motion is answerable."""
+        return max(c.ratio for c in self.checks if c.binding)
+
+    def to_json(self) -> dict[str, dict[str, Any]]:
+        """One object a limit, by name."""
+        return {str(c.of): c.to_json() for c in self.checks}
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
+        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
+        return cls(tuple(LimitCheck.of_json(name, entry) for name, entry in data.items()))
+
+
+def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
+    """The worst of each limit over several stretches of motion; proven only where it is in all of them."""
+    worst: dict[Limit, LimitCheck] = {}
+    for report in reports:
+        for check in report.checks:
+            previous = worst.setdefault(check.of, check)
+            if check.ratio > previous.ratio:
+                previous, check = check, previous
+            weaker = max(previous.status, check.status, key=list(Status).index)
+            worst[check.of] = previous if weaker is previous.status else replace(previous, status=weaker)
+    return LimitReport(tuple(worst.values()))
