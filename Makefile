@@ -8,8 +8,8 @@ CONSTRAINTS := .ci/constraints.txt
 demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
 	$(BIN)/hexcite demo --overwrite
 
-test: .venv/.dev ## the tests
-	$(BIN)/pytest -n auto --dist worksteal -m "not slow"
+test: .venv/.dev ## the tests; byte code is kept, for hexcite is started many times
+	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal -m "not slow"
 
 check: lint test ## format, lint, types, import contracts, tests
 

@@ -179,15 +179,21 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     return velocity, acceleration, jerk
 
 
+_OF_ACCELERATIONS = (
+    LimitKind.STRUT_ACCELERATION, LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT, LimitKind.JOINT_TORQUE,
+    LimitKind.JOINT_FORCE,
+)  # fmt: skip
+
+
 def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> float:
-    """Largest share of a motion's pace that struts and torques of joints allow, above 1 where it is too fast.
+    """Largest share of a motion's pace that struts, sensors and torques of joints allow, above 1 where it is too fast.
 
     Args:
         rate: samples a second [1/s].
     """
     shares = [0.0]
     for check in prove(move, case, rate, in_box=False).checks:
-        if check.kind in (LimitKind.STRUT_ACCELERATION, LimitKind.JOINT_TORQUE, LimitKind.JOINT_FORCE):
+        if check.kind in _OF_ACCELERATIONS:
             shares.append(math.sqrt(check.ratio))
         elif check.kind is LimitKind.STRUT_VELOCITY:
             shares.append(check.ratio)

@@ -158,4 +158,4 @@ def beside_manual(plan: Plan) -> Beside | str:
             motion.duration, {name: std for name, (std, _) in worst.items()}, case.sensors.pose_error_N is None
         )
     except HexciteError as error:
-        return f"there is no hand-made motion to compare with: {error}"
+        return f"there is no hand-made motion to compare with: {error.typed}"

@@ -229,6 +229,8 @@ class StaticLimits:
         n, shares = box.shape[1], self.shares(self.poses(box, starts))
         fractions, largest = starts[shares.argmax(axis=0)], shares.max(axis=0)
         columns = np.flatnonzero(largest > NEAR)
+        if not len(columns):  # no limit is near anywhere
+            return fractions, largest
         best, most = fractions[columns], largest[columns]
         size, rows = np.full(len(columns), 0.25), np.arange(len(columns))
         for _ in range(CLIMBS):

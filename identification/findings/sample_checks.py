@@ -25,6 +25,7 @@ MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is not chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
 SHAKEN = 4.0  # the same for accelerations of struts, from which on a force that leaves its neighbours is the motion's
+BENT, BESIDE = 0.5, 3  # share of a jump, and samples beside it, by which slopes change where the motion makes it
 TOGETHER = 10  # samples between a leap of the motion and that of the forces, delay included
 LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
@@ -212,13 +213,18 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
         leaps = _peaks(jumps, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
         leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < jumps[leaps]]
+        # A jerk that changes its sign bends the force for good: slopes before and after do not agree then.
+        leaps = leaps[_bend(force, leaps + 1) < BENT * jumps[leaps]]
         leaps = leaps[~_shaken(recording, leaps + 1)]
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
         leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if usual > 0.0 and len(leaps):
             unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
             problems.append(
-                (f"channel {k + 1} jumps by up to {jumps.max():.4g} {unit} for single samples", _at(leaps + 1, count))
+                (
+                    f"channel {k + 1} jumps by up to {jumps[leaps].max():.4g} {unit} for single samples",
+                    _at(leaps + 1, count),
+                )
             )
     if recording.struts is None or not isinstance(case.limits, Limits):
         return problems
@@ -244,6 +250,13 @@ def _from_neighbours(values: Array) -> Array:
     deviations *= -0.5
     deviations += values[1:-1]
     return np.asarray(deviations)
+
+
+def _bend(values: Array, rows: NDArray[np.int64]) -> Array:
+    """Half of what the slope changes by across some samples, in units of the values, shape of `rows`."""
+    slopes = np.diff(values)
+    before, after = (np.clip(rows + k, 0, len(slopes) - 1) for k in (-BESIDE - 1, BESIDE))
+    return np.asarray(np.abs(slopes[after] - slopes[before]) / 2.0)
 
 
 def _median(values: Array) -> float:

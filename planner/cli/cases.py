@@ -32,6 +32,9 @@ def list_cases(json: Json = False) -> None:
             [[r["name"], r["setup"], r["title"]] for r in rows],
             False,
         )
+        print(
+            "setup, where sensors sit: 1a in a frame that stands, 1b in one that moves, 2x in the struts, R at a flange"
+        )
         print("hexcite case new NAME --like CASE begins one of your own; hexcite case show CASE draws it")
 
 
@@ -41,7 +44,7 @@ def check(
     propose: Annotated[bool, typer.Option("--propose", help="Find the largest reachable motion box.")] = False,
     json: Json = False,
 ) -> None:
-    """Validate a case and say which part of its motion box the machine reaches."""
+    """Validate a case and say how much of its motion box is reachable."""
     from cases.errors import CaseError
     from cases.leftovers import leftovers
     from cases.loading import load_case
@@ -85,9 +88,9 @@ def check(
             rows,
         )
     print(f"ready for: {'; '.join(c for c, missing in requirements.items() if not missing) or 'no command'}")
-    for command, missing in requirements.items():
-        if missing:
-            print(f"not ready for {command}: misses {', '.join(missing)}")
+    for missing in dict.fromkeys(filter(None, requirements.values())):
+        commands = [command for command, lacks in requirements.items() if lacks == missing]
+        print(f"not ready for: {'; '.join(commands)}; the case misses {', '.join(missing)}")
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:
@@ -130,7 +133,7 @@ def show(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Draw the machine at home and which part of its motion box it reaches."""
+    """Draw the machine at home, with the reach of its coordinates."""
     from cases.files import atomic_file, check_file, output_place
     from cases.loading import find_case, load_case
 

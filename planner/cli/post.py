@@ -1,5 +1,6 @@
 """`hexcite post` and `hexcite check`: programs out, and programs back in."""
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,8 +22,8 @@ def post(
     dialect: Annotated[
         str | None,
         typer.Option(
-            help="The controller's language; by default that of the controller that the plan was made for, else "
-            "the first that the case can; without a plan, all are listed."
+            help="The controller's language; by default the one that the suffix of --output names, else that of the "
+            "controller that the plan was made for, else the first that the case can; without a plan, all are listed."
         ),
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
@@ -51,7 +52,7 @@ def post(
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
     loaded = Plan.load(plan, stale=stale)
-    language = language_of(loaded, dialect)
+    language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
     with status(f"writing and proving {file.name}", json):
@@ -100,7 +101,9 @@ def check(
     json: Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
+    from cases.errors import ProgramError
     from cases.loading import load_case
+    from planner.runs.written import of_another
     from postprocessors.program_file import read_program
 
     loaded = load_case(case)
@@ -111,7 +114,10 @@ def check(
         print_json(answer)
     else:
         show_check(answer, read)
-    read.proof.require()
+    try:
+        read.proof.require()
+    except ProgramError as error:
+        raise of_another(error, read.content, loaded) from error
 
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
@@ -123,7 +129,10 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
         "ok": proof.ok,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
-        "violations": [{"line": v.line, "sentence": v.check.sentence()} for v in proof.violations],
+        "violations": [
+            {"line": v.line, "limit": str(v.check.kind.family), "sentence": v.check.sentence()}
+            for v in proof.violations
+        ],
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),
@@ -133,8 +142,11 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
 def show_check(answer: dict[str, Any], program: "Program") -> None:
     """Prints a proof for people."""
     print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(program.proof.limits.checks))
-    for violation in answer["violations"]:
-        print(f"line {violation['line']}: {violation['sentence']}")
+    lines = Counter(violation["limit"] for violation in answer["violations"])
+    for limit, count in lines.items():  # of each the worst stands first
+        worst = next(violation for violation in answer["violations"] if violation["limit"] == limit)
+        others = f" ({count - 1} more lines exceed it; --json lists them)" if count > 1 else ""
+        print(f"line {worst['line']}: {worst['sentence']}{others}")
     for remark in answer["remarks"]:
         print(f"note: {remark}")
     print(f"{answer['verdict']} ({answer['duration_s']:.2f} s)")

@@ -19,7 +19,7 @@ from identification.model import Model
 from planner.poses.joint_space import JointSpace
 from planner.poses.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import PoseSpace, space_of
-from planner.search.ipopt import last_words
+from planner.search.ipopt import solver_text
 
 Array = NDArray[np.float64]
 
@@ -193,7 +193,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     }
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective, "g": margins}, options)
     solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
-    status = last_words(solver.stats()["return_status"])
+    status = solver_text(solver.stats()["return_status"])
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and space.valid(refined).all()):

@@ -1,7 +1,7 @@
 """How long the machine travels between poses: straight moves from rest to rest, timed by ruckig.
 
 Moves keep every limit of `[limits.motion]` that concerns velocity, acceleration and jerk; where a strut would be too
-fast, the whole move is slowed. On the way the machine must be able to stand at every place.
+fast or a sensor overloaded, the whole move is slowed. On the way the machine must be able to stand at every place.
 """
 
 from itertools import combinations, pairwise
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.limit_proof import mechanical_pace
+from identification.limit_proof import loads_of, mechanical_pace
 from identification.machines import kinetic
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.poses.space import space_of
@@ -24,13 +24,13 @@ COARSE = 17  # the same where there are so many pairs of poses that only their o
 MANY_PAIRS = 5000
 LIKE = 9  # decimals to which limits over the way agree [1/s, 1/s^2, 1/s^3] where moves have one time law
 CHUNK = 10_000  # pairs at once, bounds memory
-SLOWINGS, SLOWED = 30, 0.95  # of a move that takes too large torques: weight does not shrink with the pace
-TORQUE_RATE = 1000.0  # [1/s] at which these are looked at
+SLOWINGS, SLOWED = 30, 0.95  # of a move with too large forces or torques: weight does not shrink with the pace
+FORCE_RATE = 1000.0  # [1/s] at which these are looked at
 MARGIN = 1.0 - 1e-3  # share of limits that moves use: for rounding, and for what struts do between the instants
 
 
 def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
-    """The fastest straight move within the limits, those of struts and torques of joints included.
+    """The fastest straight move within the limits, those of struts, sensors and torques of joints included.
 
     Args:
         start: coordinates, shape (n,) [m or rad].
@@ -39,15 +39,16 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     limits = case.need_motion("moves between poses")[1]
     box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
     move = StraightMove.fastest(start, end, *box)
-    if case.chain is not None and case.chain.limits_effort:
+    if case.chain is None:
+        assert isinstance(move.profile, Profile)
+        slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
+        move = StraightMove(start, end, move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9))))
+    if loads_of(case) is not None or (case.chain is not None and case.chain.limits_effort):
         for _ in range(SLOWINGS):
-            if (share := mechanical_pace(move, case, TORQUE_RATE)) <= 1.0:
+            if (share := mechanical_pace(move, case, FORCE_RATE)) <= 1.0:
                 break
             move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / share)))
-        return move
-    assert isinstance(move.profile, Profile)
-    slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
-    return move if slowness <= 1.0 else StraightMove(move.start, move.end, move.profile.slowed(1.0 / slowness))
+    return move
 
 
 def travel_times(case: Case, poses: Array) -> Array:

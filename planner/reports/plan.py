@@ -67,7 +67,7 @@ def plan_page(plan: Plan) -> Page:
                     _headline(plan),
                     _verdicts(plan),
                     *_deviations(plan, model, beside_manual(plan)),
-                    *(Note(f"{note[0].upper()}{note[1:]}.") for note in worth.notes),
+                    *_notes(plan),
                 ),
             ),
             *pictured(case, plan.motion),
@@ -86,9 +86,22 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
     words = list(worth.weaknesses)
     if worth.search.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
-    if not worth.bound.certified:
-        words.append(f"The bound behind the D-efficiency is an estimate: {worth.bound.method}.")
+    if not worth.bound.certified and plan.case.chain is None:
+        words.append(
+            "The bound behind the D-efficiency is an estimate, for its proof ran out of time: hexcite bound "
+            f"{plan.case.name} --model {plan.model} with a longer --time-limit proves it."
+        )
     return tuple(words)
+
+
+def _notes(plan: Plan) -> tuple[Item, ...]:
+    notes = [f"{note[0].upper()}{note[1:]}." for note in plan.of_motion[1].notes]
+    if plan.case.chain is not None:
+        notes.append(
+            "D-efficiency is an estimate here, perhaps too large: the most information that a chain of joints can have "
+            "is searched for, not proven."
+        )
+    return tuple(map(Note, notes))
 
 
 def _ends(plan: Plan) -> str:

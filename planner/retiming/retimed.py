@@ -118,7 +118,8 @@ def _slowed(count: int, moves: int) -> tuple[str, ...]:
     if not count:
         return ()
     return (
-        f"{count} of {moves} moves are slower than their coordinates allow, because of struts or of joints' torques",
+        f"{count} of {moves} moves are slower than their coordinates allow, because of struts, sensors or joints' "
+        "torques",
     )
 
 

@@ -81,6 +81,9 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
     try:
         estimate = estimate_parameters(run, case, number, method, wish.terms, wish.conditioning)
     except StrutsDoNotClose as error:
+        own = recording.record.get("case")
+        if own not in (None, case.name):
+            raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
         if other := fitting_case(error.lengths, case, case.origin or None):
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise

@@ -23,7 +23,7 @@ from identification.trajectories.executed import DriveExecution, executed_inform
 from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information
 from planner.runs.recorded import stood, way_of
-from planner.runs.written import plan_of_program, written_for_another
+from planner.runs.written import of_another, plan_of_program, written_for_another
 from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
@@ -134,7 +134,7 @@ def read_to_run(file: Path, case: Case) -> Program:
     try:
         return read_program(file, case)
     except ProgramError as error:
-        raise _of_another(error, file.read_bytes() if file.is_file() else b"", case) from error
+        raise of_another(error, file.read_bytes() if file.is_file() else b"", case) from error
 
 
 def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
@@ -147,7 +147,7 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
     try:
         program.proof.require()
     except ProgramError as error:
-        raise _of_another(error, program.content, case) from error
+        raise of_another(error, program.content, case) from error
     parts = stretches(program.reading)
     if on == "virtual":
         run = run_virtual(program.reading, case, program.guarantees)
@@ -156,13 +156,6 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
     if not len(run.trigger):
         raise ExecutionError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
     return parts, run
-
-
-def _of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError:
-    other = written_for_another(content, case)
-    return (
-        error if other is None else ProgramError(error.file, error.line, error.column, f"is {other}; {error.problem}")
-    )
 
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:

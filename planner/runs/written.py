@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from cases.basis import motion_hash
-from cases.errors import HexciteError
+from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Joined
 from planner.controlled import fits_law, usual_dialect
@@ -67,9 +67,9 @@ def write(
     planned = plan.motion.duration / speed
     if not isinstance(plan.motion, Joined) and written.proof.excitation > LONGER * planned:
         remarks += (
-            f"the excitation lasts {written.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} keeps "
-            "blocks of whole cycles alone, and the pieces of this motion do not last such (--knots, --duration and "
-            "--period of hexcite plan, --speed)",
+            f"the excitation lasts {written.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} needs "
+            "blocks of whole controller cycles, and the pieces of this motion last others (change --knots, --duration "
+            "or --period of hexcite plan, or --speed)",
         )
     guarantees = words.guarantees(written.reading, plan.case)
     return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
@@ -103,6 +103,14 @@ def plan_of_program(content: bytes) -> str | None:
 def case_line(case: Case) -> str:
     """What a program says of its case."""
     return f"case {case.name}, hash {motion_hash(case)}, controller settings {case.controller_hash}"
+
+
+def of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError:
+    """What is wrong with a program, with the case that its header names in front where that is another one."""
+    other = written_for_another(content, case)
+    return (
+        error if other is None else ProgramError(error.file, error.line, error.column, f"is {other}; {error.problem}")
+    )
 
 
 def written_for_another(content: bytes, case: Case) -> str | None:

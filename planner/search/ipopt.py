@@ -214,6 +214,13 @@ def last_words(status: object) -> str:
 
 
 def solver_text(words: str) -> str:
-    """A solver's last words as tables show them: to stop at the iterations that a stage has is not a failure."""
+    """A solver's last words as people are shown them: to stop at the iterations that a stage has is not a failure."""
     plain = last_words(words)
-    return "at its iteration limit" if "maximum iterations" in plain else plain
+    return _SHOWN.get(plain, plain)
+
+
+_SHOWN = {
+    "maximum iterations exceeded": "at its iteration limit",
+    "user requested stop": "stopped by the time limit or by Ctrl-C",
+    "solve succeeded": "converged",
+}

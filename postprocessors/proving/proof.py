@@ -68,18 +68,23 @@ class ProgramProof:
         if self.violations:
             return "NOT proven"
         families = [kind for kind in self._families(Status.ENFORCED) if kind not in self.relies_on]
-        nobodys = [c for c in self.limits.checks if c.status is Status.NOT_ENFORCED]
-        worst = {kind: max(c.ratio for c in nobodys if c.kind.family is kind) for kind in self.relies_on}
-        passed = [f"{name} ({_times(ratio)})" for name, ratio in worst.items() if ratio > 1.0]
-        within = [name for name, ratio in worst.items() if ratio <= 1.0]
+        passed = self._exceeded
+        within = [kind for kind in self.relies_on if kind not in passed]
         return "; ".join(
             [
                 "proven",
                 *([f"{self.controller} enforces: {', '.join(families)}"] if families else []),
                 *([f"nobody enforces: {', '.join(within)}"] if within else []),
-                *([f"EXCEEDED, as predicted, and nobody enforces: {', '.join(passed)}"] if passed else []),
+                *([f"EXCEEDED, as predicted, and nobody enforces: {', '.join(passed.values())}"] if passed else []),
             ]
         )
+
+    @property
+    def _exceeded(self) -> dict[LimitKind, str]:
+        """Limits that nobody enforces and the motion is predicted to exceed, each with its share in words."""
+        nobodys = [c for c in self.limits.checks if c.status is Status.NOT_ENFORCED]
+        worst = {kind: max(c.ratio for c in nobodys if c.kind.family is kind) for kind in self.relies_on}
+        return {kind: f"{kind} ({_times(ratio)})" for kind, ratio in worst.items() if ratio > 1.0}
 
     def require_accepted(self, accepted: Collection[str]) -> None:
         """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
@@ -95,13 +100,17 @@ class ProgramProof:
             )
         open_ = [name for name in self.relies_on if name not in names]
         if open_:
+            exceeded = [words for name, words in self._exceeded.items() if name in open_]
+            predicted = (
+                f"EXCEEDED, as predicted: {', '.join(exceeded)}" if exceeded else "none is predicted to be exceeded"
+            )
             options = f"--accept {','.join(name.replace(' ', '-') for name in open_)}"
             raise ProgramError(
                 self.file,
                 0,
                 0,
                 f"{self.controller} does not enforce {', '.join(open_)} in this motion, and nothing else does; "
-                f"look at hexcite check, and write it with {options} if the machine can bear it",
+                f"{predicted}; write it with {options} if the machine can bear it",
             )
 
     def require(self) -> None:
@@ -190,7 +199,7 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
     last = moves[-1]
     end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
     if distance := _away(end, home, limits):
-        yield f"it does not end at home, {distance}"
+        yield f"the program does not end at home, {distance}"
     if reading.unsaid:
         yield (
             f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "

@@ -83,6 +83,14 @@ def test_case_check_prints_both(tmp_path: Path) -> None:
     assert "look at machine" in call("case", "check", file).out
 
 
+def test_case_check_says_once_what_several_commands_miss() -> None:
+    told = [line for line in call("case", "check", "ft_wrist").out.splitlines() if line.startswith("not ready for")]
+    lacks = [line.split("misses ")[1] for line in told]
+    assert len(lacks) == len(set(lacks)) < 10
+    (dialects,) = [line for line in told if "sinumerik" in line]
+    assert "twincat" in dialects
+
+
 def test_case_check_lists_all_problems(tmp_path: Path) -> None:
     file = mine(
         tmp_path, ("mass_kg = ", "mass = "), ("settle_s = ", "settle = "), ("range_N = 5000.0", "range_N = -1.0")

@@ -77,6 +77,12 @@ def identified(file: Path) -> Estimate:
     return identify(read(file, CASE), CASE)
 
 
+@pytest.fixture(scope="module")
+def sound(lines: list[str], tmp_path_factory: pytest.TempPathFactory) -> Estimate:
+    """What the run without damage tells."""
+    return identified(damaged(lines, tmp_path_factory.mktemp("sound")))
+
+
 DAMAGES: dict[str, tuple[Edit, float, tuple[str, ...]]] = {  # edit, seconds that are lost, what is told
     "values of 80 rows": (emptied(1500, 1580), 0.080, ("lines 1500 to 1579: no measured value in f3_N; left out",)),
     "NaN in 80 rows": (emptied(1500, 1580, 2, "NaN"), 0.080, ("lines 1500 to 1579: no measured value in l2_mm",)),
@@ -90,10 +96,11 @@ DAMAGES: dict[str, tuple[Edit, float, tuple[str, ...]]] = {  # edit, seconds tha
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_damage_costs_itself_and_the_filters_reach(damage: str, lines: list[str], tmp_path: Path) -> None:
+@pytest.mark.parametrize("damage", few(*DAMAGES, kept=4))
+def test_damage_costs_itself_and_the_filters_reach(
+    damage: str, lines: list[str], sound: Estimate, tmp_path: Path
+) -> None:
     edit, lost, says = DAMAGES[damage]
-    sound = identified(damaged(lines, tmp_path))
     estimate = identified(damaged(lines, tmp_path, edit))
     expected = 3600 - (1e3 if "pause" not in damage else 0.0) * lost - 2e3 * MARGIN
     assert estimate.evaluation.evaluated.samples == pytest.approx(expected, abs=4)
@@ -128,8 +135,8 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
 @pytest.mark.parametrize(
     "edit", few(without(1500, 1503), emptied(1500, 1501, 1), without(1500, 1501), emptied(1500, 1503), kept=2)
 )
-def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], tmp_path: Path) -> None:
-    sound, estimate = identified(damaged(lines, tmp_path)), identified(damaged(lines, tmp_path, edit))
+def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], sound: Estimate, tmp_path: Path) -> None:
+    estimate = identified(damaged(lines, tmp_path, edit))
     assert estimate.evaluation.evaluated.samples == sound.evaluation.evaluated.samples
     assert len(estimate.warnings) == len(sound.warnings) + 1
     apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))

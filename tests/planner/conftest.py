@@ -4,6 +4,7 @@ import fcntl
 import json
 import os
 from collections.abc import Callable, Iterator
+from contextlib import chdir
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from cases.loading import built_in_cases
 from planner.plan_folder import load_plan
 from planner.plans import Plan
 from tests.planner.browser import browser
-from tests.planner.command_line import ACCEPT, hexcite
+from tests.planner.command_line import ACCEPT, call, hexcite
 
 __all__ = ["browser"]
 
@@ -78,8 +79,12 @@ def chain(
         "run": ("run", "excitation.ngc", "--case", "hexapod", "-o", "recording"),
         "identify": ("identify", "recording", "-o", "result"),
     }
-    answers = once("chain", lambda: {name: hexcite(*step, "--json", cwd=shared).json() for name, step in steps.items()})
-    return {"plan": planned, **answers}
+
+    def answers() -> dict[str, Any]:
+        with chdir(shared):
+            return {name: call(*step, "--json").json() for name, step in steps.items()}
+
+    return {"plan": planned, **once("chain", answers)}
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from planner.plan_folder import fingerprint_of
 from planner.reports.compare import coloured
 from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
+from tests.helpers import few
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused
 
@@ -107,7 +109,14 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
     assert without_run == [["a-twin"], [plan, result]]
 
 
-@pytest.mark.parametrize("dialect", ["linuxcnc", "sinumerik", "twincat", "setpoints"])
+@pytest.fixture(scope="module")
+def by_hand(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> Path:
+    """A plan of the hand-made motion."""
+    plan = ("plan", "hexapod", "--family", "manual", "-o", shared / "by-hand", "--json")
+    return Path(once("by-hand", lambda: call(*plan).json())["plan"])
+
+
+@pytest.mark.parametrize("dialect", few("linuxcnc", "setpoints", "sinumerik", "twincat", kept=2))
 def test_programs_of_every_dialect_carry_the_plans_hash(dialect: str, chain: Chain, shared: Path, tmp_path: Path):
     file = tmp_path / ("p" + DIALECTS[dialect].suffix)
     call("post", shared / "plan", "--dialect", dialect, "-o", file, *ACCEPT)
@@ -120,15 +129,15 @@ def test_criteria_of_a_plan_are_those_that_it_was_chosen_by(chain: Chain, shared
     assert plan.criteria["condition"] == pytest.approx(chain["plan"]["condition"], rel=1e-6)
 
 
-def test_another_plan_is_not_taken_for_the_runs_own(chain: Chain, shared: Path, tmp_path: Path):
-    call("plan", "hexapod", "--family", "manual", "-o", tmp_path / "manual")
-    found = groups([read_entry(p) for p in (tmp_path / "manual", shared / "recording")])
+def test_another_plan_is_not_taken_for_the_runs_own(chain: Chain, shared: Path, by_hand: Path):
+    found = groups([read_entry(p) for p in (by_hand, shared / "recording")])
     assert [len(g) for g in found] == [1, 1]
 
 
-def test_the_command_compares_and_writes_a_page(chain: Chain, shared: Path, tmp_path: Path, browser: Browser):
-    call("plan", "hexapod", "--family", "manual", "-o", tmp_path / "manual")
-    folders = (tmp_path / "manual", shared / "plan", shared / "recording", shared / "result")
+def test_the_command_compares_and_writes_a_page(
+    chain: Chain, shared: Path, by_hand: Path, tmp_path: Path, browser: Browser
+):
+    folders = (by_hand, shared / "plan", shared / "recording", shared / "result")
     answer = call("compare", *folders, "-o", tmp_path / "cmp", "--json").json()
     assert {"rows", "recommendation", "report"} <= set(answer)
     assert len(answer["rows"]) == 4

@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.errors import IdentificationError
 from cases.loading import built_in_cases
 from cases.schema import Case
 from identification.findings.sample_checks import cut_off
 from identification.hexapod import Hexapod
+from planner.runs.identifying import identify
 from planner.runs.recorded import fitting_case, shorter_than_planned
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
@@ -55,6 +57,14 @@ def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:
         (tmp_path / name / "case.toml").write_text(changed, encoding="utf-8")
     assert fitting_case(far, CASE, None) is None  # the case itself is no other
     assert fitting_case(far, CASE, str(tmp_path / "mine")) == str(tmp_path / "theirs" / "case.toml")
+
+
+def test_a_recording_of_another_case_is_named_as_such() -> None:
+    data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
+    data["machine"]["base"]["ring"]["radius_mm"] *= 3.0
+    wide = Case.model_validate(data | {"name": "wide"})
+    with pytest.raises(IdentificationError, match="recorded with the case other, not wide"):
+        identify(replace(run(), record={"case": "other"}), wide)
 
 
 def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:

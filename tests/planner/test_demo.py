@@ -11,7 +11,7 @@ from playwright.sync_api import Browser
 
 from planner.precision import value_text
 from tests.planner.browser import opened
-from tests.planner.command_line import hexcite
+from tests.planner.command_line import call
 
 PLOTS = (
     "position-translation",
@@ -65,7 +65,7 @@ class Page(HTMLParser):
 def demo(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
     """The answer of a demo on the virtual controller."""
     command = ("demo", "--on", "virtual", "-o", shared / "demo", "--json")
-    return once("demo", lambda: hexcite(*command, cwd=shared).json())
+    return once("demo", lambda: call(*command).json())
 
 
 @pytest.fixture(scope="module")

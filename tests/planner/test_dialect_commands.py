@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -80,3 +81,11 @@ def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the
     )
     assert ("TwinCAT keeps it itself" in sentence) is not real
     assert list(exceeded_sentence({LimitKind.JERK: 1.005}, outcome)) == []
+
+
+def test_a_program_is_written_in_the_language_that_its_suffix_names(planned: dict[str, Any], tmp_path: Path):
+    answer = call("post", planned["plan"], "-o", tmp_path / "run.csv", "--json").json()
+    assert answer["dialect"] == "setpoints"
+    assert (tmp_path / "run.csv").is_file()
+    assert "names no controller" in refused("post", planned["plan"], "-o", tmp_path / "run.txt")
+    assert "ends in '.csv'" in refused("post", planned["plan"], "-o", tmp_path / "b.csv", "--dialect", "linuxcnc")

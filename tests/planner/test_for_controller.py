@@ -21,7 +21,7 @@ from planner.controlled import controlled
 from planner.families.saved import motion_entries, motion_of_entries
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import load_plan
-from tests.planner.command_line import call, hexcite, refused
+from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
 SECONDS, MOVES = 3.0, 14
@@ -33,7 +33,7 @@ PLACES = np.array([[0.0, 0.0, 0.9, 0, 0, 0], [0.1, -0.1, 0.95, 0.1, 0, 0.2], [-0
 @pytest.fixture(scope="module")
 def plan(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
     """The answer of a plan of trapezoids; its folder is `shared/steps`."""
-    return once("steps", lambda: hexcite(*PLAN, "-o", shared / "steps", "--json", cwd=shared).json())
+    return once("steps", lambda: call(*PLAN, "-o", shared / "steps", "--json").json())
 
 
 @pytest.fixture(scope="module")
@@ -208,7 +208,7 @@ def test_linuxcnc_runs_it_as_planned(folder: Path, plan: dict[str, Any], tmp_pat
 @pytest.mark.linuxcnc
 def test_forty_moves_are_executed_with_most_of_what_was_planned(tmp_path: Path):
     plan = ("plan", "hexapod", "--for", "linuxcnc", "--moves", 40, "--starts", 1, "-o", tmp_path / "plan")
-    assert hexcite(*plan).code == 0
+    assert call(*plan).code == 0
     assert call("post", tmp_path / "plan", *ACCEPT, "-o", tmp_path / "run.ngc").code == 0
     words = ("run", tmp_path / "run.ngc", "--case", "hexapod", "--on", "linuxcnc", "-o", tmp_path / "rec", "--json")
     ran = call(*words).json()

@@ -11,7 +11,7 @@ from cases.loading import built_in_cases, load_case
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic
+from tests.helpers import Harmonic, few
 from tests.planner.command_line import call, refused
 from tests.simulated_machine import PoseExecution
 
@@ -46,7 +46,14 @@ def alone(run: Path, tmp_path_factory: pytest.TempPathFactory) -> dict:
     return answer_of(run, tmp_path_factory.mktemp("alone"))
 
 
-@pytest.mark.parametrize("files", [("run.parquet",), ("forces.csv", "struts.csv"), ("struts.csv", "forces.csv")])
+@pytest.mark.parametrize(
+    "files",
+    [
+        ("run.parquet",),
+        ("forces.csv", "struts.csv"),
+        pytest.param(("struts.csv", "forces.csv"), marks=pytest.mark.slow),
+    ],
+)
 def test_the_same_run_in_other_files_gives_the_same_result(
     files: tuple[str, ...], alone: dict, run: Path, tmp_path: Path
 ) -> None:
@@ -57,7 +64,7 @@ def test_the_same_run_in_other_files_gives_the_same_result(
     assert other["versions"]["numpy"] == np.__version__
 
 
-@pytest.mark.parametrize("estimator", ["robust", "full", "consistent", "nonlinear"])
+@pytest.mark.parametrize("estimator", few("robust", "full", "consistent", "nonlinear", kept=3))
 def test_each_estimator_can_be_named(estimator: str, run: Path, tmp_path: Path) -> None:
     answer = answer_of(run, tmp_path, "--estimator", estimator)
     assert answer["estimator"] == estimator

@@ -25,7 +25,7 @@ from tests.helpers import one_line
 from tests.planner.command_line import refused
 
 README = Path(__file__).parents[2] / "README.md"
-QUICK = ("hx.PointToPoint(moves=40), duration=12.0", "hx.PointToPoint(moves=8), duration=3.0, starts=2")
+QUICK = ("hx.PointToPoint(moves=40), duration=12.0", "hx.PointToPoint(moves=8), duration=2.0, starts=1")
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def folder(lines: str, cache: Path, tmp_path_factory: pytest.TempPathFactory) ->
     script.write_text(lines, encoding="utf-8")
     run = subprocess.run([sys.executable, script], cwd=folder, capture_output=True, text=True, timeout=1200)
     assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout.startswith("Plan for hexapod: ptp motion, 3.00 s")  # print(plan), once: workers run no script
+    assert run.stdout.startswith("Plan for hexapod: ptp motion, 2.00 s")  # print(plan), once: workers run no script
     assert run.stdout.count("D-efficiency") == 1
     return folder
 

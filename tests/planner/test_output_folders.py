@@ -121,9 +121,9 @@ def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(
     assert call(*sources["post"]).json()["program"] == "plan.ngc"
     assert call(*sources["run"]).json()["recording"] == "excitation-recording"
     assert call(*sources["identify"]).json()["result"] == "recording-result"
-    assert call(*sources["post"]).json()["program"] == "plan-2.ngc"
-    assert call(*sources["post"], "--overwrite").json()["program"] == "plan.ngc"
-    names = {"plan.ngc", "plan-2.ngc", "excitation-recording", "recording-result"}
+    Path("plan-2.ngc").touch()
+    assert call(*sources["post"]).json()["program"] == "plan-3.ngc"
+    names = {"plan.ngc", "plan-2.ngc", "plan-3.ngc", "excitation-recording", "recording-result"}
     assert {p.name for p in tmp_path.iterdir()} == names
 
 

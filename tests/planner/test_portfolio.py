@@ -47,7 +47,7 @@ def test_a_drawn_machine_is_a_case_whose_home_is_within_reach(seed: int, tmp_pat
 
 
 @pytest.mark.parametrize(("controller", "duration", "seed", "least"), [
-    ("linuxcnc", 3.0, 0, 0.55),
+    ("linuxcnc", 2.0, 0, 0.5),
     pytest.param("linuxcnc", 12.0, 0, 0.6, marks=pytest.mark.slow),
     pytest.param(None, 2.0, 1, 0.38, marks=pytest.mark.slow),
 ])  # fmt: skip

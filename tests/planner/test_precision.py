@@ -43,7 +43,11 @@ def test_what_is_left_out_is_far_below_the_deviation(value: float, std: float) -
 
 def test_a_stage_that_used_its_iterations_is_no_failure() -> None:
     assert solver_text("Maximum_Iterations_Exceeded") == "at its iteration limit"
-    assert solver_text("Solve_Succeeded") == "solve succeeded"
+    assert solver_text("Solve_Succeeded") == "converged"
+
+
+def test_a_search_that_ran_out_of_time_was_not_stopped_by_its_user_alone() -> None:
+    assert "time limit" in solver_text("user requested stop")
 
 
 def test_a_body_that_carries_rods_is_called_so():

@@ -78,3 +78,16 @@ def test_a_program_of_another_state_of_the_case_is_checked_by_this_one_and_says_
     found = [remark for remark in answer["remarks"] if "written" in remark]
     assert len(found) == (said is not None)
     assert all(re.search(str(said), remark) for remark in found)
+
+
+def test_a_program_checked_by_the_wrong_case_is_named_as_that_and_each_limit_stands_once(tmp_path: Path):
+    program = tmp_path / "far.ngc"
+    moves = "\n".join(f"G1 X{x} F3000" for x in (-400, 400, -410, 410))
+    program.write_text(f"(- {case_line(load_case('hexapod'))})\n{typed(moves)}".replace("case hexapod", "case other"))
+    answer = call("check", program, "--case", "hexapod")
+    assert answer.code == 1
+    assert "is written for another case, other; this is hexapod; " in answer.refusal()
+    told = [line for line in answer.out.splitlines() if line.startswith("line ")]
+    limits = [line.split(": ", 1)[1].split(" reaches")[0].split(" (")[0] for line in told]
+    assert len(limits) == len(set(limits))
+    assert any(re.search(r"position \(x\) reaches .*\(\d+ more lines exceed it", line) for line in told)

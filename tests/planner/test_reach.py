@@ -270,12 +270,13 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
 
 
 def test_the_proposed_box_of_a_chain_is_reachable_and_no_side_can_move_out():
-    """A wall limits how far a robot's tool turns: the lines for its case file are a box that is reachable."""
+    """A wall limits how far a robot of four joints turns: the lines for its case file are a reachable box."""
     data = load_case("ur10_wrist").model_dump(mode="json", exclude_unset=True)
     chain = data["machine"]["chain"]
+    del chain["joints"][4:], data["limits"]["motion"]["joints"][4:]
     for joint in chain["joints"]:
         joint.pop("bodies", None)
-    chain |= {"base": [], "keep_out": [{"name": "wall", "y_mm": [250.0, 400.0]}]}
+    chain |= {"base": [], "keep_out": [{"name": "wall", "y_mm": [150.0, 400.0]}]}
     proposal = largest_box(Case.model_validate(data))
     assert 0.0 < proposal.share < 1.0
     limits = tomllib.loads(proposal.toml())

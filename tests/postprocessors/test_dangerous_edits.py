@@ -5,7 +5,7 @@ import re
 import pytest
 
 from cases.errors import ProgramError
-from tests.helpers import one_line
+from tests.helpers import few, one_line
 from tests.postprocessors.edited import CASES, EVERY_DIALECT, NAMES, changed, moves, path, proof, tenfold
 
 
@@ -98,7 +98,7 @@ def test_a_path_at_ten_times_its_speed_is_refused(name: str):
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("word", ["X", "Y", "Z", "A", "B", "C"])
+@pytest.mark.parametrize("word", few("Z", "B", "X", "Y", "A", "C", kept=2))
 def test_one_coordinate_with_the_wrong_sign_within_a_path_is_refused(name: str, word: str):
     lines = path(name).split("\n")
     letter = rf"{word}2?=" if "lines" in name and word in "ABC" else word
@@ -122,7 +122,7 @@ TOLD = {
         "sinumerik": (r"^DO .*=1\n", ""),
         "twincat": (r"^M100\n", ""),
     },
-    "it does not end at home, where A is 0 deg, but to ": {
+    "the program does not end at home, where A is 0 deg, but to ": {
         "linuxcnc": (r"^G1 X0 Y0 Z900 A0 B0 C0 F1.*\n", ""),
         "sinumerik": (r"^G1 X0 Y0 Z900 A2=0 B2=0 C2=0 F2.*\n", ""),
         "twincat": (r"^G01 G60 X0 Y0 Z900 A0 B0 C0 F2.*\n", ""),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import ProgramError
+from tests.helpers import few
 from tests.postprocessors.damaged_tables import DAMAGE
 from tests.postprocessors.programs import HOME
 from tests.postprocessors.tables import (
@@ -84,7 +85,7 @@ def test_whatever_a_jerk_within_its_limit_does_between_rows_the_table_is_read(se
     assert LANGUAGE.read(as_parquet(table), "t", CASE).events
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
+@pytest.mark.parametrize("value", few(np.nan, 1e300, np.inf, -np.inf, kept=2))
 @pytest.mark.parametrize("column", [T, 1, 10, 16, 20, 30, TRIGGER], ids=lambda k: COLUMNS[k])
 def test_what_is_no_number_is_refused_wherever_it_stands(value: float, column: int):
     table = moves().copy()

@@ -10,7 +10,7 @@ from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import DIALECTS, dialect, dialect_of_file
 from postprocessors.writing import proven_program
-from tests.helpers import jerked
+from tests.helpers import few, jerked
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE
 from tests.postprocessors.programs import HOME
@@ -46,8 +46,8 @@ MOTIONS = {
 FORMS = {"sinumerik": ".mpf", "twincat": ".nc", "setpoints": ".csv", "setpoints, packed": ".parquet"}
 
 
-@pytest.mark.parametrize("speed", [1.0, 0.4])
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("speed", few(0.4, 1.0))
+@pytest.mark.parametrize("form", few(*FORMS, kept=3))
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_motion_is_written_and_proven(name: str, form: str, speed: float):
     language = dialect(form.split(",")[0]).load(FORMS[form])

@@ -15,12 +15,12 @@ from tests.postprocessors.edited import EVERY_DIALECT, changed, moves
 
 @pytest.mark.parametrize("dialect", DIALECTS)
 def test_damaged_programs(dialect: str) -> None:
-    assert DIALECTS[dialect](range(25)).defects == []
+    assert DIALECTS[dialect](range(12)).defects == []
 
 
 @pytest.mark.parametrize(
     ("tally_of", "count"),
-    [(tally_of_runs, 6), (tally_of_other_files, 30), (tally_of_cases, 40), (tally_of_results, 8)],
+    [(tally_of_runs, 4), (tally_of_other_files, 15), (tally_of_cases, 20), (tally_of_results, 5)],
 )
 def test_damaged_recordings_cases_and_results(
     tally_of: Callable[[range, Path], Tally], count: int, tmp_path: Path

@@ -9,7 +9,7 @@ from cases.errors import IdentificationError
 from cases.recording_format import Drives
 from identification.findings.wiring import Order, orders_of, other_wiring
 from identification.identify import identify
-from tests.helpers import HOME, one_line
+from tests.helpers import HOME, few, one_line
 from tests.identification.test_findings import CASE, MODEL, run
 from tests.simulated_machine import simulate_standstills
 
@@ -53,14 +53,12 @@ def test_every_exchange_is_named(side: str, which: int) -> None:
     test_an_exchange_is_named_with_its_residuals_and_columns(side, which)
 
 
-@pytest.mark.parametrize(
-    "signs", [(-1, 1, 1, 1, 1, 1), (1, -1, 1, 1, -1, 1), (-1, 1, -1, 1, -1, 1), (1, -1, -1, -1, -1, 1)]
-)
-def test_turned_signs_of_channels_are_named(signs: tuple[int, ...]) -> None:
-    whole = run(1)
+@pytest.mark.parametrize("signs", few("+-++-+", "-+++++", "-+-+-+", "+----+"))
+def test_turned_signs_of_channels_are_named(signs: str) -> None:
+    whole, turned = run(1), tuple(int(f"{sign}1") for sign in signs)
     with pytest.raises(IdentificationError, match="turned: residuals") as caught:
-        identify(replace(whole, forces=whole.forces * np.array(signs)), CASE)
-    assert Order(tuple(range(6)), signs).words("force channels") in str(caught.value)
+        identify(replace(whole, forces=whole.forces * np.array(turned)), CASE)
+    assert Order(tuple(range(6)), turned).words("force channels") in str(caught.value)
 
 
 def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,8 @@ def write(bag: Path, messages: Sequence[tuple[str, int, Any]], stored: StoragePl
     return bag
 
 
-def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> list[tuple[str, int, Any]]:
+@cache
+def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> tuple[tuple[str, int, Any], ...]:
     """Joints at 250 a second with late stamps and losses, in changing order, a gripper's between; forces at 1000."""
     draw = np.random.default_rng(seed)
     messages: list[tuple[str, int, Any]] = []
@@ -78,7 +80,12 @@ def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> list[tuple[s
     for now, values in zip(read_at, forces, strict=True):
         stamp = EPOCH + int(1e9 * now)
         messages.append((WRENCH, stamp + 200_000, wrench(stamp, values)))
-    return messages
+    return tuple(messages)
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("run") / "bag", run())
 
 
 @pytest.mark.parametrize("stored", StoragePlugin)
@@ -166,8 +173,7 @@ def test_topics_and_names_are_those_of_the_case(tmp_path: Path) -> None:
     assert found.reads
 
 
-def test_look_names_topics_rates_and_the_frame(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag", run())
+def test_look_names_topics_rates_and_the_frame(bag: Path, tmp_path: Path) -> None:
     answer = call("look", bag, "--case", "ur10_wrist", "-o", tmp_path / "look.svg", "--json").json()
     assert answer["reads"]
     text = " ".join(answer["odd"])
@@ -180,14 +186,12 @@ def test_look_names_topics_rates_and_the_frame(tmp_path: Path) -> None:
     assert not look(bag).reads  # nobody knows the order of the joints
 
 
-def test_the_file_in_the_folder_is_the_bag(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag", run())
+def test_the_file_in_the_folder_is_the_bag(bag: Path) -> None:
     (file,) = bag.glob("*.db3")
     np.testing.assert_array_equal(read(file, ROBOT).forces, read(bag, ROBOT).forces)
 
 
-def test_without_rosbags_one_line_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    bag = write(tmp_path / "bag", run())
+def test_without_rosbags_one_line_says_what_to_install(bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(RecordingError, match=r"pip install 'hexcite\[ros\]'"):
         read(bag, ROBOT)
@@ -200,7 +204,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[StoragePlugin, Path]
     return {stored: write(folder / stored.name, short, stored) for stored in StoragePlugin}
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=20)
 @given(
     stored=st.sampled_from(StoragePlugin), which=st.booleans(), place=st.floats(0.0, 1.0),
     noise=st.binary(min_size=1, max_size=40), cut=st.booleans(),

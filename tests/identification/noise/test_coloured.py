@@ -34,7 +34,7 @@ def memory(seed: int, phi: float) -> np.ndarray:
     return np.sqrt(1 - phi**2) * lfilter([1.0], [1.0, -phi], drawn, axis=0)[200:]
 
 
-def share_inside(noise: Callable[[int], np.ndarray], deviations: Callable[[Fit], np.ndarray], seeds: int = 40) -> float:
+def share_inside(noise: Callable[[int], np.ndarray], deviations: Callable[[Fit], np.ndarray], seeds: int = 25) -> float:
     inside = []
     for seed in range(seeds):
         fit = gauss_markov(A, A @ U + noise(seed), NAMES, ONES)
@@ -64,7 +64,7 @@ def test_noise_that_channels_share_counts_as_such() -> None:
 
 def test_white_noise_gives_the_covariance_of_28_and_a_little_for_what_300_samples_do_not_tell() -> None:
     ratio = []
-    for seed in range(20):
+    for seed in range(10):
         fit = gauss_markov(A, A @ U + memory(seed, 0.0), NAMES, ONES)
         ratio.append(coloured(fit) / np.sqrt(np.diag(fit.covariance)))
     assert 1.0 < np.mean(ratio) < 1.2
@@ -80,7 +80,7 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     """Of 300 samples 20 in 50: as one series, noise would seem to forget itself at every gap."""
     places = np.flatnonzero(np.arange(SAMPLES) % 50 < 20)
     some, inside = A[places], []
-    for seed in range(40):
+    for seed in range(25):
         fit = gauss_markov(some, some @ U + memory(seed, phi)[places], NAMES, ONES)
         covariance = coloured_covariance(turned(some, fit.residuals, ONES, places))
         assert covariance is not None
@@ -107,7 +107,7 @@ def test_it_does_not_depend_on_units_and_is_positive_definite() -> None:
 def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
     """Where the kernel estimate holds the truth in four of five intervals only."""
     few, held, kernel = A[::stride], [], []
-    for seed in range(60):
+    for seed in range(30):
         fit = with_kernel(gauss_markov(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES, ONES), few)
         covariance = coloured_covariance(turned(few, fit.residuals, ONES))
         assert covariance is not None

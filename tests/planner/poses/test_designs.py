@@ -8,9 +8,8 @@ from planner.poses.continuous import approximate_design, continuous_bound
 from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import margins_of
+from tests.helpers import few
 from tests.planner.poses.conftest import Setting
-
-LETTERS = tuple(POSE_CRITERIA)
 
 
 def value(letter: str, regressors: np.ndarray) -> float:
@@ -46,7 +45,7 @@ def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid:
     assert design.efficiency(grid.regressors[kept]) > 0.99
 
 
-@pytest.mark.parametrize("letter", LETTERS)
+@pytest.mark.parametrize("letter", few(*"DNAK", kept=2))
 def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, letter: str) -> None:
     start = reduce_best(sample.regressors, POSE_CRITERIA[letter], 10).kept
     found, _ = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA[letter], sample.poses[start])

@@ -22,7 +22,7 @@ from tests.chains import chain_case
 from tests.helpers import few
 from tests.planner.command_line import call, refused
 
-COUNT = 10
+COUNT = 8
 
 
 @cache

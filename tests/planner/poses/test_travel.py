@@ -9,8 +9,10 @@ from cases.errors import InfeasiblePlan
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.limit_proof import prove
+from identification.motion import StandingPoses
 from planner.poses.space import sampled_candidates
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
+from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
@@ -45,6 +47,19 @@ def test_moves_are_slowed_where_a_strut_would_be_too_fast() -> None:
         checks = {str(c.of): c for c in prove(fastest_move(slow, HOME, end), slow, 2000.0).checks}
         most = max(checks["strut velocity"].ratio, checks["strut acceleration"].ratio)
         assert 0.98 < most <= 1.0 + 1e-6
+
+
+def test_moves_are_slowed_where_a_sensor_would_be_overloaded_and_need_be_no_slower() -> None:
+    report = prove(fastest_move(CASE, HOME, STATIONS[1]), CASE, 2000.0, in_box=False)
+    standing = prove(StandingPoses(STATIONS[:2]), CASE, 2000.0, in_box=False)
+    moving, still = (max(c.worst for c in r.checks if c.name.startswith("sensor force")) for r in (report, standing))
+    assert moving > 1.2 * still
+    weak = changed(CASE, sensors__range_N=1.1 * still / 0.8)
+    slow = fastest_move(weak, HOME, STATIONS[1])
+    kept = prove(slow, weak, 2000.0, in_box=False)
+    assert kept.kept
+    assert max(c.ratio for c in kept.checks if c.name.startswith("sensor force")) > 0.9
+    assert slow.duration > fastest_move(CASE, HOME, STATIONS[1]).duration
 
 
 def test_the_order_of_few_poses_is_the_best_of_all_orders() -> None:

@@ -50,7 +50,7 @@ def test_a_path_of_joints_runs_as_fast_as_its_limits_let_it(joints: int):
     home, box = case.need_motion("a test")
     draw = np.random.default_rng(SEED)
     path = TimedPoints.through(
-        2.0 * np.arange(6), home + np.vstack([draw.uniform(*(0.3 * box.pose)) for _ in range(6)])
+        1.5 * np.arange(4), home + np.vstack([draw.uniform(*(0.3 * box.pose)) for _ in range(4)])
     )
     without_jerk = retime(path, case, fastest=True)
     with_jerk, off_path, _ = retimed_path(path, case, fastest=True)

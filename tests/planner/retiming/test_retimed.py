@@ -154,10 +154,11 @@ def test_the_command_prints_before_and_after(by_hand: Path):
 
 
 @pytest.mark.parametrize("method", few("ruckig", "ipopt"))
-def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, by_hand: Path, series: Path, tmp_path: Path):
+def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pytest.FixtureRequest, tmp_path: Path):
     """Moves as a controller times them, and a path as a spline."""
     out = tmp_path / "after"
-    source, which = (by_hand, ()) if method == "ruckig" else (series, ("--fastest",))
+    name, which = ("by_hand", ()) if method == "ruckig" else ("series", ("--fastest",))
+    source = request.getfixturevalue(name)
     answer = call("retime", source, *which, "-o", out, "--json").json()
     assert answer["method"] == method
     assert answer["plan"] == str(out)
@@ -190,8 +191,8 @@ def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
         (("--case", "ft_wrist"), ("machine",)),
     ],
 )
-def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], words: tuple[str, ...], series: Path):
-    line = refused("retime", series, *arguments)
+def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], words: tuple[str, ...], planned: dict):
+    line = refused("retime", planned["plan"], *arguments)
     for word in words:
         assert word in line
 

@@ -143,10 +143,10 @@ def test_a_study_from_the_command_line(tmp_path: Path) -> None:
     """On a real cluster of this computer, stopped and extended."""
     spec, folder = tmp_path / "small.toml", tmp_path / "study"
     spec.write_text(SMALL)
-    first = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
+    first = call("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder, "--json").json()
     assert (first["cells"], first["done"], first["computed"], first["failed"]) == (2, 2, 2, 0)
     assert first["overhead"] > 0.5
-    again = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
+    again = call("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder, "--json").json()
     assert (again["done"], again["computed"]) == (2, 0)
     assert again["best"] == first["best"]
     page = (folder / "report.html").read_text()
@@ -169,7 +169,7 @@ def test_a_study_that_is_killed_loses_no_cell_and_leaves_no_workers(tmp_path: Pa
         process.kill()
     kept = len(read_rows(folder))
     assert 3 <= kept < 12
-    again = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
+    again = call("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder, "--json").json()
     assert (again["computed"], again["done"]) == (12 - kept, 12)
     for _ in range(300):
         left = [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]

@@ -12,7 +12,7 @@ from identification.hexapod import Hexapod
 from identification.loaded import Circumstances
 from tests.helpers import few
 from tests.planner.browser import opened
-from tests.planner.command_line import call, hexcite, refused
+from tests.planner.command_line import call, refused
 from tests.planner.validation.excitations import CASE, poses
 from tests.simulated_machine import simulate_standstills
 
@@ -21,7 +21,7 @@ Q5N = (1.81, 1.93, 2.07, 2.33, 2.74, 3.14)  # Table 7
 
 @pytest.mark.parametrize("weights", few("0", "0,5"))
 def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, tmp_path: Path, browser: Browser):
-    answer = hexcite(
+    answer = call(
         "validate", "hexapod", "--methods", "Q5N", "--weights", weights, "-o", tmp_path / "v", "--json"
     ).json()
     assert answer["simulated"] is True

@@ -57,7 +57,7 @@ def block(loaded: Plc) -> Callable[[], Block]:
 
 def test_the_function_block_computes_the_papers_model(made: Calibration, block: Callable[[], Block]) -> None:
     u = dict(zip(made.model.names, made.result.values, strict=True))
-    s = states(CASE, 12, 0)
+    s = states(CASE, 6, 0)
     for k in range(len(s.pose)):
         expected = external(CASE, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
         scale = max(np.abs(expected).max(), np.abs(s.forces[k]).max())
@@ -92,7 +92,7 @@ def test_a_force_torque_sensors_block_needs_no_struts(tmp_path: Path) -> None:
     made = calibration(tmp_path, "ft_wrist", number)
     block = Block(Plc().load(structured_text(made, "ft_wrist_force")), "FB_FtWristForce")
     u = dict(zip(made.model.names, made.result.values, strict=True))
-    s = states(case, 10, number)
+    s = states(case, 5, number)
     for k in range(len(s.pose)):
         expected = external(case, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
         found = block(Position=s.pose[k], Velocity=s.rates[k], Acceleration=s.accelerations[k], Forces=s.forces[k])

@@ -110,8 +110,9 @@ def test_what_nobody_enforces_has_to_be_accepted_by_name(hexapod_case: Case):
     result.require_accepted(["jerk", "Strut-Acceleration", "acceleration,sensor-force"])
     with pytest.raises(
         ProgramError, match=r"LinuxCNC does not enforce jerk, strut acceleration.*accept jerk,strut-acceleration if"
-    ):
+    ) as open_:
         result.require_accepted(["acceleration", "sensor force"])
+    assert "jerk (more than ten times), strut acceleration (more than ten times)" in one_line(open_.value)
     with pytest.raises(ProgramError) as caught:
         result.require_accepted([])
     one_line(caught.value)
