@@ -1,5 +1,6 @@
 """Tests that run LinuxCNC, again and again beside busy processes: none may ever fail."""
 
+import os
 import re
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 ROUNDS, BUSY = 20, 4
+WIDE = "500"  # columns, in which pytest says why a test fails
 
 
 @contextmanager
@@ -23,16 +25,16 @@ def busy(count: int) -> Iterator[None]:
 
 
 def under_load(rounds: int = ROUNDS, processes: int = BUSY) -> tuple[int, Counter[str]]:
-    """Tests that passed, and how often each failed, over `rounds` of all tests marked `linuxcnc`."""
+    """Tests that passed, and how often each failed and why, over `rounds` of all tests marked `linuxcnc`."""
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:xdist", "-m", "linuxcnc and not slow", "tests"]
     passed, failed = 0, Counter[str]()
     with busy(processes):
         for number in range(1, rounds + 1):
-            said = subprocess.run(command, capture_output=True, text=True).stdout
+            said = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "COLUMNS": WIDE}).stdout
             if (count := re.search(r"(\d+) passed", said)) is None:
                 raise RuntimeError(f"pytest says:\n{said}")
             passed += int(count[1])
-            failed.update(re.findall(r"^(?:FAILED|ERROR) (\S+)", said, re.M))
+            failed.update(re.findall(r"^(?:FAILED|ERROR) (.+)", said, re.M))
             print(f"round {number}: {count[0]}, failed so far: {dict(failed)}", file=sys.stderr, flush=True)
     return passed, failed
 
