@@ -63,7 +63,7 @@ def test_a_stiff_machine_errs_as_white_noise_alone_has_it(limited: bool, hexapod
     found = vibration(case, 9, motion, 0, motion.duration)
     assert found is not None
     assert found.times == pytest.approx(1.0, abs=0.02)
-    assert found.fit.s0 == pytest.approx(1.0, abs=0.01)
+    assert found.s0 == pytest.approx(1.0, abs=0.01)
     assert found.errors == pytest.approx(white(case, motion), rel=0.1)
 
 
