@@ -53,11 +53,11 @@ def pose_figures() -> list[list[str]]:
     peak = tracemalloc.get_traced_memory()[1] / 1e9
     tracemalloc.stop()
     rows.append(["  memory of 20 000 (traced at 2000, times ten)", f"{10 * peak + many.nbytes / 1e9:.2f} GB", "2 GB"])
-    for method in ("backward", "exchange", "refine"):
+    for method in ("backward", "refine"):
         plan = poses_planned(PoseRequest(method=method), case)
         rows += [
-            [f"30 poses by {method}: D-efficiency over the pose space", f"{plan.efficiency_space:.4f}", "0.95"],
-            ["  lower bound over the candidates", f"{plan.efficiency:.4f}", ""],
+            [f"30 poses by {method}: D-efficiency over the pose space", f"{plan.worth.efficiency_space:.4f}", "0.95"],
+            ["  lower bound over the candidates", f"{plan.worth.efficiency:.4f}", ""],
             ["  measured in, travel included", f"{plan.motion.duration:.1f} s", "81 s"],
         ]
     return rows

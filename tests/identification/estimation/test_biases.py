@@ -66,7 +66,7 @@ def test_errors_of_given_offsets_are_in_the_reported_deviations() -> None:
         away.append((estimate.fit.values - U) / np.sqrt(np.diag(estimate.fit.covariance)))
         offsets_exact = np.diag(identify(run, CASE, how=method(known=biases.known)).fit.covariance)
         free = offsets_exact > 0.0
-        bare.append((estimate.values - U)[free] / np.sqrt(offsets_exact[free]))
+        bare.append((estimate.fit.values - U)[free] / np.sqrt(offsets_exact[free]))
     assert np.std(away) == pytest.approx(1.0, abs=0.25)
     assert np.std(bare) > 2.0
 
