@@ -99,13 +99,14 @@ class Result:
             stale: read it although its case has changed since.
 
         Raises:
-            FileProblem: missing, damaged or of another version; or its case has changed since.
+            FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
         place = Path(folder)
         saved = load_result(place)
         own = saved.artefact.case() if case is None else case
         if case is None:
             saved.remarks(own, stale)
+        saved.require_own_parameters(own)
         file = place / "identifiability.json"
         identifiability = Identifiability.of_json(read_json(file, "hexcite identify")) if file.is_file() else None
         return cls(own, saved.about, identifiability)

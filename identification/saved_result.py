@@ -19,6 +19,7 @@ from identification.result import SCHEMA_VERSION, Value
 
 Array = NDArray[np.float64]
 
+ALIKE = 1e-9  # of parameters that are computed anew: another computer rounds otherwise
 _OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
 
 
@@ -47,8 +48,9 @@ class SavedResult:
         """What to write into everything that is made of it, where the case has changed since and `stale` is set.
 
         Raises:
-            FileProblem: the case has changed, and `stale` is not set.
+            FileProblem: the case has changed and `stale` is not set, or a number was changed by hand.
         """
+        self.require_own_parameters(case)
         return self.artefact.require_unchanged(result_basis(case), case, stale)
 
     def model_of(self, case: Case) -> Model:
@@ -62,6 +64,31 @@ class SavedResult:
                 self.source, f"parameters of case {self.case_name}, not {case.name}", f"identify them for {case.name}"
             )
         return identification_model(case, self.model, self.terms)
+
+    def require_own_parameters(self, case: Case) -> None:
+        """Computes the physical parameters anew from the linear ones, so that nobody reads the wrong one of two.
+
+        Raises:
+            FileProblem: they were changed by hand, or belong to another case.
+        """
+        model = self.model_of(case)
+        form, keys = physical_form(model), ("value", "std")
+        try:
+            names, told = list(self.about["linear"]["names"]), self.about["parameters"]
+            physical = {p.name for p in form.parameters}
+            if names != model.names or len(self.values) != len(names) or not physical <= set(told):
+                message = f"its parameters are not those of model {self.model}"
+                raise FileProblem(self.source, message, "identify again")
+            told = np.array([[float(told[p.name][key]) for key in keys] for p in form.parameters])
+        except DAMAGED as error:
+            raise FileProblem(self.source, f"entry {error} is missing or damaged", "identify again") from error
+        values, covariance = form.of(self.values, self.covariance)
+        found = np.column_stack([values, np.sqrt(np.diag(covariance).clip(0.0))])
+        alike = np.abs(told - found) <= ALIKE * np.abs(found).max(axis=1, keepdims=True)
+        for row, column in np.argwhere(~alike):
+            entry = f"{keys[column]} of {form.parameters[row].name}"
+            words = f"{entry} is {told[row, column]:.6g}, but {found[row, column]:.6g} by the linear parameters"
+            raise FileProblem(self.source, f"{words}: changed by hand", "identify again")
 
 
 def load_result(path: Path) -> SavedResult:
@@ -131,6 +158,7 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     if isinstance(then, Mapping):
         about[KEPT] = {key: value for key, value in then.items() if key in now or not key.startswith(_OF_A_RECORDING)}
     remarks = Artefact(Path(result.source), about, "identify the standstills again").require_unchanged(now, case, stale)
+    result.require_own_parameters(case)
     names = result.model_of(case).names
     offsets = [names.index(name) for name in OFFSET_NAMES]
     white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))

@@ -254,7 +254,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     data = read_json(file, "hexcite identify")
     case = saved.artefact.case() if user_case is None else user_case
     stale_in = saved.remarks(case, stale)
-    model = identification_model(case, saved.model)
+    model = saved.model_of(case)
     try:
         samples, s0, measured = int(data["samples"]), float(data["s0"]), float(data["s0_N"])
         weights, seconds = str(data["weights"]), None if data.get("measuring_s") is None else float(data["measuring_s"])

@@ -75,7 +75,6 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
     """
     result = load_result(path)
     case = result.artefact.case(case_name)
-    result.model_of(case)  # a case of another name is another machine, whatever changed
     remarks = result.remarks(case, stale)
     return _calibration(result, case, Path(result.source).read_bytes(), force, remarks)
 
@@ -88,7 +87,7 @@ def calibration_of(result: Result, force: bool = False) -> Calibration:
 def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, remarks: tuple[str, ...]) -> Calibration:
     model, file, data = result.model_of(case), result.source, result.about
     try:
-        names, warnings = list(data["linear"]["names"]), tuple(str(w) for w in data["warnings"])
+        warnings = tuple(str(w) for w in data["warnings"])
         recording, samples, s0 = str(data["recording"]), int(data["samples"]), float(data["s0"])
         if "tared_with" in data:
             recording += f", tared with {data['tared_with']}"
@@ -96,8 +95,6 @@ def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, r
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     form = physical_form(model)
-    if names != model.names or len(result.values) != len(names) or not {p.name for p in form.parameters} <= set(robust):
-        raise FileProblem(file, f"its parameters are not those of model {model.number}", "identify again")
     if not result.values[0] > 0.0:
         raise FileProblem(file, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
     if warnings and not force:

@@ -1,6 +1,9 @@
 """The calibrated model in use: no contact reads zero, contact reads itself, a tare moves offsets and nothing else."""
 
+import json
 from dataclasses import replace
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 
 import numpy as np
@@ -151,8 +154,6 @@ def test_results_of_different_models_are_compared_with_a_warning(saved: SavedRes
     ],
 )
 def test_a_damaged_result_is_named(damage: dict[str, object], says: str, saved: SavedResult, tmp_path: Path) -> None:
-    import json
-
     file = tmp_path / "result.json"
     file.write_text(json.dumps(json.loads(Path(saved.source).read_text()) | damage))
     with pytest.raises(FileProblem, match=says) as caught:
@@ -163,3 +164,19 @@ def test_a_damaged_result_is_named(damage: dict[str, object], says: str, saved: 
 def test_parameters_of_another_case_are_refused(saved: SavedResult) -> None:
     with pytest.raises(HexciteError, match="parameters of case hexapod, not ft_wrist"):
         saved.model_of(load_case("ft_wrist"))
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [(("parameters", "m", "value"), "m"), (("parameters", "IC11", "std"), "IC11"), (("linear", "values", 0), "m"),
+     (("covariance", 0, 0), "m")],
+)  # fmt: skip
+def test_a_number_changed_by_hand_is_noticed(place: tuple, name: str, saved: SavedResult, tmp_path: Path) -> None:
+    data = json.loads(Path(saved.source).read_text())
+    *above, last = place
+    entry = reduce(getitem, above, data)
+    entry[last] *= 1.001
+    file = tmp_path / "result.json"
+    file.write_text(json.dumps(data))
+    with pytest.raises(FileProblem, match=rf"result.json: (value|std) of {name} is .* by the linear .*identify again"):
+        load_result(file).require_own_parameters(CASE)

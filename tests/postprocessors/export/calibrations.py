@@ -32,7 +32,8 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
     u = plausible(machine, model) if values is None else values
     covariance = np.diag((1e-3 * np.abs(u) + 1e-3) ** 2)
     form = physical_form(model)
-    physical, _ = form.of(u, covariance)
+    physical, spread = form.of(u, covariance)
+    deviations = np.sqrt(np.diag(spread))
     data = {
         "schema_version": 1,
         "case": machine.name,
@@ -43,8 +44,8 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
         "samples": 3400,
         "delay_s": {"value": 2.5e-3, "std": 1e-4},
         "parameters": {
-            p.name: {"value": float(v), "std": 0.1, "std_robust": 0.2, "unit": p.unit}
-            for p, v in zip(form.parameters, physical, strict=True)
+            p.name: {"value": float(v), "std": float(s), "std_robust": float(2 * s), "unit": p.unit}
+            for p, v, s in zip(form.parameters, physical, deviations, strict=True)
         },
         "linear": {"names": model.names, "values": u.tolist()},
         "covariance": covariance.tolist(),
