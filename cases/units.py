@@ -28,6 +28,11 @@ def coordinate_words(coordinates: Iterable[float], labels: Iterable[str], turns:
     )
 
 
+def payload_words(count: int) -> str:
+    """How many payloads are mounted, in words."""
+    return f"{count} payload{'' if count == 1 else 's'}"
+
+
 def as_html(text: str) -> str:
     """Text as it stands, for `_repr_html_`."""
     return f"<pre>{escape(text)}</pre>"

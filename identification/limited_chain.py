@@ -16,7 +16,7 @@ from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
 from cases.machine import Tool
 from cases.sensors import RigidBody
-from cases.units import MM
+from cases.units import MM, payload_words
 from identification.keep_out import distance_of_segments
 from identification.limit import Limit, LimitKind
 from identification.limited_quantities import Quantity, axis_rotation
@@ -75,7 +75,7 @@ def joint_efforts(
     links = [
         _mechanics(frame, joint.link, pull) for frame, joint in zip(frames, chain.joints, strict=False) if joint.link
     ]
-    loads = [(f"{n} payloads", _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
+    loads = [(payload_words(n), _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
     turns = np.array([joint.turns for joint in chain.joints])
     limited = np.isfinite([joint.effort for joint in chain.joints])
     for kind, own in ((LimitKind.JOINT_FORCE, limited & ~turns), (LimitKind.JOINT_TORQUE, limited & turns)):

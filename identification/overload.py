@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.sensors import Payloads, RigidBody, SensorFrame
+from cases.units import payload_words
 from identification.limit import LimitKind
 from identification.limited_quantities import Quantity, strut_vectors
 from identification.motion import Motion
@@ -145,7 +146,7 @@ def _loads(request: _Asked) -> Loads:
     for column, (i, j) in enumerate(PAIRS):
         if i != j:
             quadratic[:, column] -= coefficients[:, 6 + i] + coefficients[:, 6 + j]
-    labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
+    labels = tuple(f"sensor {k}, {payload_words(count)}" for count in range(len(case.bodies)) for k in range(1, 7))
     limit = SHARE * np.tile(request.range, len(case.bodies))
     moments = np.tile(np.arange(6) >= (3 if case.sensors.range_Nm is not None else 6), len(case.bodies))
     return Loads(coefficients[:, :3], coefficients[:, 3:6], quadratic, np.asarray(case.gravity), limit, moments, labels)
@@ -185,7 +186,7 @@ class StrutLoads:
         """Those of a case; None where it names no range or no nominal body."""
         if (most := case.sensors.range) is None or case.nominal is None:
             return None
-        labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
+        labels = tuple(f"sensor {k}, {payload_words(count)}" for count in range(len(case.bodies)) for k in range(1, 7))
         return cls(case, SHARE * np.tile(most, len(case.bodies)), np.zeros(len(labels), dtype=bool), labels)
 
     def forces(self, motion: Motion, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
+from cases.units import payload_words
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
@@ -297,7 +298,7 @@ def _told(
     """What noise of the accelerations does to a plan."""
     if not noise.shaken:
         return ()
-    mounted = f"with {payload} payloads" if payload else "without payload"
+    mounted = f"with {payload_words(payload)}" if payload else "without payload"
     sentence = f"noise of the accelerations: a force sample errs by {_rms(noise):.3g} N rms {mounted}"
     if payload:
         sentence += f", by {_rms(expected_noise(case, model)):.3g} N without"

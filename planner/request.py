@@ -11,6 +11,7 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
+from cases.units import payload_words
 from identification.criteria import CRITERIA
 from identification.model import identification_model
 from identification.parameters import physical_form
@@ -71,7 +72,7 @@ class Request:
     def mounted(self) -> str:
         """What is mounted, in words."""
         first = "" if len(self.payloads) == 1 else f"{self.payloads[0]} to "
-        return f"{first}{self.payload} payload{'' if self.payload == 1 else 's'}"
+        return first + payload_words(self.payload)
 
     @property
     def name(self) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cases.units import payload_words
 from planner.cli.console import (
     LIMIT_COLUMNS,
     Criterion,
@@ -228,4 +229,4 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
 
 def _mounted(answer: dict[str, Any]) -> str:
     first, last = answer["payload_from"], answer["payload"]
-    return f"{last} payloads" if first == last else f"the largest with {first} to {last} payloads"
+    return payload_words(last) if first == last else f"the largest with {first} to {payload_words(last)}"

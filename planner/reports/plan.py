@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cases.files import provenance
 from cases.schema import Case
-from cases.units import MM
+from cases.units import MM, payload_words
 from identification.criteria import analyse, reference_scaling
 from identification.estimation.fit import PoseField
 from identification.evaluate import over_samples
@@ -231,7 +231,7 @@ def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
     columns = case.sensor_frame.channels
     unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
-    words = f"With {payload} payloads, offsets and compensation apart."
+    words = f"With {payload_words(payload)}, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
     shares = load_shares(motion, case)
     if of is None or not len(shares):
