@@ -28,6 +28,7 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
@@ -40,6 +41,7 @@ def post(
     It is read back and proven before it is written.
     """
     from cases.files import check_file, output_place
+    from cases.loading import load_case
     from planner.plans import Plan
     from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS
@@ -51,7 +53,7 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    loaded = Plan.load(plan, stale=stale)
+    loaded = Plan.load(plan, None if case is None else load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)

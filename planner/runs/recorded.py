@@ -148,7 +148,7 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
         FileProblem: no plan there, or damaged.
         HexciteError: no plan of poses.
     """
-    plan = load_plan(folder, case)
+    plan = load_plan(folder, case, stale=True)  # of a plan of poses only these are wanted
     if not len(plan.poses):
         raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     return plan.poses
