@@ -73,6 +73,11 @@ def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:
     assert missing["post --dialect sinumerik"] == missing["plan"] == ()
 
 
+def test_a_validation_needs_the_language_of_its_programs() -> None:
+    case = own(lambda d: d["controller"].pop("sinumerik"))
+    assert readiness(case)["validate"] == ("controller.sinumerik",)
+
+
 def test_case_check_prints_both(tmp_path: Path) -> None:
     file = mine(tmp_path)
     answer = call("case", "check", file, "--json").json()
