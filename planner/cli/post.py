@@ -105,12 +105,11 @@ def check(
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
     from cases.loading import load_case
-    from planner.runs.written import of_another
-    from postprocessors.program_file import read_program
+    from planner.runs.written import of_another, read_for
 
     loaded = load_case(case)
     with status(f"proving {program.name}", json):
-        read = read_program(program, loaded, dialect)
+        read = read_for(loaded, program, dialect)
         answer = answer_of_proof(read)
     if json:
         print_json(answer)
@@ -119,7 +118,7 @@ def check(
     try:
         read.proof.require()
     except ProgramError as error:
-        raise of_another(error, read.content, loaded) from error
+        raise of_another(error, program, read.content, loaded) from error
 
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:

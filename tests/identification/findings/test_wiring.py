@@ -86,6 +86,7 @@ def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel:
     except IdentificationError as error:
         said = str(error)
     assert "sign" in said
+    assert "transducer.sense" not in said  # which turns all
 
 
 @pytest.mark.parametrize("seed", range(2))
