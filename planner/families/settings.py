@@ -393,11 +393,8 @@ class Manual(FamilySettings):
         file = self.file(case)
         if file.suffix.lower() == ".csv":
             load_poses(file, limits.columns)
-        elif case.chain is not None:
-            columns = ", ".join(limits.columns)
-            raise HexciteError(f"{file}: steps are those of a platform; of a chain name a CSV with {columns}")
         else:
-            load_sequence(file)
+            load_sequence(file, limits.columns)
 
     def motion(self, case: Case) -> tuple[Trajectory, Path]:
         """The motion of the file."""
