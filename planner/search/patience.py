@@ -1,8 +1,8 @@
 """When a search has had enough starts.
 
-It ends when starts stop paying: as soon as the last ones, two or what the family says, did not raise the best by
-`WORTHWHILE`, or the first `FAILURES` all failed. They are counted in an order that does not depend on which of them was
-done first. `--starts N` asks for N of them instead, `--seconds S` for as many as that time allows.
+It ends when starts stop paying: as soon as the last ones, as many as the family waits for (`idle`), did not raise the
+best by `WORTHWHILE`, or the first `FAILURES` all failed. They are counted in an order that does not depend on which of
+them was done first. `--starts N` asks for N of them instead, `--seconds S` for as many as that time allows.
 """
 
 import math
