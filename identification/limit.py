@@ -129,7 +129,7 @@ class LimitCheck:
     status: Status
     # whether the motion itself is answerable for it; not where a controller's own law is only predicted
     binding: bool = True
-    # lower and upper limit, in `unit`, where the share is counted from a middle other than 0
+    # lower and upper limit, in `unit`, where there are two; the share is counted from the middle between them
     bounds: tuple[float, float] | None = None
 
     @property

@@ -225,5 +225,5 @@ def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
         float(quantity.ratio[row, column]),
         float(t[row]),
         Status.PROVEN,
-        bounds=None if low in (high, -high) else (low, high),
+        bounds=None if low == high else (low, high),
     )

@@ -18,7 +18,7 @@ from identification.motion import Joined, Measurement, Motion, Trajectory
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by
-from planner.precision import legible, share_text, std_text
+from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 from planner.worth import PoseWorth, Worth
 
@@ -209,6 +209,14 @@ class Plan:
         from cases.units import as_html
 
         return as_html(str(self))
+
+    def deviation_rows(self) -> tuple[tuple[str, str, str], ...]:
+        """Predicted standard deviations for people: each parameter in words, its deviation, and the unit of that."""
+        rods, rows = carries_rods(self.predicted_std), []
+        for p in physical_form(identification_model(self.case, self.model)).parameters:
+            scale, unit = legible(p.unit)
+            rows.append((parameter_words(p.name, rods), std_text(self.predicted_std[p.name] * scale), unit))
+        return tuple(rows)
 
     def deviations(self) -> list[str]:
         """Predicted standard deviations as text, a line for each unit."""

@@ -65,10 +65,11 @@ def share_text(ratio: float, decimals: int = 2) -> str:
 
 
 def bounds_text(check: "LimitCheck") -> str:
-    """The limit, or both where the share that is used counts from the middle between them."""
-    if check.bounds is not None:
-        return f"{check.bounds[0]:.4g} to {check.bounds[1]:.4g}"
-    return f"{check.limit:.4g}"
+    """The limit, or both where there are two."""
+    if check.bounds is None:
+        return f"{check.limit:.4g}"
+    low, high = check.bounds
+    return f"±{high:.4g}" if low == -high else f"{low:.4g} to {high:.4g}"
 
 
 def carries_rods(names: Iterable[str]) -> bool:

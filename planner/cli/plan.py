@@ -191,8 +191,11 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     checks = plan.limits.checks
     limits = [c for c in checks if c.ratio >= MOST_USED or c.status is not Status.PROVEN]
     fewer = len(checks) - len(limits)
-    title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
-    print_table(title, LIMIT_COLUMNS, limit_rows(limits))
+    if limits:
+        title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
+        print_table(title, LIMIT_COLUMNS, limit_rows(limits))
+    else:
+        print(f"no limit is used to {100 * MOST_USED:g} %; all {fewer} are proven and stand in the report")
     for note in answer["notes"]:
         print(f"note: {note}")
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
@@ -201,9 +204,8 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     if (by_pose := answer["pose_errors"]) is not None:
         noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
     noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
-    print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
-    for line in plan.deviations():
-        print(f"  {line}")
+    title = f"Predicted standard deviations ({noise}, weights {answer['weights']})"
+    print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     first, last = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
     starts = f"; {len(answer['starts'])} start{'s' * (len(answer['starts']) > 1)}" if answer["starts"] else ""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Overwrite, print_json, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -73,9 +73,8 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
     from planner.request import METHODS, PoseMethod
 
     print(f"{METHODS[PoseMethod(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
-    print(f"predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N):")
-    for line in plan.deviations():
-        print(f"  {line}")
+    title = f"Predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N)"
+    print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
     print(
         f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"

@@ -2,14 +2,11 @@
 
 from cases.files import provenance
 from identification.criteria import analyse
-from identification.model import Model
-from identification.parameters import physical_form
 from planner.noise import standing_model
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import places
-from planner.precision import legible, parameter_words, std_text
 from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
@@ -39,7 +36,7 @@ def poses_page(plan: Plan) -> Page:
         inputs=(*inputs, *provenance([])["versions"].items()),
         warnings=(),
         sections=(
-            Section("What the set promises", (Tiles(tiles), *_deviations(plan, model))),
+            Section("What the set promises", (Tiles(tiles), *_deviations(plan))),
             *_pictures(plan),
             Section("Where the poses are", (_places(plan),)),
             Section("What the poses determine", identifiability_items(found)),
@@ -54,15 +51,11 @@ def _pictures(plan: Plan) -> tuple[Section, ...]:
     return (Section("The machine in each pose", (posing_machine(plan.case, plan.poses, "In the order of visit."),)),)
 
 
-def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:
-    rows = []
-    for p in physical_form(model).parameters:
-        scale, unit = legible(p.unit)
-        rows.append((parameter_words(p.name), std_text(plan.predicted_std[p.name] * scale), unit))
+def _deviations(plan: Plan) -> tuple[Item, ...]:
     note = Note(
         f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."
     )
-    return (Table(("parameter", "predicted std", "unit"), tuple(rows)), note)
+    return (Table(("parameter", "predicted std", "unit"), plan.deviation_rows()), note)
 
 
 def _places(plan: Plan) -> Plot:
