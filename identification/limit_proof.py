@@ -24,6 +24,7 @@ from identification.limited_quantities import (
 )
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, StrutLoads, sensor_loads
+from identification.trajectories.profile import StraightMove
 
 Array = NDArray[np.float64]
 
@@ -198,6 +199,20 @@ def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> f
         elif check.kind is LimitKind.STRUT_VELOCITY:
             shares.append(check.ratio)
     return max(shares)
+
+
+SLOWINGS, SLOWED = 30, 0.95  # of a move with too large forces or torques: weight does not shrink with the pace
+FORCE_RATE = 1000.0  # [1/s] at which these are looked at
+MARGIN = 1.0 - 1e-3  # share of limits that a slowed move uses: for rounding, and for what is between the instants
+
+
+def slowed_for_forces(move: StraightMove, case: Case) -> StraightMove:
+    """The move itself, or slowed until struts, sensors and torques of joints keep their limits, where that helps."""
+    for _ in range(SLOWINGS):
+        if (share := mechanical_pace(move, case, FORCE_RATE)) <= 1.0:
+            break
+        move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / share)))
+    return move
 
 
 def _evaluated(

@@ -9,6 +9,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
@@ -249,7 +250,7 @@ def excitation_program(
         if np.max(np.abs(end - start)) < SAME:
             return
         share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
-        move = StraightMove.fastest(start, end, *share)
+        move = slowed_for_forces(StraightMove.fastest(start, end, *share), case)
         if own_time:
             blocks.extend([Comment(name), *motion_blocks(name, move, controller.block, speed)])
         else:

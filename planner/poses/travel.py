@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.limit_proof import loads_of, mechanical_pace
+from identification.limit_proof import MARGIN, loads_of, slowed_for_forces
 from identification.machines import kinetic
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.poses.space import space_of
@@ -24,9 +24,6 @@ COARSE = 17  # the same where there are so many pairs of poses that only their o
 MANY_PAIRS = 5000
 LIKE = 9  # decimals to which limits over the way agree [1/s, 1/s^2, 1/s^3] where moves have one time law
 CHUNK = 10_000  # pairs at once, bounds memory
-SLOWINGS, SLOWED = 30, 0.95  # of a move with too large forces or torques: weight does not shrink with the pace
-FORCE_RATE = 1000.0  # [1/s] at which these are looked at
-MARGIN = 1.0 - 1e-3  # share of limits that moves use: for rounding, and for what struts do between the instants
 
 
 def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
@@ -44,10 +41,7 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
         slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
         move = StraightMove(start, end, move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9))))
     if loads_of(case) is not None or (case.chain is not None and case.chain.limits_effort):
-        for _ in range(SLOWINGS):
-            if (share := mechanical_pace(move, case, FORCE_RATE)) <= 1.0:
-                break
-            move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / share)))
+        move = slowed_for_forces(move, case)
     return move
 
 

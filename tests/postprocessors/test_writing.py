@@ -7,14 +7,17 @@ import pytest
 
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
+from identification.limit import LimitKind
 from identification.limit_proof import prove
+from identification.motion import Trajectory
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from postprocessors.blocks import TimedPath
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.writing import proven_program
+from postprocessors.writing import APPROACH_SHARE, excitation_program, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.programs import proof as reproof
 
@@ -99,3 +102,25 @@ def test_an_unknown_dialect_or_suffix_lists_the_known_ones():
     with pytest.raises(ProgramError, match=r"a/b\.min: the suffix names no controller; programs end in \.ngc"):
         dialect_of_file("a/b.min")
     assert dialect_of_file("a/b.ngc") is dialect("linuxcnc")
+
+
+def test_ways_from_and_to_home_are_as_slow_as_the_sensors_need(motion: FourierMotion, hexapod_case: Case):
+    """A plan keeps forces in its excitation; what the program adds to it must not be what is refused."""
+
+    def force(case: Case, trajectory: Trajectory) -> float:
+        checks = prove(trajectory, case, 1000.0, in_box=False).checks
+        return next(check.ratio for check in checks if check.kind is LimitKind.SENSOR_FORCE)
+
+    home, box = hexapod_case.need_motion("a test")
+    start = motion.at([0.0]).pose[0]
+    limits = (box.rate, box.acceleration, box.jerk)
+    fast, slow = (StraightMove.fastest(home, start, *(s * v for v in limits)) for s in (APPROACH_SHARE, 1e-3))
+    least, most = force(hexapod_case, slow), force(hexapod_case, fast)
+    assert least < 0.99 * most
+    weaker = 0.5 * (least + most) * hexapod_case.sensors.range_N
+    case = hexapod_case.model_copy(update={"sensors": hexapod_case.sensors.model_copy(update={"range_N": weaker})})
+    program = excitation_program(motion, case, ())
+    approach, *_, back = (block for block in program.blocks if isinstance(block, TimedPath))
+    assert (approach.name, back.name) == ("approach", "return")
+    assert force(case, fast) > 1.0 >= force(case, approach.source)
+    assert force(case, back.source) <= 1.0
