@@ -114,7 +114,7 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     if len(recording.forces) < 2:
         raise RecordingError(recording.source, f"{len(recording.forces)} sample is not a run", "record longer")
     step = recording.step
-    if not cutoff < 0.2 / step:
+    if not cutoff <= 0.2 / step * (1.0 + 1e-9):  # what the message allows is taken, however the clock rounds
         raise RecordingError(
             recording.source,
             f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",

@@ -123,6 +123,10 @@ def test_it_is_refused_by_name(what: str) -> None:
     assert "run.csv" in one_line(caught.value)
 
 
+def test_the_highest_cutoff_that_is_named_is_taken() -> None:
+    assert identify(RUN, filtered_at(200.0)).fit.s0 > 0.0
+
+
 def test_another_model_is_answered_with_the_choices() -> None:
     with pytest.raises(IdentificationError, match=r"model 10 .*choose 0, 1, 2"):
         identify(RUN, CASE, 10)
