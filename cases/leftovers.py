@@ -29,7 +29,7 @@ def leftovers(case: Case) -> tuple[str, ...]:
         *_of_bodies(case),
         *_of_poses(case),
         *_of_gravity(case),
-        *_of_units(case),
+        *mistaken_units(case),
     )
 
 
@@ -105,7 +105,7 @@ def _joints(case: Case) -> dict[str, Joints]:
     return joints
 
 
-def _of_units(case: Case) -> Iterator[str]:
+def mistaken_units(case: Case) -> Iterator[str]:
     """Angles that look like radians and lengths that look like metres."""
     angles: dict[str, tuple[float, float]] = {}
     lengths: dict[str, float] = {}

@@ -56,7 +56,7 @@ def check(
         figures: dict[str, Any] = case_figures(case)
     except CaseError as error:
         if len(error.problems) < 2:
-            for remark in () if json else _doubts(case):
+            for remark in () if json else _units_of(case):
                 print(f"look at {remark}")
             raise
         if json:  # one line has them all; nothing stands on standard output
@@ -101,14 +101,14 @@ def check(
         _print_proposal(proposal)
 
 
-def _doubts(case: str) -> tuple[str, ...]:
-    """What is odd in a case that is valid in itself, though its machine cannot stand at home."""
+def _units_of(case: str) -> tuple[str, ...]:
+    """Units that look mistaken in a case whose machine cannot stand at home, and why it may not."""
     from cases.errors import CaseError
-    from cases.leftovers import leftovers
+    from cases.leftovers import mistaken_units
     from cases.loading import load_case
 
     try:
-        return leftovers(load_case(case))
+        return tuple(mistaken_units(load_case(case)))
     except CaseError:
         return ()
 

@@ -121,7 +121,7 @@ def test_a_plan_tells_what_the_payload_does_to_the_noise(weights: str, tmp_path:
         )
     (bare, _), (loaded, printed), (plain, untold) = plans
     assert "N rms with 2 payloads, by" in printed
-    assert f"weights {weights}):" in printed
+    assert f"weights {weights})" in printed
     assert ("identify --weights stated" in printed) == (weights == "equal")
     assert "noise of the accelerations" not in untold
     assert loaded["predicted_std"]["m"] > bare["predicted_std"]["m"] > plain["predicted_std"]["m"]
