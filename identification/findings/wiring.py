@@ -28,8 +28,9 @@ from identification.signals import decimated
 Array = NDArray[np.float64]
 
 FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
+SAME = 1.001  # ratio of residuals below which two orders leave the same
 ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
-SMALL = 0.01  # share of what varies in the forces: a model that leaves less has its cables in order
+SMALL = 0.01  # share of what varies in forces and moments: a model that leaves less has its cables in order
 LEAST = 60  # forces beyond the unknowns
 INSTANTS = 90  # that are tried
 
@@ -52,6 +53,11 @@ class Order(NamedTuple):
 
     places: tuple[int, ...]
     signs: tuple[int, ...] = (1,) * 6
+
+    @property
+    def mistakes(self) -> int:
+        """Number of columns that are elsewhere or turned."""
+        return sum(place != k or sign < 0 for k, (place, sign) in enumerate(zip(self.places, self.signs, strict=True)))
 
     def words(self, what: str) -> str:
         """What is wrong where this order is the right one; `what` are struts or force channels."""
@@ -100,16 +106,16 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
         return None
     mass = model.names.index("m") if "m" in model.names else None
     weighted, newtons = _left(data, data.regressors)
-    if not negative and newtons < SMALL * float(np.sqrt(data.forces.var(axis=0).mean())):
+    if not negative and weighted < SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
         return None
-    candidates: list[tuple[tuple[float, float], str, Order]] = []
+    candidates: list[_Candidate] = []
     for order in orders_of(signs=True):
         candidates.append((_left(data, data.regressors, order, mass), "force", order))
     if data.struts is not None:
         orders = list(orders_of(signs=case.recording.drives is not None))
         for order, matrices in zip(orders, _regressors_of(data, case, model, orders), strict=True):
             candidates.append((_left(data, matrices, mass=mass), "strut", order))
-    (least, least_newtons), *_ = min(candidates, key=lambda f: f[0])
+    least, *_ = min(candidates, key=lambda f: f[0])[0]
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
             return None
@@ -118,12 +124,36 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
             f"{opposite.words(_SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
             f"{_remedy(case, 'force', opposite)}, or correct gravity_m_s2"
         )
-    rivals = [min((f for f in candidates if f[1] == side), key=lambda f: f[0]) for side in {f[1] for f in candidates}]
+    rivals = [_likeliest([f for f in candidates if f[1] == side]) for side in {f[1] for f in candidates}]
     alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
     names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
-    instead = f" instead of {newtons:.2g} N" if np.isfinite(newtons) else ", while no pose fits them as recorded"
+    recorded = _in_words(data, weighted, newtons)
+    instead = f" instead of {recorded}" if np.isfinite(newtons) else ", while no pose fits them as recorded"
     remedies = " or ".join(_remedy(case, side, order) for _, side, order in alike)
-    return f"{names}: residuals {least_newtons:.2g} N{instead}; {remedies}"
+    return f"{names}: residuals {_in_words(data, *alike[0][0])}{instead}; {remedies}"
+
+
+_Candidate = tuple[tuple[float, float], str, Order]
+"""Residuals as `_left` has them, the side, and the order that leaves them."""
+
+
+def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
+    """The order that leaves least, and of those that leave the same, the one with the fewest mistakes.
+
+    Standstills leave the same with all moments turned, for the centre of gravity turns with them.
+    """
+    least = min(residuals for residuals, _, _ in candidates)[0]
+    same = [c for c in candidates if c[0][0] <= SAME * least]
+    return min(same or candidates, key=lambda c: c[2].mistakes)
+
+
+def _in_words(data: Data, weighted: float, newtons: float) -> str:
+    """Rms residuals of forces, and of the moments among the channels."""
+    if np.ptp(data.weights) == 0.0:
+        return f"{newtons:.2g} N"
+    of_forces, of_moments = data.weights[[0, 3]]
+    moments = np.sqrt(max(2.0 * weighted**2 - of_forces * newtons**2, 0.0) / of_moments)
+    return f"{newtons:.2g} N and {moments:.2g} N m"
 
 
 _SIDES = {"force": "force channels", "strut": "struts"}

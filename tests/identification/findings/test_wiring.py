@@ -1,15 +1,19 @@
 """Exchanged cables are named with what they leave, with the remedy, and never on the wrong side."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
+from cases.loading import load_case
 from cases.recording_format import Drives
 from cases.schema import Case
 from identification.findings.wiring import Order, orders_of, other_wiring
 from identification.identify import identify
+from identification.recording import read
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, few, one_line
 from tests.identification.test_findings import CASE, MODEL, MOTIONS, run
@@ -112,3 +116,28 @@ def test_standstills_tell_exchanged_struts_too() -> None:
     still = simulate_standstills(CASE, HOME + away, 1000, 0)
     with pytest.raises(IdentificationError, match="struts 3 and 4 are exchanged"):
         identify(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
+
+
+@pytest.mark.parametrize("channel", range(6))
+def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist(channel: int, tmp_path: Path) -> None:
+    """All moments turned, with the centre of gravity, leave the same; a moment alone does not show in the newtons."""
+    case, draw = load_case("ft_wrist"), np.random.default_rng(0)
+    turns, centre = Rotation.random(20, random_state=0), np.array([0.01, -0.02, 0.06])
+    weights = 1.7 * turns.inv().apply(case.gravity.copy())
+    wrenches = np.column_stack([weights, np.cross(centre, weights)]) + draw.normal(size=(20, 6)) * np.repeat(
+        [0.05, 2e-3], 3
+    )
+    wrenches[:, channel] *= -1.0
+    file = tmp_path / "run.csv"
+    names = [*(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "fx", "fy", "fz", "tx", "ty", "tz"]
+    np.savetxt(
+        file,
+        np.column_stack([turns.as_matrix().reshape(-1, 9), wrenches]),
+        delimiter=",",
+        header=",".join(names),
+        comments="",
+    )
+    with pytest.raises(
+        IdentificationError, match=f"the sign of force channel {channel + 1} is turned: residuals .* N m"
+    ):
+        identify(read(file, case), case)
