@@ -31,6 +31,7 @@ SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtere
 LEAST_SERIES = 50  # samples that tell an autocorrelation
 THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
 GRAM = 1e-3  # [kg]
+FAR = 5.0  # [m] from the origin of the platform
 OTHER_MASS = 1.0 / 3.0  # of the nominal mass
 CERTAIN = 4.0  # standard deviations by which a quantity is below zero for certain
 MUCH = 0.1  # rms of the residuals over that of what varies
@@ -78,6 +79,18 @@ def other_mass(model: Model, values: Array, case: Case) -> list[Finding]:
     key = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
     sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
     return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
+
+
+def far_off(model: Model, values: Array, case: Case) -> list[Finding]:
+    """What to say where u, shape (u,), has its centre of gravity further away than a machine is large."""
+    if MASS not in model.blocks or not case.sensor_frame.has_moments:
+        return []
+    places = [model.names.index(f"m{axis}C") for axis in "xyz"]
+    distance = float(np.linalg.norm(values[places]) / max(abs(values[model.names.index("m")]), GRAM))
+    if distance < FAR:
+        return []
+    sentence = f"the centre of gravity comes out {distance:.3g} m from the origin of the platform: moments seem to be "
+    return [warning(Kind.CASE, f"{sentence}in N mm; set recording.units.moments = 'Nmm' in the case")]
 
 
 def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:

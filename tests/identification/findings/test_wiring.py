@@ -118,26 +118,33 @@ def test_standstills_tell_exchanged_struts_too() -> None:
         identify(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
 
 
-@pytest.mark.parametrize("channel", range(6))
-def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist(channel: int, tmp_path: Path) -> None:
-    """All moments turned, with the centre of gravity, leave the same; a moment alone does not show in the newtons."""
+def standing_on_a_wrist(file: Path, scale: np.ndarray) -> Path:
+    """Standstills of a body of 1.7 kg on a wrist's sensor, with channels as a recorder scales them."""
     case, draw = load_case("ft_wrist"), np.random.default_rng(0)
     turns, centre = Rotation.random(20, random_state=0), np.array([0.01, -0.02, 0.06])
     weights = 1.7 * turns.inv().apply(case.gravity.copy())
-    wrenches = np.column_stack([weights, np.cross(centre, weights)]) + draw.normal(size=(20, 6)) * np.repeat(
-        [0.05, 2e-3], 3
-    )
-    wrenches[:, channel] *= -1.0
-    file = tmp_path / "run.csv"
+    noise = draw.normal(size=(20, 6)) * np.repeat([0.05, 2e-3], 3)
+    wrenches = np.column_stack([weights, np.cross(centre, weights)]) + noise
+    rows = np.column_stack([turns.as_matrix().reshape(-1, 9), wrenches * scale])
     names = [*(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "fx", "fy", "fz", "tx", "ty", "tz"]
-    np.savetxt(
-        file,
-        np.column_stack([turns.as_matrix().reshape(-1, 9), wrenches]),
-        delimiter=",",
-        header=",".join(names),
-        comments="",
-    )
+    np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="")
+    return file
+
+
+@pytest.mark.parametrize("channel", range(6))
+def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist(channel: int, tmp_path: Path) -> None:
+    """All moments turned, with the centre of gravity, leave the same; a moment alone does not show in the newtons."""
+    case = load_case("ft_wrist")
+    file = standing_on_a_wrist(tmp_path / "run.csv", np.where(np.arange(6) == channel, -1.0, 1.0))
     with pytest.raises(
         IdentificationError, match=f"the sign of force channel {channel + 1} is turned: residuals .* N m"
     ):
         identify(read(file, case), case)
+
+
+def test_moments_in_newton_millimetres_are_noticed(tmp_path: Path) -> None:
+    case = load_case("ft_wrist")
+    sound, wrong = (standing_on_a_wrist(tmp_path / f"{k}.csv", np.repeat([1.0, k], 3)) for k in (1.0, 1e3))
+    assert identify(read(sound, case), case).warnings == ()
+    (said,) = identify(read(wrong, case), case).warnings
+    assert "recording.units.moments = 'Nmm'" in said
