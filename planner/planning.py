@@ -25,7 +25,6 @@ from planner.families.family import Family
 from planner.families.saved import shipped_start
 from planner.families.settings import Spline
 from planner.found import Found, notes, weaknesses
-from planner.infeasible import remedy, require_plannable
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import (
     ExpectedNoise,
@@ -38,9 +37,8 @@ from planner.noise import (
 )
 from planner.plans import Plan
 from planner.request import LONGEST, Request
-from planner.search.inside import keep_limits
-from planner.search.parallel import SILENT, Listener, Outcome, Runner, run_here, workers
-from planner.search.patience import Patience
+from planner.search.inside import keep_limits, remedy, require_plannable
+from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner, run_here, workers
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 from planner.worth import Rival, Search, Tried, Worth

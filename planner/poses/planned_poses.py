@@ -13,7 +13,6 @@ from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses
-from planner.infeasible import remedy
 from planner.noise import sensor_noise, standing_model
 from planner.plans import Plan
 from planner.poses.continuous import approximate_design, continuous_bound
@@ -28,6 +27,7 @@ from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_
 from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseMethod, PoseRequest
+from planner.search.inside import remedy
 from planner.worth import PoseWorth
 
 Array = NDArray[np.float64]

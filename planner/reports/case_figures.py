@@ -12,10 +12,10 @@ from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import StandingPoses
-from planner.infeasible import remedy
 from planner.motion_box import MotionBox, largest_box
 from planner.precision import share_text
 from planner.reach import Reach, reach
+from planner.search.inside import remedy
 
 GRID = (-1.0, 0.0, 1.0)
 MOST_COORDINATES = 7  # whose corners and middles are all looked at

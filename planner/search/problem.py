@@ -12,7 +12,7 @@ from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
 from planner.noise import PoseErrors
-from planner.search.by_pose import FieldByStates
+from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.state_limits import BINDS, LimitGroup, near_limits

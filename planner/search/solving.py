@@ -19,10 +19,9 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
-from planner.infeasible import require_rest
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
+from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
 
@@ -101,7 +100,7 @@ class _Stage(NamedTuple):
     """One run of the solver."""
 
     letter: str  # letter of the criterion
-    halvings: int  # see `planner.search.criterion`
+    halvings: int  # see `planner.search.objective`
     convex: bool  # see `planner.search.program.Program`
     iterations: int  # at most
     options: dict[str, object]  # options of the solver

@@ -14,8 +14,8 @@ from cases.loading import built_in_cases, load_case
 from cases.scaffold import NEEDS, readiness
 from cases.schema import Case
 from planner.families.settings import Fourier
-from planner.infeasible import require_plannable
 from planner.request import Request
+from planner.search.inside import require_plannable
 from tests.planner.command_line import call, refused
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
-from planner.search.patience import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
+from planner.search.parallel import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
 from planner.search.solving import Failed, Start
 
 SIZE = 20

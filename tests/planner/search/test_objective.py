@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.search.criterion import Local, criterion_at
+from planner.search.objective import Local, criterion_at
 from tests.helpers import taylor_slope
 
 SIZE = 6
