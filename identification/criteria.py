@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
+from identification.symbolic import over_samples
 
 Array = NDArray[np.float64]
 

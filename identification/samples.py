@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from identification.estimation.compressed import inverse_root, joint_triangle, scores
 from identification.estimation.estimator import independent_poses
 from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, long_run_covariance
-from identification.finding import Finding
+from identification.findings import Finding
 from identification.model import Model
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
 from identification.limited_quantities import Box
 from identification.motion import Trajectory
-from identification.trajectories.profile import has_steps
+from identification.trajectories.moves import has_steps
 from postprocessors.dialects import DIALECTS, dialect
 from postprocessors.proving.guarantees import limits_jerk
 from postprocessors.reading.words import Reading

@@ -20,7 +20,7 @@ from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from identification.trajectories.executed import DriveExecution
-from identification.trajectories.profile import StraightMove, has_steps
+from identification.trajectories.moves import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
 

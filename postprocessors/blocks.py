@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.motion import Trajectory
-from identification.trajectories.circle import CircularMove
+from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.polynomial import PolynomialMotion
-from identification.trajectories.profile import StraightMove
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,9 @@ from math import factorial
 import numpy as np
 
 from identification.motion import Joined, Trajectory
+from identification.trajectories.moves import StraightMove
 from identification.trajectories.polynomial import PolynomialMotion
-from identification.trajectories.profile import Profile, StraightMove
+from identification.trajectories.profile import Profile
 from postprocessors.blocks import Array
 
 CHECKS = 16  # instants inside a piece at which it is compared

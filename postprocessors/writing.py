@@ -10,9 +10,8 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
+from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
-from identification.trajectories.profile import StraightMove
 from postprocessors.blocks import (
     Arc,
     Block,

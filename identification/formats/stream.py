@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import as_html
-from identification.finding import Finding, Kind, note
+from identification.findings import Finding, Kind, note
 from identification.formats.table import Array, Lines, lost_samples, uniform_step
 
 Channel = Literal[

@@ -20,7 +20,7 @@ from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
 from identification.estimation.fit import PoseField, matern, squared_distances
-from identification.finding import Finding, Kind, note
+from identification.findings import Finding, Kind, note
 from identification.noise.coloured import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 
 Array = NDArray[np.float64]

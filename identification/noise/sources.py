@@ -25,14 +25,14 @@ from scipy.fft import fft
 
 from cases.sensors import Sensors
 from identification.estimation.fit import Fit
-from identification.evaluate import over_samples
-from identification.finding import Finding, Kind, warning
+from identification.findings import Finding, Kind, warning
 from identification.hexapod import Hexapod, Kinematics
 from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
-from identification.periodic.averaging import PeriodicRun
+from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
+from identification.symbolic import over_samples
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from identification.estimation.fit import Filtered, Fit
 from identification.estimation.selection import Selection
-from identification.finding import Finding, Kind, note
+from identification.findings import Finding, Kind, note
 from identification.model import Model
 
 Array = NDArray[np.float64]

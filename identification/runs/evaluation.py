@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust
-from identification.finding import Finding
+from identification.findings import Finding
 from identification.hexapod import Kinematics, StrutsDoNotClose
 from identification.machines import Machine
 from identification.model import Model, expected_forces, regressors

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
-from identification.finding import Finding, Kind, note
+from identification.findings import Finding, Kind, note
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]

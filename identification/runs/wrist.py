@@ -17,7 +17,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import Biases
 from identification.estimation.fit import Filtered, Fit, Robust
-from identification.finding import Finding
+from identification.findings import Finding
 from identification.findings.sample_checks import bridged
 from identification.formats.stream import Recording, Stream
 from identification.formats.table import HOST_GAP, equal_steps, lost_samples

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Motion
-from identification.trajectories.profile import Profile, StraightMove
+from identification.trajectories.moves import StraightMove
+from identification.trajectories.profile import Profile
 
 Array = NDArray[np.float64]
 

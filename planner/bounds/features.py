@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
 from identification.parameters import State
-from identification.pose import gibbs, rotation, twist, twist_rate
+from identification.symbolic import gibbs, over_samples, rotation, twist, twist_rate
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
+from identification.symbolic import over_samples
 from planner.poses.joint_space import JointSpace
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import PoseSpace, space_of

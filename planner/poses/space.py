@@ -10,13 +10,12 @@ from scipy.spatial.transform import Rotation
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances
 from identification.limit_proof import prove
 from identification.machines import machine_of
 from identification.motion import StandingPoses
-from identification.pose import rotation, rpy
+from identification.symbolic import over_samples, rotation, rpy
 from planner.poses.joint_space import JointSpace
 
 Array = NDArray[np.float64]

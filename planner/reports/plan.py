@@ -10,7 +10,6 @@ from cases.schema import Case
 from cases.units import MM, payload_words
 from identification.criteria import analyse, reference_scaling
 from identification.estimation.fit import PoseField
-from identification.evaluate import over_samples
 from identification.limit import Status
 from identification.limit_proof import load_shares
 from identification.limited_quantities import strut_motion
@@ -18,6 +17,7 @@ from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters, physical_form
+from identification.symbolic import over_samples
 from planner.deviations import Beside, beside_manual
 from planner.found import bound_by
 from planner.plans import Plan

@@ -22,9 +22,8 @@ from identification.limit import LimitReport
 from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
-from identification.trajectories.profile import Profile, StraightMove
+from identification.trajectories.moves import CircularMove, StraightMove, online_move
+from identification.trajectories.profile import OnlineProfile, Profile, UntimedMove, online_profile
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
 from planner.found import Found

@@ -12,7 +12,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.files import provenance
 from cases.schema import Case
 from identification.estimation.estimators import Method
-from identification.finding import Kind, warning
+from identification.findings import Kind, warning
 from identification.fitting import GAUSS_MARKOV
 from identification.hexapod import StrutsDoNotClose
 from identification.identify import default_model, identifiability

@@ -12,7 +12,7 @@ from cases.errors import ExecutionError, FileProblem, HexciteError, RecordingErr
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
-from identification.finding import Finding, Kind, warning
+from identification.findings import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording

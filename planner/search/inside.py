@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values, uniform_states
-from identification.evaluate import over_samples
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
 from identification.machines import machine_of
 from identification.model import Model, identification_model
 from identification.motion import Standstill
+from identification.symbolic import over_samples
 from planner.families.family import Family, box_middle
 from planner.noise import PoseErrors, information_of
 from planner.request import Request, parse_targets

@@ -10,7 +10,7 @@ import casadi as ca
 
 from identification.hexapod import Hexapod
 from identification.model import Model
-from identification.pose import rotation, twist, twist_rate
+from identification.symbolic import rotation, twist, twist_rate
 
 _OPERATIONS = {
     ca.OP_ADD: "add",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cases.chain import Chain
 from cases.errors import ProgramError
-from identification.trajectories.circle import Plane
+from identification.trajectories.moves import Plane
 
 Array = NDArray[np.float64]
 

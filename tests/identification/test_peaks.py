@@ -8,7 +8,7 @@ from identification.hexapod import Hexapod
 from identification.limit_proof import prove
 from identification.motion import Joined, Standstill
 from identification.trajectories.executed import DriveExecution, coordinate_rates, executed_peaks
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 
 

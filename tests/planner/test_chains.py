@@ -10,7 +10,6 @@ from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
 from cases.recording_format import WRENCH
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.limit_proof import prove
 from identification.limited_chain import frame_motion
 from identification.model import identification_model
@@ -19,6 +18,7 @@ from identification.parameters import linear_parameters
 from identification.recording import load_recording, read
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
+from identification.symbolic import over_samples
 from planner.bounds.kept import compute_bound
 from planner.demonstration import demo
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline

@@ -11,7 +11,7 @@ from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
 from identification.motion import Joined
-from identification.trajectories.profile import StraightMove, has_steps
+from identification.trajectories.moves import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import PointToPoint

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from identification.motion import Trajectory
-from identification.trajectories.circle import CircularMove, Plane, fastest_circle
+from identification.trajectories.moves import CircularMove, Plane, fastest_circle
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from identification.trajectories.profile import fastest_profile
 

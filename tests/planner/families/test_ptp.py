@@ -8,7 +8,7 @@ from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.controlled import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information

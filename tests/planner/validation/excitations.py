@@ -8,7 +8,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.validation.experiment import Excitation, steps
 from planner.validation.step import MethodStep
 from tests.helpers import Harmonic, paper_poses

@@ -1,4 +1,7 @@
-"""Evaluates a CasADi function over many samples at once, straight into NumPy memory.
+"""CasADi at work: orientations as its expressions, and its functions over many samples at once, into NumPy memory.
+
+Equation numbers are those of Friedrich & Ihlenfeldt, Sensors 21 (2021) 3537. R = Rz(yaw) Ry(pitch) Rx(roll) turns
+vectors of {P} into {B}.
 
 Few samples go through CasADi's own interpreter: `Function.map` with `.full()` costs five times the evaluation itself, a
 FunctionBuffer costs nothing on top. Of many samples each instruction of the function is one NumPy operation on a few
@@ -115,3 +118,60 @@ def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> No
         places[to] = memory[to]  # not before: an operand may have stood there
     for result, output in zip(results, outputs, strict=True):
         output.reshape(count, -1)[:] = result.T
+
+
+def rotation(rpy: ca.SX) -> ca.SX:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3).
+
+    Args:
+        rpy: roll, pitch, yaw, shape (3,) [rad].
+    """
+    sr, cr = ca.sin(rpy[0]), ca.cos(rpy[0])
+    sp, cp = ca.sin(rpy[1]), ca.cos(rpy[1])
+    sy, cy = ca.sin(rpy[2]), ca.cos(rpy[2])
+    return ca.vertcat(
+        ca.horzcat(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        ca.horzcat(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        ca.horzcat(-sp, cp * sr, cp * cr),
+    )
+
+
+def rate_matrix(rpy: ca.SX) -> ca.SX:
+    """The matrix of (39), shape (3, 3): times (roll', pitch', yaw') it is omega in {B}."""
+    sp, cp = ca.sin(rpy[1]), ca.cos(rpy[1])
+    sy, cy = ca.sin(rpy[2]), ca.cos(rpy[2])
+    return ca.vertcat(
+        ca.horzcat(cp * cy, -sy, 0),
+        ca.horzcat(cp * sy, cy, 0),
+        ca.horzcat(-sp, 0, 1),
+    )
+
+
+def twist(pose: ca.SX, rates: ca.SX) -> ca.SX:
+    """(37): velocity of the origin of {P} and angular velocity, both in {B}, shape (6,) [m/s, rad/s]."""
+    return ca.vertcat(rates[:3], rate_matrix(pose[3:]) @ rates[3:])
+
+
+def twist_rate(pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> ca.SX:
+    """(38): time derivative of the twist, shape (6,) [m/s^2, rad/s^2]."""
+    matrix = rate_matrix(pose[3:])
+    matrix_rate = ca.reshape(ca.jtimes(ca.vec(matrix), pose[3:], rates[3:]), 3, 3)
+    return ca.vertcat(accelerations[:3], matrix @ accelerations[3:] + matrix_rate @ rates[3:])
+
+
+def gibbs(turn: ca.SX) -> ca.SX:
+    """Gibbs vector tan(angle/2) axis of a rotation matrix, shape (3,) [-].
+
+    From R - R^T = 2 sin(angle) S(axis) and tan(angle/2) = sin(angle) / (1 + cos(angle)); singular only at half a turn.
+    """
+    twice_sine_axis = ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
+    return twice_sine_axis / (1 + turn[0, 0] + turn[1, 1] + turn[2, 2])
+
+
+def rpy(turn: ca.SX) -> ca.SX:
+    """Roll, pitch, yaw of a rotation matrix with |pitch| < 90 degrees, shape (3,) [rad]."""
+    return ca.vertcat(
+        ca.atan2(turn[2, 1], turn[2, 2]),
+        ca.atan2(-turn[2, 0], ca.sqrt(turn[2, 1] ** 2 + turn[2, 2] ** 2)),
+        ca.atan2(turn[1, 0], turn[0, 0]),
+    )

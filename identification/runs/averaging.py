@@ -19,11 +19,13 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Filtered, Fit, Robust
-from identification.finding import Finding, Kind, note, warning
+from identification.findings import Finding, Kind, note, warning
 from identification.findings.sample_checks import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
-from identification.periodic.periods import (
+from identification.recording import Recording
+from identification.runs.evaluation import DELAY_STEP
+from identification.runs.periods import (
     FEWEST,
     PeriodScatter,
     each_period,
@@ -31,10 +33,8 @@ from identification.periodic.periods import (
     longest_window,
     telling_harmonics,
 )
-from identification.periodic.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
-from identification.recording import Recording
-from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+from identification.runs.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
 from identification.samples import Periodic
 
 Array = NDArray[np.float64]

@@ -12,9 +12,9 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.outcome import residuals_of
 from identification.parameters import linear_parameters, physical_form
-from identification.periodic.averaging import periodic_run
-from identification.periodic.periods import each_period
 from identification.result import Estimate
+from identification.runs.averaging import periodic_run
+from identification.runs.periods import each_period
 from identification.samples import Conditioning, Periodic
 from tests.helpers import few, ideal, one_line, simulated
 from tests.identification.repeating import LEAD, Repeating, recorded

@@ -1,4 +1,7 @@
-"""Circular moves of the origin in a coordinate plane, from rest to rest; the angles ride along linearly."""
+"""Moves from rest to rest: straight in the coordinates, as a controller times them, and circular ones of the origin.
+
+A circular move lies in a coordinate plane; the angles ride along linearly.
+"""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -6,10 +9,106 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from identification.motion import Motion
-from identification.trajectories.profile import TimeLaw, fastest_profile
+from identification.motion import Joined, Motion, Trajectory
+from identification.trajectories.profile import (
+    UNLIMITED,
+    Profile,
+    TimeLaw,
+    UntimedMove,
+    fastest_profile,
+    limits_along,
+    online_profile,
+)
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class StraightMove:
+    """A straight line in the coordinates from rest to rest, all coordinates in step."""
+
+    start: Array  # shape (n,) [m or rad]
+    end: Array  # shape (n,) [m or rad], different from start
+    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
+
+    @classmethod
+    def fastest(
+        cls, start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike = UNLIMITED
+    ) -> "StraightMove":
+        """The fastest such move within limits on each coordinate, shapes (n,); the jerk may be unlimited.
+
+        Raises:
+            ValueError: start and end are the same.
+        """
+        a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        way = np.abs(b - a)
+        if not way.any():
+            raise ValueError("a move needs two different poses")
+        return cls(a, b, fastest_profile(1.0, *limits_along(way, rate, acceleration, jerk)))
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.profile.duration
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        share, *derivatives = self.profile.at(time)
+        way = self.end - self.start
+        return Motion(time, self.start + share[:, None] * way, *(d[:, None] * way for d in derivatives))
+
+
+def has_steps(motion: Trajectory) -> bool:
+    """Whether a motion has straight moves whose accelerations step."""
+    parts = motion.parts if isinstance(motion, Joined) else (motion,)
+    laws = (part.profile for part in parts if isinstance(part, StraightMove))
+    return any(isinstance(law, Profile) and law.jerk_time == 0.0 for law in laws)
+
+
+def online_move(
+    start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike, cycle: float
+) -> StraightMove:
+    """The straight move that a jerk-limited controller makes, all coordinates in step.
+
+    Args:
+        start: shape (n,) [m, rad].
+        end: shape (n,), different from start [m, rad].
+        rate: limits of the coordinates, shape (n,), above 0; infinity where there is none.
+        acceleration: likewise.
+        jerk: likewise.
+        cycle: cycle of the controller; moves last whole cycles [s].
+
+    Raises:
+        UntimedMove: an argument has the wrong length, is not a number or out of range, or ruckig finds no profile.
+    """
+    shape = np.shape(start)
+    ends = [_vector(name, value, shape) for name, value in (("start", start), ("end", end))]
+    limits = [_limit(n, v, shape) for n, v in (("rate", rate), ("acceleration", acceleration), ("jerk", jerk))]
+    way = np.abs(ends[1] - ends[0])
+    if not way.any():
+        raise UntimedMove("a move needs two different poses")
+    with np.errstate(over="ignore"):
+        velocity, peak, change = limits_along(way, *limits)
+    return StraightMove(ends[0], ends[1], online_profile(velocity, peak, change, cycle))
+
+
+def _vector(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    vector = np.array(value, dtype=float)
+    if vector.ndim != 1 or vector.shape != shape:
+        raise UntimedMove(f"{name} has shape {vector.shape}, expected {shape if len(shape) == 1 else '(n,)'}")
+    if not np.isfinite(vector).all():
+        raise UntimedMove(f"{name} holds values that are not finite")
+    return vector
+
+
+def _limit(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    limit = np.array(value, dtype=float)
+    if limit.shape != shape:
+        raise UntimedMove(f"{name} has shape {limit.shape}, expected {shape}")
+    if np.isnan(limit).any() or not np.all(limit > 0.0):
+        raise UntimedMove(f"{name} must be above 0 for every coordinate")
+    return limit
 
 
 class Plane(Enum):

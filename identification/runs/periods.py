@@ -12,10 +12,10 @@ from scipy.fft import rfft
 from scipy.special import chdtri
 
 from cases.errors import RecordingError
-from identification.finding import Finding, Kind, warning
+from identification.findings import Finding, Kind, warning
 from identification.findings.sample_checks import places
-from identification.periodic.repeating import FourierSeries, RepeatingPart, fit_series
 from identification.recording import Recording
+from identification.runs.repeating import FourierSeries, RepeatingPart, fit_series
 
 Array = NDArray[np.float64]
 
