@@ -9,6 +9,7 @@ at the few hertz of a motion they are below a hundredth of what is left near the
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,11 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from identification.estimation.fit import Filtered, Fit
-from identification.estimation.selection import Selection
 from identification.findings import Finding, Kind, note
 from identification.model import Model
+
+if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
+    from identification.estimation.selection import Selection
 
 Array = NDArray[np.float64]
 
@@ -69,7 +72,7 @@ class StatedNoise:
         """What makes the noise of a force sample white and of variance 1, shape (6, 6): W is its square, (24)."""
         return inverse_root(self.covariance(values))
 
-    def whitening_from(self, regressors: Array, forces: Array, selection: Selection) -> Array:
+    def whitening_from(self, regressors: Array, forces: Array, selection: "Selection") -> Array:
         """The same with u from the data themselves, in turns.
 
         Args:

@@ -2,7 +2,7 @@
 
 Two bounds. Over the motion box of pose, rates and accelerations: the D-optimal approximate design, see
 `planner.bounds.design` and its proof in `planner.bounds.certificate`. Tighter: the best design that also has the
-moments of a motion from rest to rest with limited jerk, see `planner.bounds.moments`, `planner.bounds.tight` and the
+moments of a motion from rest to rest with limited jerk, see `planner.bounds.features`, `planner.bounds.tight` and the
 proof in `planner.bounds.certificate`.
 """
 

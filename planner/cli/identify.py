@@ -152,7 +152,7 @@ def look(
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with status("looking", json):
         report = look_at(recording, None if case is None else load_case(case))
-        from planner.reports.look_plot import look_figure
+        from planner.reports.plots import look_figure
 
         with atomic_file(file) as part:
             look_figure(report).savefig(part, format=file.suffix[1:].lower())

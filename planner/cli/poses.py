@@ -41,8 +41,7 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from cases.manual_steps import load_poses
-    from cases.poses import Poses
+    from cases.poses import Poses, load_poses
     from identification.model import static_model
     from planner.cli.console import save_with_page
     from planner.poses.planned_poses import poses_planned

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
-from cases.manual_steps import Steps, load_poses, load_sequence
+from cases.poses import Steps, load_poses, load_sequence
 from cases.schema import Case
 from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory

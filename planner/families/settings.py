@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.manual_steps import load_poses, load_sequence
+from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in

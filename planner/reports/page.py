@@ -26,8 +26,8 @@ from planner.reports.charts import Chart, script_json
 if TYPE_CHECKING:
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
+    from planner.comparison.validation import Validation
     from planner.plans import Plan
-    from planner.validation.validation import Validation
 
     Shown = Plan | Result | Comparison | Validation
 

@@ -15,9 +15,19 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import full_model
 from planner.request import Request
+from planner.study.cells import (
+    DONE,
+    FAILED,
+    PLANNED,
+    Spec,
+    cell_key,
+    keep,
+    open_study,
+    read_rows,
+    request_of,
+    settings_of,
+)
 from planner.study.cluster import TaskEnd, run_tasks
-from planner.study.spec import Spec, cell_key, request_of, settings_of
-from planner.study.store import DONE, FAILED, PLANNED, keep, open_study, read_rows
 
 if TYPE_CHECKING:
     from distributed import Client

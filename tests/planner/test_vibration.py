@@ -12,6 +12,8 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, has_steps
+from planner.comparison.experiment import Excitation, steps
+from planner.comparison.step import MODE
 from planner.deviations import predicted_std_of
 from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import PointToPoint
@@ -20,8 +22,6 @@ from planner.planning import make
 from planner.plans import Plan
 from planner.request import Request
 from planner.search.parallel import SILENT, Listener, run_here
-from planner.validation.experiment import Excitation, steps
-from planner.validation.step import MODE
 from planner.vibration import both_laws, vibration, with_other_law
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual

@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.leftovers import leftovers
 from cases.loading import built_in_cases, load_case
 from cases.scaffold import readiness
 from identification.hexapod import Hexapod
-from planner.reports.case_figures import case_figures, has_motion_box, reach_figures
+from planner.reports.case_figures import case_figures, has_motion_box, leftovers, reach_figures
 from postprocessors.program_file import read_program
 from postprocessors.proving.proof import prove_program
 from tests.bench.reliability.programs import ROUNDED

@@ -14,8 +14,7 @@ from identification.model import identification_model
 from identification.motion import Joined, Motion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove
 from identification.trajectories.profile import fastest_profile
-from planner.bounds.features import box_features
-from planner.bounds.moments import Moments, combined, mean_square_share, mixed, motion_moments
+from planner.bounds.features import Moments, box_features, combined, mean_square_share, mixed, motion_moments
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)

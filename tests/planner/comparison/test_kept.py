@@ -7,10 +7,10 @@ from typing import Any, NoReturn
 import pytest
 
 from cases.errors import FileProblem
+from planner.comparison.carrying_out import ValidationSettings, unfinished
+from planner.comparison.validation import validate
 from planner.interruption import Interrupted
-from planner.validation.carrying_out import ValidationSettings, unfinished
-from planner.validation.validation import validate
-from tests.planner.validation.excitations import CASE
+from tests.planner.comparison.excitations import CASE
 
 
 class Stopped(Exception):
@@ -32,7 +32,7 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
         def steps(*_: object) -> NoReturn:
             raise by
 
-        monkeypatch.setattr("planner.validation.carrying_out.steps", steps)
+        monkeypatch.setattr("planner.comparison.carrying_out.steps", steps)
         with pytest.raises(type(by)) as raised:
             run_validation()
         assert [p.name for p in tmp_path.iterdir()] == ["v.unfinished"]
@@ -41,11 +41,11 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
 
     ends(Interrupted())
     plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
-    monkeypatch.setattr("planner.validation.carrying_out.poses_planned", None)  # nothing is planned again
+    monkeypatch.setattr("planner.comparison.carrying_out.poses_planned", None)  # nothing is planned again
     ends(Stopped())
     assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
     monkeypatch.undo()
-    monkeypatch.setattr("planner.validation.carrying_out.poses_planned", None)
+    monkeypatch.setattr("planner.comparison.carrying_out.poses_planned", None)
     resumed = run_validation()
     assert [p.name for p in tmp_path.iterdir()] == ["v"]
     assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan

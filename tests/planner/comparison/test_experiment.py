@@ -3,10 +3,10 @@
 import pytest
 
 from cases.errors import HexciteError
-from planner.validation.experiment import mounted_weights, steps
-from planner.validation.step import SHOWN
+from planner.comparison.experiment import mounted_weights, steps
+from planner.comparison.step import SHOWN
 from tests.helpers import ideal
-from tests.planner.validation.excitations import CASE, disturbed, moving, standing
+from tests.planner.comparison.excitations import CASE, disturbed, moving, standing
 
 
 @pytest.mark.parametrize(("method", "exact"), [(standing, 1e-8), (moving, 2e-3)])

@@ -22,7 +22,7 @@ from identification.result import Estimate
 from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.validation.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
+from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
 
 Array = NDArray[np.float64]
 

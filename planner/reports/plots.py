@@ -1,4 +1,6 @@
-"""Figure of a case: the machine at home, and how much of its reach each pose uses."""
+"""Pictures in files: a machine at home with how much of its reach each pose uses, and channels of an unknown file."""
+
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,8 +11,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.machine import HexapodMachine
+from cases.recording_format import CLOCK
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.formats.looked import CLOCKS, Column, Look
+from identification.formats.naming import GROUPS
 from identification.limited_chain import frames_at
 from planner.reach import Reach, StaticLimits
 from planner.reports.case_figures import share_words
@@ -20,7 +25,7 @@ Array = NDArray[np.float64]
 
 GRID = 25  # poses along each side of a map
 BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it
-MOST = 1.5  # share of a limit from which the colour stays the same
+MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 
 
 def case_figure(case: Case, reach: Reach) -> Figure:
@@ -105,8 +110,10 @@ def _map(
     poses[:, pair[0]] += first.ravel()
     poses[:, pair[1]] += second.ravel()
     shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
-    values = np.clip(shares, 0.0, MOST)
-    colours = axes.contourf(first / unit, second / unit, values, levels=np.linspace(0.0, MOST, 16), cmap="viridis")
+    values = np.clip(shares, 0.0, MOST_SHARE)
+    colours = axes.contourf(
+        first / unit, second / unit, values, levels=np.linspace(0.0, MOST_SHARE, 16), cmap="viridis"
+    )
     if shares.min() < 1.0 < shares.max():
         axes.contour(first / unit, second / unit, values, levels=[1.0], colors="red", linewidths=2.0)
         axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
@@ -176,3 +183,61 @@ def draw_coordinates(axes: Axes, reach: Reach) -> None:
     axes.set(xlim=(-1.1, 1.1), xticks=[], ylim=(len(reach.keys) - 0.3, -0.5))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, ncols=2)
     axes.set_title(f"{share_words(reach)} of the motion box reachable")
+
+
+MOST_POINTS = 4000  # points of a line; more cannot be seen
+_TITLES = (
+    "struts", "strut velocities", "drive positions", "drive velocities", "pose", "rotation", "accelerometer", "forces",
+    "forces and moments",
+)  # fmt: skip
+_PANEL = 2.2  # inches
+
+
+def look_figure(found: Look) -> Figure:
+    """Every column of numbers over time, or over the rows where there is no clock."""
+    panels = list(_panels(found.columns))
+    figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
+    t, label = _time(found)
+    step = -(-found.rows // MOST_POINTS)
+    all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (title, columns) in zip(all_axes, panels, strict=True):
+        for column in columns:
+            axes.plot(t[::step], column.values[::step], linewidth=0.8, label=_legend(column))
+        units = {column.unit for column in columns if column.unit}
+        axes.set_ylabel(f"[{units.pop()}]" if len(units) == 1 else "")
+        axes.set_title(title, loc="left", fontsize="small")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
+        axes.grid(alpha=0.25)
+    all_axes[-1].set_xlabel(label)
+    return figure
+
+
+def _legend(column: Column) -> str:
+    name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
+    return name.replace("$", r"\$") + (" ?" if column.guessed else "")
+
+
+def _time(report: Look) -> tuple[Array, str]:
+    clock = next((c for c in report.columns if c.ours == CLOCK), None)
+    if clock is not None:
+        return (clock.values - clock.values[0]) * CLOCKS[clock.unit], "time from the first row [s]"
+    period = report.settings.get("clock", {}).get("period_ms")
+    if period is not None:
+        return np.arange(report.rows) * period / 1e3, "time from the first row [s]"
+    return np.arange(1.0, report.rows + 1.0), "row"
+
+
+def _panels(columns: Sequence[Column]) -> Iterator[tuple[str, list[Column]]]:
+    """Titles and columns of the panels: groups that are known, then single columns, then what means nothing."""
+    numbers = [column for column in columns if len(column.values) and column.ours != CLOCK]
+    grouped = {ours for group in GROUPS for ours in group}
+    for title, group in zip(_TITLES, GROUPS, strict=True):
+        members = [column for column in numbers if column.ours in group]
+        if members:
+            yield title, members
+    for column in numbers:
+        if column.ours is not None and column.ours not in grouped:
+            yield column.ours.replace("_", " "), [column]
+    unknown = [column for column in numbers if column.ours is None]
+    if unknown:
+        yield "without a meaning for hexcite", unknown

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from cases.errors import CaseError
-from cases.leftovers import leftovers
 from cases.loading import built_in_cases, load_case
 from cases.scaffold import NEEDS, readiness
 from cases.schema import Case
 from planner.families.settings import Fourier
+from planner.reports.case_figures import leftovers
 from planner.request import Request
 from planner.search.inside import require_plannable
 from tests.planner.command_line import call, refused

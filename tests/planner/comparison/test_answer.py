@@ -10,9 +10,9 @@ from identification.identify import identify
 from identification.loaded import pose_fields
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.validation.experiment import true_deviations
-from planner.validation.step import linear_answer
-from tests.planner.validation.excitations import CASE, FOUND, HOME, moving
+from planner.comparison.experiment import true_deviations
+from planner.comparison.step import linear_answer
+from tests.planner.comparison.excitations import CASE, FOUND, HOME, moving
 
 
 @pytest.mark.slow

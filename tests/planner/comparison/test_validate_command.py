@@ -13,7 +13,7 @@ from identification.loaded import Circumstances
 from tests.helpers import few
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
-from tests.planner.validation.excitations import CASE, poses
+from tests.planner.comparison.excitations import CASE, poses
 from tests.simulated_machine import simulate_standstills
 
 Q5N = (1.81, 1.93, 2.07, 2.33, 2.74, 3.14)  # Table 7

@@ -12,6 +12,8 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
 from cases.sensors import Disturbances
+from planner.comparison.experiment import METHODS, Excitation, steps
+from planner.comparison.step import MethodStep
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.interruption import Interrupted
 from planner.library import planned
@@ -21,8 +23,6 @@ from planner.request import PoseMethod, PoseRequest, Request
 from planner.runs.recorded import stood
 from planner.runs.running import carried_out
 from planner.runs.written import write
-from planner.validation.experiment import METHODS, Excitation, steps
-from planner.validation.step import MethodStep
 from postprocessors.program_file import Program
 from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 

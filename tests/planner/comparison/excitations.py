@@ -9,8 +9,8 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import StraightMove
-from planner.validation.experiment import Excitation, steps
-from planner.validation.step import MethodStep
+from planner.comparison.experiment import Excitation, steps
+from planner.comparison.step import MethodStep
 from tests.helpers import Harmonic, paper_poses
 from tests.simulated_machine import PoseExecution
 

@@ -3,10 +3,10 @@
 import pytest
 
 from identification.identify import identify
-from planner.validation.experiment import steps
-from planner.validation.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
+from planner.comparison.experiment import steps
+from planner.comparison.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from tests.helpers import few, ideal
-from tests.planner.validation.excitations import (
+from tests.planner.comparison.excitations import (
     CASE,
     FOUND,
     NO_MODE,

@@ -2,10 +2,10 @@
 
 from types import SimpleNamespace
 
-from planner.validation.experiment import steps
-from planner.validation.step import MODE
-from planner.validation.verdict import findings, off_rows
-from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
+from planner.comparison.experiment import steps
+from planner.comparison.step import MODE
+from planner.comparison.verdict import findings, off_rows
+from tests.planner.comparison.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
 
 
 def test_what_is_off_is_named_with_its_cause():

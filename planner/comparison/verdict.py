@@ -7,7 +7,7 @@ import numpy as np
 
 from cases.schema import Case
 from identification.result import Estimate
-from planner.validation.step import BODY, CAUSES, SUSPICIOUS, MethodStep
+from planner.comparison.step import BODY, CAUSES, SUSPICIOUS, MethodStep
 
 OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps

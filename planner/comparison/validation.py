@@ -14,12 +14,12 @@ from cases.sensors import Disturbances
 from identification.recording import Recording, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
+from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
+from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps
+from planner.comparison.step import MethodStep
+from planner.comparison.verdict import Claim, findings
 from planner.runs.recorded import standing_of
 from planner.runs.running import require_controller
-from planner.validation.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
-from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
-from planner.validation.step import MethodStep
-from planner.validation.verdict import Claim, findings
 
 
 @dataclass(frozen=True, slots=True, repr=False)
