@@ -95,9 +95,15 @@ def identify(
     from cases.files import RESULT, check_folder, output_place
     from identification.formats.text import require_file
     from identification.recording import files_of
-    from planner.cli.conditioning import Typed, method_of, read_conditioning
     from planner.cli.console import save_with_page
-    from planner.cli.shown_result import answer_of_result, show_result, verify_result
+    from planner.cli.identification import (
+        Typed,
+        answer_of_result,
+        method_of,
+        read_conditioning,
+        show_result,
+        verify_result,
+    )
     from planner.runs.identifying import Wish, identified_file
     from planner.runs.recorded import StandstillWish, case_of, poses_of_plan
 

@@ -13,7 +13,7 @@ from identification.limited_quantities import Box
 from identification.motion import Array
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
-from postprocessors.polynomials import Pieces, path_speed_deviation
+from postprocessors.blocks import Pieces, path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Polynomial, Reading

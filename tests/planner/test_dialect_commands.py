@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from identification.limit import LimitKind
-from planner.cli.run import exceeded_sentence
+from planner.cli.programs import exceeded_sentence
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.setpoints import write_csv, write_parquet

@@ -10,8 +10,17 @@ from identification.motion import Joined, Standstill
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.polynomial import Piece, PolynomialMotion, polynomials_of
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import NeutralProgram, SplinePath, TimedPath, ToHome
-from postprocessors.polynomials import TooCoarse, even_deviation, knots, path_speed_deviation, pieces
+from postprocessors.blocks import (
+    NeutralProgram,
+    SplinePath,
+    TimedPath,
+    ToHome,
+    TooCoarse,
+    even_deviation,
+    knots,
+    path_speed_deviation,
+    pieces,
+)
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.writing import excitation_program, proven_program
 from tests.postprocessors.changed_case import changed

@@ -1,4 +1,4 @@
-"""`hexcite retime`: the pace at which a controller, or the limits of the machine, let a motion run."""
+"""`hexcite bound` and `hexcite retime`: what the limits let any motion tell, and the pace at which they let one run."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +11,95 @@ from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_row
 if TYPE_CHECKING:
     from identification.limit import LimitReport
     from planner.retiming.retimed import PaceRating
+
+
+def bound(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    model: Annotated[
+        int | None, typer.Option(help="Identification model; by default the largest of the machine.")
+    ] = None,
+    tight: Annotated[
+        bool, typer.Option("--tight", help="Count on rest at both ends and limited jerk; minutes.")
+    ] = False,
+    time_limit: Annotated[
+        float, typer.Option(help="Stop after this many seconds of computing; the answer is an estimate.")
+    ] = 120.0,
+    renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Compute how much information any motion inside the limits has.
+
+    No motion passes it: the answer comes with its certificate.
+    """
+    from time import perf_counter
+
+    from cases.files import check_file, json_text, write_text
+    from cases.loading import load_case
+    from identification.estimation.fit import PoseField
+    from identification.model import full_model
+    from planner.bounds.kept import bound as information_limit
+    from planner.bounds.kept import require_time
+
+    require_time(time_limit)
+    if output is not None:
+        check_file(output, [".json"], overwrite=overwrite)
+    loaded = load_case(case)
+    start = perf_counter()
+    model = full_model(loaded) if model is None else model
+    with status(f"information limit of {loaded.name}, model {model}", json) as report:
+        limit = information_limit(
+            loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report
+        )
+    answer = {
+        "case": loaded.name,
+        "case_hash": loaded.hash,
+        "model": model,
+        "over": "motions from rest to rest in the motion box" if tight else "motion box",
+        "tight": tight,
+        "weights": "equal",
+        "pose_errors": None if (field := PoseField.of(loaded.sensors)) is None else field.keys,
+        "logdet_bound": limit.logdet,
+        "logdet_design": limit.design_logdet,
+        "logdet_proven": limit.proven_logdet,
+        "certified": limit.certified,
+        "certificate": {"dmax": limit.dmax, "p": limit.parameters, "method": limit.method},
+        "solve_s": perf_counter() - start,
+    }
+    if output is not None:
+        write_text(output, json_text(answer))
+    if json:
+        print_json(answer)
+    else:
+        _show_bound(answer)
+
+
+def _show_bound(answer: dict[str, Any]) -> None:
+    certificate, parameters = answer["certificate"], answer["certificate"]["p"]
+    gap = answer["logdet_bound"] - answer["logdet_design"]
+    print(
+        f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
+        "information matrix (reference scaling, W = 1)."
+    )
+    print(f"best distribution found over the {answer['over']}: {answer['logdet_design']:.4f}")
+    if answer["logdet_proven"] is None:
+        print(f"of such a machine no limit is proven, the largest derivative is searched for: {certificate['method']}")
+    else:
+        print(f"proven limit for all of them: {answer['logdet_proven']:.4f}, by: {certificate['method']}")
+    if answer["logdet_proven"] is not None and not answer["certified"]:
+        print("time ran out before the proof closed the gap; a longer --time-limit closes it")
+    if answer["pose_errors"] is not None:
+        print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
+    print(
+        f"`hexcite plan` rates motions against {answer['logdet_bound']:.4f}: D-efficiency = exp((log det - "
+        f"{answer['logdet_bound']:.4f}) / {parameters})"
+    )
+    kind = "proven" if answer["certified"] else "an ESTIMATE"
+    print(
+        f"no motion exceeds log det {answer['logdet_bound']:.4f} ({kind}, {100 * gap / parameters:.2g} % of an "
+        f"efficiency above the best that was found; {answer['solve_s']:.1f} s)"
+    )
 
 
 def retime(
@@ -78,7 +167,7 @@ def retime(
     if json:
         print_json(answer)
     else:
-        _show(answer, result.after.limits)
+        _show_paces(answer, result.after.limits)
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:
@@ -91,7 +180,7 @@ def _rating(rating: "PaceRating") -> dict[str, Any]:
     }
 
 
-def _show(answer: dict[str, Any], limits: "LimitReport") -> None:
+def _show_paces(answer: dict[str, Any], limits: "LimitReport") -> None:
     before, after = answer["before"], answer["after"]
     rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
     rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
