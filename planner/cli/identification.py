@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from cases.errors import HexciteError
 from cases.schema import Case
@@ -124,33 +124,35 @@ def _read(text: str, units: Mapping[str, str], option: str, example: str) -> tup
     return name, float(match["value"]) * factor, None if match["std"] is None else float(match["std"]) * factor
 
 
-class Typed(NamedTuple):
-    """What a user asks of an identification, as typed."""
+def method_of(
+    model: Model,
+    case: Case,
+    estimator: str,
+    fix: Sequence[str] | None = None,
+    drop: Sequence[str] | None = None,
+    symmetric: bool = False,
+    prior: Sequence[str] | None = None,
+    weights: str | None = None,
+    biases: Path | None = None,
+    stale: bool = False,
+) -> Method:
+    """The method that a user asks for, by the options as typed.
 
-    estimator: str = "gauss-markov"  # its name
-    fix: tuple[str, ...] = ()  # known values
-    drop: tuple[str, ...] = ()  # names to leave out
-    symmetric: bool = False  # whether the platform is symmetric
-    prior: tuple[str, ...] = ()  # uncertain values
-    weights: str | None = None  # instead of the case's
-    biases: Path | None = None  # result whose offsets are taken
-    stale: bool = False  # go on although the case has changed since the biases were identified
-
-
-def method_of(wish: Typed, model: Model, case: Case) -> Method:
-    """The method that a user asks for.
+    Args:
+        biases: result whose offsets are taken.
+        stale: go on although the case has changed since the biases were identified.
 
     Raises:
         HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator, a
             result that is none or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
-    constants = read_values(wish.fix, units, "--fix")
-    if wish.symmetric:
+    constants = read_values(fix or (), units, "--fix")
+    if symmetric:
         constants = symmetric_platform(model) | constants
-    priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
-    biases = None if wish.biases is None else biases_of(wish.biases, case, wish.stale)
-    return method(wish.estimator, constants, wish.drop, priors, wish.weights, biases)
+    priors = [Prior(*values) for values in read_uncertain(prior or (), units, "--prior")]
+    offsets = None if biases is None else biases_of(biases, case, stale)
+    return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
 
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")

@@ -94,17 +94,16 @@ def identify(
     """
     from cases.files import RESULT, check_folder, output_place
     from identification.formats.text import require_file
-    from identification.recording import files_of
+    from identification.recording import files_of, read
     from planner.cli.console import save_with_page
     from planner.cli.identification import (
-        Typed,
         answer_of_result,
         method_of,
         read_conditioning,
         show_result,
         verify_result,
     )
-    from planner.runs.identifying import Wish, identified_file
+    from planner.runs.identifying import Wish, identified
     from planner.runs.recorded import StandstillWish, case_of, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)
@@ -112,10 +111,9 @@ def identify(
         require_file(files_of([verify])[0])  # before a result is written
     loaded, changed = case_of(recordings[0], case, stale)
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
-    typed = Typed(estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()), weights, biases, stale)
     wish = Wish(
         model,
-        lambda model: method_of(typed, model, loaded),
+        lambda model: method_of(model, loaded, estimator, fix, drop, symmetric, prior, weights, biases, stale),
         words,
         conditioning,
         StandstillWish(None if poses is None else poses_of_plan(poses, loaded), standstills),
@@ -123,7 +121,7 @@ def identify(
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with status("identifying", json):
-        result = identified_file(recordings, loaded, wish, changed)
+        result = identified(read(recordings, loaded), loaded, wish, changed)
         save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:

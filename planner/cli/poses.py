@@ -44,8 +44,8 @@ def poses(
     from cases.poses import Poses, load_poses
     from identification.model import static_model
     from planner.cli.console import save_with_page
+    from planner.poses.candidates import JOINT_CANDIDATES
     from planner.poses.planned_poses import poses_planned
-    from planner.poses.space import JOINT_CANDIDATES
     from planner.request import PoseMethod, PoseRequest
 
     loaded = load_case(case)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
-from identification.recording import Recording, files_of, read
+from identification.recording import Recording, files_of
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.samples import USUAL, Conditioning
@@ -116,8 +115,3 @@ def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]
     if seconds is None and run.t is not None:
         seconds = estimate.evaluation.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
-
-
-def identified_file(paths: Sequence[Path], case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
-    """`identified` for the files of one run."""
-    return identified(read(paths, case), case, wish, stale)
