@@ -17,6 +17,7 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
+from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
 from identification.findings.fit_checks import CHECKS, other_mass, require_scale
@@ -24,7 +25,6 @@ from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.model import RIGID, Model, full_model, identification_model
-from identification.noise.sources import NoiseSources, noise_sources
 from identification.parameters import MASS
 from identification.recording import Recording
 from identification.result import Estimate, Evaluation, estimate_of

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.sensors import Simulation
+from identification.estimation.stated_noise import acceleration_to_force
 from identification.hexapod import Kinematics
 from identification.loaded import (
     UNDISTURBED,
@@ -25,7 +26,6 @@ from identification.loaded import (
 )
 from identification.machines import machine_of
 from identification.model import expected_forces, full_model, identification_model
-from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate

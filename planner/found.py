@@ -7,8 +7,8 @@ import numpy as np
 from cases.schema import Case
 from identification.limit import LimitKind, LimitReport, Status
 from identification.motion import Trajectory
+from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.families.fourier import FourierFamily
-from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.spline import enough_intervals
 from planner.request import Request, parse_targets
 from planner.search.ipopt import solver_text

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.motion import Joined, Trajectory
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import Profile
 
 Array = NDArray[np.float64]

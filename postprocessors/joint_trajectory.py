@@ -12,8 +12,8 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill, Trajectory
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import StraightMove
-from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import Profile
 from postprocessors.blocks import (
     Comment,

@@ -10,8 +10,8 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
+from identification.trajectories.curves import PolynomialMotion, polynomials_of
 from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
 from postprocessors.blocks import (
     Arc,
     Block,

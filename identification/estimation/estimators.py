@@ -19,9 +19,9 @@ from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered,
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import consistent, huber
 from identification.estimation.selection import Selection, estimate_selected, nonlinear, select
+from identification.estimation.stated_noise import StatedNoise
 from identification.findings import Kind, note, warning
 from identification.model import Model
-from identification.noise.stated import StatedNoise
 from identification.parameters import physical_form
 
 Array = NDArray[np.float64]

@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust
+from identification.estimation.pose_noise import covariance_by_pose
 from identification.findings import Finding
 from identification.hexapod import Kinematics, StrutsDoNotClose
 from identification.machines import Machine
 from identification.model import Model, expected_forces, regressors
-from identification.noise.coloured import coloured_covariance, turned
-from identification.noise.pose_noise import covariance_by_pose
 from identification.recording import Recording
 from identification.samples import fair_part
 from identification.signals import Filter, decimated

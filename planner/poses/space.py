@@ -19,7 +19,7 @@ from identification.limit_proof import everything, shares_at
 from identification.machines import Machine, machine_of
 from identification.motion import StandingPoses
 from identification.symbolic import over_samples, rotation, rpy
-from planner.search.state_limits import standing_limits
+from planner.search.problem import standing_limits
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from cases.schema import Case
 from identification.model import Model
 from identification.symbolic import over_samples
 from planner.families.ptp import PointToPointFamily, states_of_move
-from planner.search.state_limits import near_limits
+from planner.search.problem import near_limits
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]

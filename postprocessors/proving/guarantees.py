@@ -11,7 +11,7 @@ from cases.units import DEG, MM
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.limited_quantities import Box
 from identification.motion import Array
-from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
 from postprocessors.blocks import Pieces, path_speed_deviation
 from postprocessors.proving.forces import ForceBounds

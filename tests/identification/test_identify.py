@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from identification.estimation import pose_noise
 from scipy.linalg import cho_factor
 from scipy.spatial.transform import Rotation
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -14,7 +15,6 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.noise import pose_noise
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording

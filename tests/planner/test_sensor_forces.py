@@ -20,9 +20,8 @@ from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
 from planner.found import Found, notes
 from planner.request import Request
-from planner.search.problem import build_problem
+from planner.search.problem import build_problem, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
-from planner.search.state_limits import near_limits, state_limits
 from planner.search.states import state_size
 from tests.postprocessors.changed_case import changed
 

@@ -11,11 +11,11 @@ from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
 from identification.motion import Joined
+from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.comparison.experiment import Excitation, steps
 from planner.comparison.step import MODE
 from planner.deviations import predicted_std_of
-from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise
 from planner.planning import make

@@ -7,8 +7,8 @@ import pytest
 
 from cases.errors import CaseError
 from identification.motion import Joined, Standstill
+from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
 from identification.trajectories.moves import StraightMove
-from identification.trajectories.polynomial import Piece, PolynomialMotion, polynomials_of
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import (
     NeutralProgram,

@@ -9,7 +9,7 @@ from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.hexapod import Hexapod as Kinematics
 from planner.search.inside import require_rest
-from planner.search.state_limits import pose_shares
+from planner.search.problem import pose_shares
 from tests.bench.machines.description import Hexapod, Range, case_of, reachable
 
 LARGEST_ANGLES = (40.0, 40.0, 60.0)  # [deg] of a, b and c, however far struts and joints let them go

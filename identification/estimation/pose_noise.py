@@ -19,9 +19,9 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
+from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 from identification.estimation.fit import PoseField, matern, squared_distances
 from identification.findings import Finding, Kind, note
-from identification.noise.coloured import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 
 Array = NDArray[np.float64]
 

@@ -7,13 +7,13 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.loading import load_case
+from identification.estimation.coloured_noise import Turned, coloured_covariance, turned
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import matern
+from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import UNDISTURBED, Circumstances
-from identification.noise.coloured import Turned, coloured_covariance, turned
-from identification.noise.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.result import Estimate
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, taylor_slope

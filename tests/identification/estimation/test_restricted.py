@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identification.noise.pose_noise import Left, likeliest, mixtures, shares_by_channel
+from identification.estimation.pose_noise import Left, likeliest, mixtures, shares_by_channel
 from tests.helpers import taylor_slope
 
 COUNT, UNKNOWNS = 60, 20

@@ -7,11 +7,11 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.loading import load_case
+from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Fit
 from identification.hexapod import Hexapod
-from identification.noise.coloured import coloured_covariance, turned
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution

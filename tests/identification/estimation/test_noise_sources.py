@@ -8,11 +8,11 @@ import pytest
 from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import method
+from identification.estimation.noise_sources import acceleration_effects
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model, regressors
 from identification.motion import Motion
-from identification.noise.sources import acceleration_effects
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.signals import Filter
