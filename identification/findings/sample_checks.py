@@ -15,8 +15,8 @@ from cases.machine import Limits
 from cases.schema import Case
 from cases.units import MM
 from identification.findings import Finding, Kind, Severity, sentences, warning
-from identification.formats.stream import Recording, Stream
 from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
+from identification.recording import Recording, Stream
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

@@ -18,9 +18,9 @@ from identification.formats import delimited, ros, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.delimited import without
-from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Array, ColumnTable, Stamps
 from identification.formats.text import require_file, unreadable
+from identification.recording import Recording, Rows, Stream
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
@@ -211,7 +211,7 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
             result.append(stream)
         else:
             more: dict[Any, Any] = {**stream.channels}
-            missing = either(result[same].missing, stream.missing)
+            missing = _either(result[same].missing, stream.missing)
             names = (*result[same].missing_in, *stream.missing_in)
             result[same] = replace(result[same], missing=missing, missing_in=names, **more)
     return result
@@ -254,3 +254,10 @@ def _with_kinematics(stream: Stream, poses: np.ndarray, case: Case) -> Stream:
     from scipy.spatial.transform import Rotation
 
     return replace(stream, rotations=Rotation.from_euler("xyz", poses[:, 3:]).as_matrix())
+
+
+def _either(one: Rows | None, other: Rows | None) -> Rows | None:
+    """Rows that are marked in one of two, None standing for no rows at all."""
+    if one is None or other is None:
+        return other if one is None else one
+    return one | other

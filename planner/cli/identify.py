@@ -93,8 +93,9 @@ def identify(
     larger of the two is what to report.
     """
     from cases.files import RESULT, check_folder, output_place
+    from identification.formats.reading import files_of
     from identification.formats.text import require_file
-    from identification.recording import files_of, read
+    from identification.recording import read
     from planner.cli.console import save_with_page
     from planner.cli.identification import (
         answer_of_result,

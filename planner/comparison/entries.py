@@ -16,10 +16,11 @@ from cases.files import DAMAGED, another_kind, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
+from identification.formats.reading import files_of
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
-from identification.recording import Recording, files_of, read
+from identification.recording import Recording, read
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock

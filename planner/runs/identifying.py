@@ -13,12 +13,13 @@ from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.findings import Kind, warning
 from identification.fitting import GAUSS_MARKOV
+from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
-from identification.recording import Recording, files_of
+from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.samples import USUAL, Conditioning

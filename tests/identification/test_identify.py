@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identification.estimation import pose_noise
 from scipy.linalg import cho_factor
 from scipy.spatial.transform import Rotation
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -12,6 +11,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
+from identification.estimation import pose_noise
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.formats.stream import Recording
 from identification.identify import identify
+from identification.recording import Recording
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
 from identification.trajectories.executed import DriveExecution

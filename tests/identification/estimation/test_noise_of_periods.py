@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.identification.estimation.test_noise_sources import noisy, stated
 
 from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import Recording
 from identification.samples import Conditioning, Periodic
 from tests.helpers import ideal, simulated
+from tests.identification.estimation.test_noise_sources import noisy, stated
 from tests.identification.repeating import Repeating, recorded
 
 CASE = ideal(load_case("hexapod"))
