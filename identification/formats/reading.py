@@ -14,7 +14,7 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, ros, scope
+from identification.formats import binary, delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.delimited import without
@@ -63,19 +63,15 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
 
 
 def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
-    if ros.is_bag(file):
-        return ros.tables
+    if binary.is_bag(file):
+        return binary.bag_tables
     require_file(file)
     try:
         with file.open("rb") as stream:
             start = stream.read(len(_PARQUET))
     except OSError as error:
         raise unreadable(file, error) from error
-    if start != _PARQUET:
-        return _READERS[form.format]
-    from identification.formats import parquet  # costs 50 ms, and few need it
-
-    return parquet.tables
+    return binary.parquet_tables if start == _PARQUET else _READERS[form.format]
 
 
 def _size(file: Path) -> int:
@@ -83,7 +79,7 @@ def _size(file: Path) -> int:
 
 
 def _files(place: Path) -> list[Path]:
-    return sorted(place.iterdir()) if ros.is_bag(place) else [place]
+    return sorted(place.iterdir()) if binary.is_bag(place) else [place]
 
 
 def free_memory() -> int:
@@ -169,9 +165,9 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
 def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
     """The file or bag that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
     try:
-        path = ros.bag_of(path)
-        if ros.is_bag(path):
-            return path, RecordingFormat() if case is None else ros.bag_format(case)
+        path = binary.bag_of(path)
+        if binary.is_bag(path):
+            return path, RecordingFormat() if case is None else binary.bag_format(case)
         if path.is_dir():
             parquet = path / "recording.parquet"
             path = parquet if parquet.is_file() else path / "recording.csv"

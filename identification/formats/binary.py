@@ -1,8 +1,11 @@
-"""ROS 2 bags: positions of joints and readings of a force/torque sensor from two topics, each with a clock of its own.
+"""Files that hold numbers as numbers: ROS 2 bags and Parquet.
 
+A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
 `sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
 host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
 Joints go by name, for their order differs between messages; messages of other joints on the topic are left out.
+
+Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
 """
 
 import os
@@ -19,9 +22,13 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
+from identification.formats.delimited import select, unknown_columns
 from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown
+from identification.formats.text import unreadable
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
     from rosbags.highlevel import AnyReader
 
 STAMP = "header.stamp"
@@ -51,7 +58,7 @@ def bag_format(case: Case) -> RecordingFormat:
     return case.recording.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
 
 
-def tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a bag: a table of each topic.
 
     Args:
@@ -187,3 +194,76 @@ def _table(
         return table  # the reader says why that is not a run
     instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
     return replace(table, stamps=stamps[0] + np.rint(instants / form.tick).astype(np.int64))
+
+
+_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a file, row group by row group.
+
+    Args:
+        form: what its columns are called and how its clock counts.
+
+    Raises:
+        RecordingError: it cannot be read, with the place and the remedy.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq  # costs 50 ms, and few need it
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            yield from _row_groups(file, parquet, form)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        if isinstance(error, RecordingError):
+            raise
+        if isinstance(error, OSError) and error.errno is not None:
+            raise unreadable(file, error) from error
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
+
+
+def _row_groups(file: Path, parquet: "pq.ParquetFile", form: RecordingFormat) -> Iterator[ColumnTable]:
+    names = tuple(parquet.schema_arrow.names)
+    selection = select(file, names, form)
+    if not selection.values:
+        raise RecordingError(file, unknown_columns(names, form))
+    clock = [] if selection.clock is None else [names[selection.clock]]
+    columns = [*(names[k] for k in selection.values.values()), *clock]
+    count = 0
+    for group in range(parquet.num_row_groups):
+        batch = parquet.read_row_group(group, columns=columns)
+        values = {ours: _numbers(file, names[k], batch) for ours, k in selection.values.items()}
+        stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
+        if stamps is None and form.clock.period is not None:
+            stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
+        yield ColumnTable(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
+        count += batch.num_rows
+    if not count:
+        raise RecordingError(file, "has columns but no rows", "record again")
+
+
+def _numbers(file: Path, name: str, batch: "pa.Table") -> Array:
+    import pyarrow as pa
+
+    column = batch.column(name)
+    kind = column.type
+    if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
+        raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
+
+
+def _stamps(file: Path, name: str, batch: "pa.Table", tick: float, above: int) -> tuple[Stamps, float]:
+    """Time stamps below so many rows, and the duration of one unit of them [s]."""
+    import pyarrow as pa
+
+    column = batch.column(name)
+    kind = column.type
+    if column.null_count:
+        row = int(np.argmin(column.is_valid().to_numpy()))
+        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {above + row + 1}", "remove the row")
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        return column.cast(pa.int64()).to_numpy(), _TICKS[kind.unit]
+    if pa.types.is_integer(kind):
+        return column.cast(pa.int64()).to_numpy(), tick
+    return _numbers(file, name, batch), tick
