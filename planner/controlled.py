@@ -16,7 +16,7 @@ from identification.motion import Trajectory
 from identification.trajectories.moves import has_steps
 from postprocessors.dialects import DIALECTS, dialect
 from postprocessors.proving.guarantees import limits_jerk
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can

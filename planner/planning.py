@@ -21,7 +21,7 @@ from identification.motion import Trajectory
 from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std
-from planner.families.family import Family
+from planner.families import Family
 from planner.families.saved import shipped_start
 from planner.families.settings import Spline
 from planner.found import Found, notes, weaknesses

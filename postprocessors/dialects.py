@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.motion import Array
 from postprocessors.blocks import NeutralProgram
 from postprocessors.proving.guarantees import Forecast, Guarantees
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from postprocessors.blocks import (
     Trigger,
 )
 from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from postprocessors.wording import comment_lines
 
 DECIMALS = 9  # of rad, m and their derivatives

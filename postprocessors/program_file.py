@@ -12,7 +12,7 @@ from postprocessors.dialects import Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 
 @dataclass(frozen=True, eq=False, repr=False)

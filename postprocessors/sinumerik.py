@@ -31,7 +31,7 @@ from postprocessors.blocks import (
     pieces,
 )
 from postprocessors.proving.guarantees import Guarantees, sinumerik_guarantees
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,

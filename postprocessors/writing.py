@@ -27,7 +27,7 @@ from postprocessors.blocks import (
 from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
-from postprocessors.reading.words import Event, Reading
+from postprocessors.reading import Event, Reading
 
 # The last decimal of the words, doubled: what is read back must be what was planned, up to rounding [m or rad].
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)

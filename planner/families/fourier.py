@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.trajectories.curves import FourierMotion, run_in, run_out
-from planner.families.family import Layout, linear_layout
+from planner.families import Layout, linear_layout
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]

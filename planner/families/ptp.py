@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
-from planner.families.family import Layout, box_middle
+from planner.families import Layout, box_middle
 from planner.search.rows import BlockRows, LinearRows
 from planner.search.states import Kernel, KernelStates, LinearStates, Peak, state_size
 

@@ -16,7 +16,7 @@ from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove
 from identification.trajectories.profile import Profile
-from planner.families.family import Array, Family
+from planner.families import Array, Family
 from planner.families.ptp import unit_profile
 
 FILE = Path(__file__).with_name("shipped.json")

@@ -12,8 +12,7 @@ from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in
-from planner.families import ptp, spline
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 

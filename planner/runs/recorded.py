@@ -20,7 +20,7 @@ from identification.recording import record_of as about_recording
 from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan
-from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Stretch, Timed, Untimed

@@ -18,7 +18,7 @@ from identification.machines import machine_of
 from identification.model import Model, identification_model
 from identification.motion import Standstill
 from identification.symbolic import over_samples
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle
 from planner.noise import PoseErrors, information_of
 from planner.request import Request, parse_targets
 

@@ -21,7 +21,7 @@ from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
-from planner.families.family import Family, Layout, box_middle
+from planner.families import Family, Layout, box_middle
 from planner.noise import PoseErrors
 from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel

@@ -17,7 +17,7 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.families.family import Family
+from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import EqualMoves, annealed_start

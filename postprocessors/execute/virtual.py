@@ -16,11 +16,11 @@ from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import DriveExecution
 from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
 from identification.trajectories.profile import TimeLaw
-from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Still, Stretch, Timed, measures_at_poses, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 Array = NDArray[np.float64]
 

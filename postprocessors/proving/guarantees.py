@@ -16,7 +16,7 @@ from identification.trajectories.profile import Profile, TimeLaw, fastest_profil
 from postprocessors.blocks import Pieces, path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading.words import Polynomial, Reading
+from postprocessors.reading import Polynomial, Reading
 
 Law = Callable[[float, float, float], TimeLaw]
 """How a controller covers a straight way from rest to rest.

@@ -5,7 +5,7 @@ import pytest
 
 from cases.schema import Case
 from identification.trajectories.curves import FourierMotion
-from planner.families.family import box_middle
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.search.inside import keep_limits
 from tests.planner.monte_carlo import monte_carlo

@@ -12,7 +12,7 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limit_proof import prove
 from identification.motion import Standstill
-from planner.families.family import box_middle
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.request import Request

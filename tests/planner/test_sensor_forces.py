@@ -13,7 +13,7 @@ from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, sensor_forces
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint

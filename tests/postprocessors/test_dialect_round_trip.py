@@ -15,8 +15,8 @@ from identification.trajectories.moves import Plane, StraightMove, fastest_circl
 from postprocessors.blocks import Arc, Dwell, ExactStopMove, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
+from postprocessors.reading import Pause, Switch
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
-from postprocessors.reading.words import Pause, Switch
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
     CASE,

@@ -17,8 +17,8 @@ from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
+from postprocessors.reading import Turn
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.reading.words import Turn
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text

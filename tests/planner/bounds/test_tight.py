@@ -17,7 +17,7 @@ from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.features import box_features, combined, motion_moments
 from planner.bounds.kept import box_bound, compute_bound
 from planner.bounds.tight import TightDesign, climb, tight_design
-from planner.families.family import box_middle
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily

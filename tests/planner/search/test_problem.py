@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle
 from planner.families.fourier import START_SHARE, FourierFamily
 from planner.search.inside import CLOSE_ENOUGH, MARGIN, keep_limits
 from planner.search.problem import Problem, build_problem, near_limits, state_limits
