@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
-from identification.loaded import circumstances, mode_frequency, vibrating
 from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
-from identification.trajectories.executed import DriveExecution
+from identification.simulate import circumstances, mode_frequency
+from identification.trajectories.executed import DriveExecution, vibrating
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
@@ -125,7 +125,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
 
 def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:
     """Whether identification estimates the smoothing too, by its own rule: differences of evaluated samples decide."""
-    from identification.runs.smoothing import SAMPLED  # all of identification, which most plans do without
+    from identification.runs.evaluation import SAMPLED  # all of identification, which most plans do without
 
     step, matrices = low_pass.stride * low_pass.step, columns[:, : len(u)].reshape(-1, 6, len(u))
     expected = matrices @ u

@@ -8,10 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
 from identification.hexapod import Hexapod, Kinematics
-from identification.loaded import UNDISTURBED, Circumstances, pose_fields
 from identification.motion import Trajectory
 from identification.recording import Recording
-from identification.simulate import force_parts
+from identification.simulate import UNDISTURBED, Circumstances, force_parts, pose_fields
 from identification.symbolic import over_samples, twist, twist_rate
 from identification.trajectories.executed import Execution
 

@@ -184,7 +184,7 @@ def run(
     """
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from identification.loaded import circumstances
+    from identification.simulate import circumstances
     from planner.runs.running import execute, read_to_run, require_controller, require_seed
 
     require_seed(seed)

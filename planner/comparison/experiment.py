@@ -15,12 +15,11 @@ from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
 from identification.identify import identify
-from identification.loaded import Circumstances, loaded_truth, pose_covariance
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.standstills import average, find_standstills, match
-from identification.simulate import ForceParts, Moved, moved, sensed
+from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, pose_covariance, sensed
 from identification.trajectories.executed import Execution
 from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
 

@@ -13,12 +13,11 @@ from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.limit import LimitKind
-from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.machines import machine_of
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
-from identification.simulate import simulate_recording
+from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
 from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information

@@ -32,7 +32,7 @@ from planner.study.cluster import TaskEnd, run_tasks
 if TYPE_CHECKING:
     from distributed import Client
 
-    from identification.loaded import Circumstances
+    from identification.simulate import Circumstances
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +88,7 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     from identification.identify import identify
     from identification.limit import KINETIC
-    from identification.loaded import circumstances
-    from identification.simulate import simulate_recording, truth_rows
+    from identification.simulate import circumstances, simulate_recording, truth_rows
     from planner.runs.running import execute
     from planner.runs.written import write
 
@@ -124,7 +123,7 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
 
 def _loaded_case(case: Case, around: "Circumstances") -> Case:
     """The case whose true parameters include what is mounted."""
-    from identification.loaded import loaded_truth
+    from identification.simulate import loaded_truth
 
     simulation = case.need_simulation("a study that executes its plans")
     truth = loaded_truth(simulation.parameters, around.weights)

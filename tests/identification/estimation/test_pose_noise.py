@@ -13,9 +13,8 @@ from identification.estimation.fit import matern
 from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.loaded import UNDISTURBED, Circumstances
 from identification.result import Estimate
-from identification.simulate import simulate_recording
+from identification.simulate import UNDISTURBED, Circumstances, simulate_recording
 from tests.helpers import Harmonic, taylor_slope
 from tests.simulated_machine import PoseExecution
 

@@ -7,9 +7,9 @@ import pytest
 
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.loaded import pose_fields
 from identification.model import identification_model
 from identification.parameters import physical_form
+from identification.simulate import pose_fields
 from planner.comparison.experiment import true_deviations
 from planner.comparison.step import linear_answer
 from tests.planner.comparison.excitations import CASE, FOUND, HOME, moving

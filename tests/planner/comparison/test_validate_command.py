@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.loaded import Circumstances
+from identification.simulate import Circumstances
 from tests.helpers import few
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused

@@ -8,7 +8,10 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.loaded import (
+from identification.model import identification_model
+from identification.motion import Standstill
+from identification.parameters import body_parameters, linear_parameters
+from identification.simulate import (
     Circumstances,
     circumstances,
     joined_body,
@@ -16,13 +19,8 @@ from identification.loaded import (
     mode_frequency,
     pose_covariance,
     pose_fields,
-    rippled,
-    vibrating,
 )
-from identification.model import identification_model
-from identification.motion import Standstill
-from identification.parameters import body_parameters, linear_parameters
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import DriveExecution, rippled, vibrating
 from tests.helpers import Harmonic, paper_poses
 from tests.simulated_machine import PoseExecution, simulate_standstills, true_forces
 
