@@ -40,8 +40,8 @@ def demo(
     from planner.reports.demo import demo_page
     from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
+    from postprocessors.dialects import Program
     from postprocessors.dialects import dialect as dialect_named
-    from postprocessors.program_file import Program
 
     loaded = load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)

@@ -13,7 +13,7 @@ from planner.precision import share_text
 if TYPE_CHECKING:
     from identification.limit import LimitKind
     from planner.runs.running import RunOutcome
-    from postprocessors.program_file import Program
+    from postprocessors.dialects import Program
 
 Accept = Annotated[
     list[str] | None,
@@ -108,7 +108,7 @@ def check(
     from cases.errors import ProgramError
     from cases.loading import load_case
     from planner.runs.written import of_another
-    from postprocessors.program_file import read_program
+    from postprocessors.dialects import read_program
 
     loaded = load_case(case)
     with status(f"proving {program.name}", json):

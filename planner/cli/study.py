@@ -41,7 +41,7 @@ def run(
     from cases.loading import load_case
     from planner.interruption import Interrupted
     from planner.reports.page import render
-    from planner.study.cells import ABOUT, DONE, PLANNED, check_study, load_spec, read_rows
+    from planner.study import ABOUT, DONE, PLANNED, check_study, load_spec, read_rows
     from planner.study.cluster import local_client, remote_client, require_dask
     from planner.study.study_run import about_study, cells_of, missing, run_study
     from planner.study.summary import best_groups, groups, study_page
@@ -107,7 +107,7 @@ def run(
 
 
 def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
-    from planner.study.cells import command_of
+    from planner.study import command_of
 
     rows = [
         [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]

@@ -23,7 +23,7 @@ from planner.request import PoseMethod, PoseRequest, Request
 from planner.runs.recorded import stood
 from planner.runs.running import carried_out
 from planner.runs.written import write
-from postprocessors.program_file import Program
+from postprocessors.dialects import Program
 from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller

@@ -17,7 +17,7 @@ from planner.reports.machine import pictured
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
 from planner.reports.plan import starts_items
 from planner.runs.running import RunOutcome
-from postprocessors.program_file import Program
+from postprocessors.dialects import Program
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks

@@ -15,7 +15,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import full_model
 from planner.request import Request
-from planner.study.cells import (
+from planner.study import (
     DONE,
     FAILED,
     PLANNED,

@@ -24,7 +24,7 @@ from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 
 if TYPE_CHECKING:
-    from postprocessors.program_file import Program
+    from postprocessors.dialects import Program
 
 Array = NDArray[np.float64]
 

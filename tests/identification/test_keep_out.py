@@ -12,7 +12,7 @@ from cases.schema import Case
 from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
 from identification.limit import LimitReport
 from identification.limit_proof import prove
-from identification.machines import CLEARANCE, ROUNDING, VICINITY
+from identification.machine_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove
 from planner.poses.space import valid_poses

@@ -15,7 +15,7 @@ from cases.loading import built_in_cases, load_case
 from cases.scaffold import readiness
 from identification.hexapod import Hexapod
 from planner.reports.case_figures import case_figures, has_motion_box, leftovers, reach_figures
-from postprocessors.program_file import read_program
+from postprocessors.dialects import read_program
 from postprocessors.proving.proof import prove_program
 from tests.bench.reliability.programs import ROUNDED
 from tests.bench.reliability.recordings import file_of, simulated, stained
