@@ -1,4 +1,7 @@
-"""What no measurement can be: named with its place before it becomes a result."""
+"""What no measurement can be: named with its place before it becomes a result.
+
+Doubts about numbers that a sensor can give are findings: `identification.findings`.
+"""
 
 from dataclasses import replace
 from typing import Any, NamedTuple

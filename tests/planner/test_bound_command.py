@@ -31,7 +31,7 @@ def test_people_read_that_it_is_proven(cache: Path):
 
 def test_the_tighter_bound_is_lower_and_says_what_it_counts_on(cache: Path):
     box = call("bound", "hexapod", "--model", 0, "--json").json()
-    tight = call("bound", "hexapod", "--model", 0, "--tight", "--time-limit", 3, "--json").json()
+    tight = call("bound", "hexapod", "--model", 0, "--tight", "--time-limit", 1, "--json").json()
     assert tight["tight"]
     assert "from rest to rest" in tight["over"]
     assert tight["logdet_design"] < tight["logdet_bound"] < box["logdet_bound"] - 0.3

@@ -1,5 +1,6 @@
 """The page of `hexcite plan`: what it promises is what plan.json says, beside the case's own hand-made motion."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,35 +13,40 @@ from planner.deviations import Beside, beside_manual
 from planner.precision import std_text
 from planner.request import Request
 from tests.helpers import few
-from tests.planner.browser import opened
+from tests.planner.browser import Opened, opened
 
 PLOTS = {
     "limits", "position-translation", "jerk-rotation", "strut-lengths", "strut-velocities", "strut-accelerations",
     "sensor-forces", "information", "progress", "correlation", "qr",
 }  # fmt: skip
+SCREENS = {"a phone by night": (400, "dark"), "a wide screen by day": (1400, "light")}
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
 
 
-@pytest.mark.parametrize(("width", "scheme"), few((400, "dark"), (1400, "light")))
-def test_a_plan_has_its_page(width: int, scheme: str, planned: dict[str, Any], browser: Browser):
-    with opened(browser, Path(planned["report"]), width, scheme) as tab:
-        assert tab.page.evaluate(FITS)
-        shown = set(tab.page.evaluate("[...document.querySelectorAll('.plot')].map(e => e.id)"))
-        assert {f"plot-{name}" for name in PLOTS} <= shown
-        assert "0.00 of 12.00 s" in tab.page.locator("#instant").inner_text()
-        tiles = tab.page.locator(".tiles").first.inner_text()
-        assert f"{planned['d_efficiency']:.3f}" in tiles
-        assert (tab.errors, tab.requests) == ([], [])
+@pytest.fixture(scope="module", params=few(*SCREENS))
+def tab(request: pytest.FixtureRequest, planned: dict[str, Any], browser: Browser) -> Iterator[Opened]:
+    """The page on a screen of this width, by day or by night."""
+    with opened(browser, Path(planned["report"]), *SCREENS[request.param]) as tab:
+        yield tab
 
 
-def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[str, Any], browser: Browser, cache: Path):
+def test_a_plan_has_its_page(tab: Opened, planned: dict[str, Any]):
+    page, errors, requests = tab
+    assert page.evaluate(FITS)
+    shown = set(page.evaluate("[...document.querySelectorAll('.plot')].map(e => e.id)"))
+    assert {f"plot-{name}" for name in PLOTS} <= shown
+    assert "0.00 of 12.00 s" in page.locator("#instant").inner_text()
+    assert f"{planned['d_efficiency']:.3f}" in page.locator(".tiles").first.inner_text()
+    assert (errors, requests) == ([], [])
+
+
+def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[str, Any], tab: Opened, cache: Path):
     case = load_case("hexapod")
     plan = SimpleNamespace(case=case, of_motion=(Request(), None), model=9, payloads=range(1))
     manual = beside_manual(plan)
     assert isinstance(manual, Beside)
     other = manual.at_equal_time(planned["duration_s"])
-    with opened(browser, Path(planned["report"])) as tab:
-        rows = tab.page.locator("table").first.locator("tr:has(td)").all_inner_texts()
+    rows = tab.page.locator("table").first.locator("tr:has(td)").all_inner_texts()
     assert len(rows) == len(planned["predicted_std"]) == 20
     for row, (name, std) in zip(rows, planned["predicted_std"].items(), strict=True):
         scale = 1e3 if name in ("xC", "yC", "zC") else 1.0

@@ -46,10 +46,9 @@ def test_a_drawn_machine_is_a_case_whose_home_is_within_reach(seed: int, tmp_pat
     assert drawn(seed + 1) != hexapod
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("controller", "duration", "seed", "least"), [
-    ("linuxcnc", 2.0, 0, 0.5),
-    pytest.param("linuxcnc", 12.0, 0, 0.6, marks=pytest.mark.slow),
-    pytest.param(None, 2.0, 1, 0.38, marks=pytest.mark.slow),
+    ("linuxcnc", 2.0, 0, 0.5), ("linuxcnc", 12.0, 0, 0.6), (None, 2.0, 1, 0.38),
 ])  # fmt: skip
 def test_moves_of_a_small_platform_are_not_drawn_back_for_a_per_mille(
     controller: str | None, duration: float, seed: int, least: float

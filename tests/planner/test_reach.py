@@ -269,6 +269,7 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
     assert found.keys == tuple(f"q{k}_deg" for k in range(1, 7))
 
 
+@pytest.mark.slow
 def test_the_proposed_box_of_a_chain_is_reachable_and_no_side_can_move_out():
     """A wall limits how far a robot of four joints turns: the lines for its case file are a reachable box."""
     data = load_case("ur10_wrist").model_dump(mode="json", exclude_unset=True)

@@ -79,6 +79,13 @@ def tab(browser: Browser, page_file: Path) -> Iterator[Opened]:
         yield tab
 
 
+@pytest.fixture(scope="module")
+def result_tab(browser: Browser, result_page: Path) -> Iterator[Opened]:
+    """The page of the identification."""
+    with opened(browser, result_page) as tab:
+        yield tab
+
+
 def test_nothing_overflows_and_nothing_fails_on_a_wide_screen(tab: Opened):
     assert tab.page.evaluate(FITS)
     assert tab.page.evaluate(STICKS_OUT) == []
@@ -167,15 +174,13 @@ def test_a_narrow_page_by_night_fits_and_is_readable(browser: Browser, page_file
         _require_readable(tab.page, dark=True)
 
 
-def test_an_identification_has_its_page(browser: Browser, result_page: Path):
-    with opened(browser, result_page) as tab:
-        names = {"parameters", "correlation", "qr", "forces", "residuals", "distribution", "spectrum"}
-        assert {f"plot-{n}" for n in names} <= set(
-            tab.page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)")
-        )
-        assert "onerror" in tab.page.locator(".lead").inner_text()
-        assert tab.page.locator("img").count() == 0
-        assert (tab.errors, tab.requests) == ([], [])
+def test_an_identification_has_its_page(result_tab: Opened):
+    page, errors, requests = result_tab
+    names = {"parameters", "correlation", "qr", "forces", "residuals", "distribution", "spectrum"}
+    assert {f"plot-{n}" for n in names} <= set(page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)"))
+    assert "onerror" in page.locator(".lead").inner_text()
+    assert page.locator("img").count() == 0
+    assert (errors, requests) == ([], [])
 
 
 def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page: Path):
@@ -259,16 +264,15 @@ def test_the_text_stands_before_the_figures_do(browser: Browser, result_page: Pa
         tab.close()
 
 
-def test_figures_tables_and_words_speak_to_a_screen_reader(browser: Browser, result_page: Path):
-    with opened(browser, result_page) as tab:
-        for figure in tab.page.locator("figure .plot").all():
-            assert len(figure.get_attribute("aria-label") or "") > 10
-        for caption in tab.page.locator("figure:has(.plot:not(#machine)) figcaption").all_inner_texts():
-            assert caption.strip()
-        assert tab.page.locator("th:not([scope])").count() == 0
-        terms = tab.page.locator("abbr").all()
-        assert terms
-        assert all(len(term.get_attribute("title") or "") > 10 for term in terms)
+def test_figures_tables_and_words_speak_to_a_screen_reader(result_tab: Opened):
+    for figure in result_tab.page.locator("figure .plot").all():
+        assert len(figure.get_attribute("aria-label") or "") > 10
+    for caption in result_tab.page.locator("figure:has(.plot:not(#machine)) figcaption").all_inner_texts():
+        assert caption.strip()
+    assert result_tab.page.locator("th:not([scope])").count() == 0
+    terms = result_tab.page.locator("abbr").all()
+    assert terms
+    assert all(len(term.get_attribute("title") or "") > 10 for term in terms)
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Every kind of motion becomes a proven program in every dialect, and files are recognised by their endings."""
+"""Every kind of motion becomes a proven program of SINUMERIK, TwinCAT and set points; their files are recognised."""
 
 import numpy as np
 import pytest

@@ -37,7 +37,7 @@ def random_edits() -> tuple[tuple[int, str, ProgramProof, float], ...]:
     """Line, text, proof and independent share of limits of edits at random digits, half of them of later decimals."""
     draw = np.random.default_rng(5)
     found = []
-    while len(found) < 80:
+    while len(found) < 50:
         line = int(draw.integers(FIRST + 3, LAST - 3))
         words = list(WORD.finditer(LINES[line - 1]))
         word = words[draw.integers(len(words))]
@@ -64,7 +64,7 @@ def test_the_program_itself_is_proven_and_the_independent_judge_agrees():
 
 def test_an_edit_that_no_motion_could_follow_within_the_limits_is_caught():
     broken = [(line, p) for line, _, p, share in random_edits() if share > 1.001]
-    assert len(broken) > 25, "too few of the edits break a limit: not a test"
+    assert len(broken) > 15, "too few of the edits break a limit: not a test"
     assert [line for line, p in broken if p.ok] == []
 
 
@@ -76,7 +76,7 @@ def test_the_line_of_the_edit_is_named_within_two_lines():
 
 def test_what_the_proof_lets_pass_the_independent_judge_lets_pass():
     passed = [share for _, _, p, share in random_edits() if p.ok]
-    assert len(passed) > 15, "too few of the edits are harmless: not a test"
+    assert len(passed) > 9, "too few of the edits are harmless: not a test"
     assert max(passed) < 1.001
 
 

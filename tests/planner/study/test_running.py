@@ -14,7 +14,19 @@ import pytest
 
 from cases.basis import KEPT
 from cases.schema import Case
-from planner.study import DONE, FAILED, PLANNED, ExecutionSpec, Grid, Spec, completed, open_study, read_rows, study_run
+from planner.study import (
+    DONE,
+    FAILED,
+    PLANNED,
+    ExecutionSpec,
+    Grid,
+    Spec,
+    cluster,
+    completed,
+    open_study,
+    read_rows,
+    study_run,
+)
 from planner.study.cluster import TaskEnd
 from planner.study.study_run import Job, cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
@@ -195,10 +207,11 @@ def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: 
     assert one["score"] == other["score"]
 
 
-def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) -> None:
+def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "CONNECT", 0.2)
     spec, folder = tmp_path / "small.toml", tmp_path / "study"
     spec.write_text(SMALL)
-    assert "cannot be reached within 5 s" in refused(
+    assert "cannot be reached within 0.2 s" in refused(
         "study", "hexapod", "--spec", spec, "--scheduler", "tcp://127.0.0.1:1", "-o", folder
     )
     assert "is not an address" in refused("study", "hexapod", "--spec", spec, "--scheduler", "localhost", "-o", folder)
