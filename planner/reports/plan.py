@@ -13,7 +13,6 @@ from identification.model import Model, identification_model
 from identification.motion import sample
 from identification.parameters import physical_form
 from planner.deviations import Beside, beside_manual
-from planner.found import bound_by
 from planner.noise import standing_model
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
@@ -26,6 +25,7 @@ from planner.reports.machine import force_items, information_items, pictured, po
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
 from planner.request import PoseRequest
 from planner.search.ipopt import solver_text
+from planner.worth import bound_by
 
 Array = NDArray[np.float64]
 

@@ -26,9 +26,8 @@ from identification.trajectories.moves import CircularMove, StraightMove, online
 from identification.trajectories.profile import OnlineProfile, Profile, UntimedMove, online_profile
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
-from planner.found import Found
+from planner.found import Found, rated
 from planner.noise import mean_information
-from planner.planning import rated
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.retiming.path_pace import retimed_path
