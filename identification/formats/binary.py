@@ -23,8 +23,7 @@ from cases.errors import RecordingError
 from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
 from identification.formats.delimited import select, unknown_columns
-from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown
-from identification.formats.text import unreadable
+from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
 
 if TYPE_CHECKING:
     import pyarrow as pa

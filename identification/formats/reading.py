@@ -18,8 +18,7 @@ from identification.formats import binary, delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.delimited import without
-from identification.formats.table import Array, ColumnTable, Stamps
-from identification.formats.text import require_file, unreadable
+from identification.formats.table import Array, ColumnTable, Stamps, require_file, unreadable
 from identification.recording import Recording, Rows, Stream
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it

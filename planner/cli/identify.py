@@ -94,7 +94,7 @@ def identify(
     """
     from cases.files import RESULT, check_folder, output_place
     from identification.formats.reading import files_of
-    from identification.formats.text import require_file
+    from identification.formats.table import require_file
     from identification.recording import read
     from planner.cli.console import save_with_page
     from planner.cli.identification import (

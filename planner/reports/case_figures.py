@@ -54,17 +54,11 @@ def case_figures(name: str) -> dict[str, Any]:
         "setup": case.setup,
         "hash": case.hash,
         "frame_condition": float(np.linalg.cond(scaled)),
-    } | _of_machine(case, str(find_case(name)))
+    } | (_in_box(case, str(find_case(name))) if has_motion_box(case) else {})
 
 
-def _of_machine(case: Case, file: str) -> dict[str, Any]:
-    if case.chain is not None and case.limits is not None:
-        return _joints_in_box(case, file)
-    return _in_box(case, file) if has_motion_box(case) else {}
-
-
-def _joints_in_box(case: Case, file: str) -> dict[str, Any]:
-    """Clearances of a chain's bodies and torques at rest, at home and in the corners and middles of the motion box."""
+def _in_box(case: Case, file: str) -> dict[str, Any]:
+    """Limits at rest, at home and in the corners and middles of the motion box; of a chain clearances and torques."""
     home, limits = case.need_motion("the check of its reach")
     count = len(home)
     if count <= MOST_COORDINATES:
@@ -75,23 +69,30 @@ def _joints_in_box(case: Case, file: str) -> dict[str, Any]:
     poses = np.vstack([home, home + middle + corners * half])
     at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
     if at_home.violations:
-        problem = at_home.violations[0].sentence(timed=False)
-        raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
+        broken = at_home.violations[0]
+        problem = broken.sentence(timed=False)
+        if case.chain is not None:
+            raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
+        raise CaseError(file, "machine.home", f"is out of reach: {problem}; move home or {remedy(broken, case)}")
+    kinds = STATIC if case.chain is None else OF_CHAINS
     checks = prove(StandingPoses(poses), case, 1.0).checks
-    entries = {str(c.of): c.to_json() for c in checks if c.kind in OF_CHAINS}
-    return {"poses": len(poses), "limits_in_box": entries} if entries else {}
+    entries = {str(c.of): c.to_json() for c in checks if c.kind in kinds}
+    figures = {"poses": len(poses), "limits_in_box": entries} if entries else {}
+    if case.chain is not None:
+        return figures
+    return {"home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist()} | figures
 
 
 def has_motion_box(case: Case) -> bool:
     """Whether the case describes a machine and the box in which it moves."""
-    return case.hexapod is not None and case.limits is not None and case.workspace is not None
+    if case.limits is None:
+        return False
+    return case.chain is not None or (case.hexapod is not None and case.workspace is not None)
 
 
 def reach_figures(name: str) -> Reach | None:
     """The reachable part of the motion box of a case; None where the case has no such box, or no limits."""
     case = load_case(name)
-    if case.chain is not None and case.limits is not None:
-        return reach(case)
     return reach(case) if has_motion_box(case) else None
 
 
@@ -106,27 +107,6 @@ def proposed_box(name: str) -> MotionBox:
         return largest_box(case)
     except CaseError as error:
         raise CaseError(find_case(name), error.key, error.problem) from error
-
-
-def _in_box(case: Case, file: str) -> dict[str, Any]:
-    machine, _, limits = case.need_machine("the check of its reach")
-    corners = np.stack(np.meshgrid(*([GRID] * 6), indexing="ij"), axis=-1).reshape(-1, 6)
-    middle, half = limits.motion.pose.mean(axis=0), np.ptp(limits.motion.pose, axis=0) / 2
-    poses = np.vstack([machine.home.vector, machine.home.vector + middle + corners * half])
-    at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
-    if at_home.violations:
-        broken = at_home.violations[0]
-        raise CaseError(
-            file,
-            "machine.home",
-            f"is out of reach: {broken.sentence(timed=False)}; move home or {remedy(broken, case)}",
-        )
-    report = prove(StandingPoses(poses), case, 1.0)
-    return {
-        "home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist(),
-        "poses": len(poses),
-        "limits_in_box": {str(c.of): c.to_json() for c in report.checks if c.kind in STATIC},
-    }
 
 
 COLUMNS = ("coordinate", "stated range", "reachable range", "limited by")

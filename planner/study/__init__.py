@@ -3,7 +3,6 @@
 A file has a row for the cell's plan and one for each seed of the noise.
 """
 
-import hashlib
 import itertools
 import json
 import math
@@ -18,7 +17,7 @@ from cases.basis import KEPT, Artefact, study_hash
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
 from cases.parts import Part, Positive
-from cases.schema import Case
+from cases.schema import Case, fingerprint
 from planner.families.settings import family_class
 from planner.request import Request
 
@@ -167,7 +166,7 @@ def cell_key(settings: dict[str, Any], execute: ExecutionSpec | None, case: Case
     """
     executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
     content = [settings, executed, study_hash(case), version]
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+    return fingerprint(content)
 
 
 def command_of(settings: dict[str, Any], case: str) -> str:

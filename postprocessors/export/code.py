@@ -76,12 +76,7 @@ def _c_function(function: ca.Function, name: str, parameters: list[str]) -> dict
         for k, n in enumerate(function.name_in())
     ]
     arguments += [f"double {n}[{function.numel_out(k)}]" for k, n in enumerate(function.name_out())]
-    return {
-        "name": function.name(),
-        "comment": signature(function),
-        "arguments": ", ".join(arguments),
-        "statements": statements(function, language),
-    }
+    return _spelled(function, language) | {"arguments": ", ".join(arguments)}
 
 
 AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N m]"), ("mz", "[N m]"))
@@ -149,13 +144,7 @@ def _st_function(function: ca.Function, camel: str, parameters: list[str]) -> di
         for k, n in enumerate(function.name_in())
     ]
     arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
-    return {
-        "name": function.name(),
-        "comment": signature(function),
-        "arguments": arguments,
-        "slots": function.sz_w(),
-        "statements": statements(function, language),
-    }
+    return _spelled(function, language) | {"arguments": arguments, "slots": function.sz_w()}
 
 
 INFIX = {
@@ -181,6 +170,11 @@ class CodeLanguage:
     assign: str  # an assignment to an intermediate value, from its name and an expression
     store: str  # an assignment to an element of an output, from its name and an expression
     element: Callable[[str, int], str]  # element k of the argument called name
+
+
+def _spelled(function: ca.Function, language: CodeLanguage) -> dict[str, object]:
+    """What templates show of a function in every language."""
+    return {"name": function.name(), "comment": signature(function), "statements": statements(function, language)}
 
 
 def operand(value: float) -> str:

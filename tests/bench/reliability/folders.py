@@ -55,7 +55,7 @@ def tally_of_cases(seeds: range, folder: Path) -> Tally:
             return
         figures, case, reach, *_ = found
         json.dumps(figures, allow_nan=False)
-        if has_motion_box(case):
+        if has_motion_box(case) and case.hexapod is not None:
             home = case.machine.home.vector
             again = Hexapod.of(case).poses(Hexapod.of(case).strut_lengths(home[None]))[0]
             if not np.allclose(again, home, rtol=0.0, atol=1e-6):
