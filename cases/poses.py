@@ -12,25 +12,12 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
-from cases.parts import Array, Number, Part, Positive, Range, frozen
+from cases.parts import Array, Grid, Number, Part, Positive, Range, frozen
 from cases.recording_format import POSE
 from cases.units import DEG, MM
-
-
-def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
-    first, last, step = value
-    if not (first <= last and step > 0.0):
-        raise ValueError(
-            f"[{first:g}, {last:g}, {step:g}] is not a range [first, last, step]; step up from first to last"
-        )
-    return value
-
-
-Grid = Annotated[tuple[Number, Number, Number], AfterValidator(_climbing)]
-"""First value, last value, step."""
 
 
 class JointPoses(Part):

@@ -27,8 +27,8 @@ from planner.noise import (
     without_pose_errors,
 )
 from planner.plans import Plan
+from planner.precision import solver_text
 from planner.request import Request, parse_targets
-from planner.search.ipopt import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.vibration import BothLaws, both_laws
 from planner.worth import BINDING, Rival, Search, Tried, Worth, bound_by

@@ -29,7 +29,7 @@ from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits, remedy, require_plannable
 from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner, run_here, workers
-from planner.search.solving import Failed, Start, Step, Task, seeds_of
+from planner.search.solving import Failed, Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 Array = NDArray[np.float64]
@@ -155,6 +155,11 @@ def _explored(
         ranked = dict.fromkeys(names.index(s.family.settings) for s in starts) if several else {}
         best = [families[k] for k in ranked] or families
         tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, patience.most - len(results)))]
+
+
+def seeds_of(seed: int, starts: int) -> list[int]:
+    """Seeds of the starts, reproducible from one seed; more starts extend the list."""
+    return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
 
 
 def _made_by_hand(request: Request, motion: Trajectory, file: Path, case: Case) -> Found:

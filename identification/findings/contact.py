@@ -26,7 +26,8 @@ from identification.fitting import Fitted, fit_samples
 from identification.model import Model
 from identification.recording import Recording
 from identification.result import Delay
-from identification.samples import PART, Samples, fair_part
+from identification.samples import Samples
+from identification.signals import PART, fair_part
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

@@ -34,8 +34,8 @@ from identification.parameters import OFFSETS, nominal_parameters
 from identification.recording import Recording
 from identification.runs.averaging import PeriodicRun
 from identification.runs.preparation import moving_run
-from identification.samples import Standstills, fair_part
-from identification.signals import decimated
+from identification.samples import Standstills
+from identification.signals import decimated, fair_part
 
 Array = NDArray[np.float64]
 

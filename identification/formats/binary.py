@@ -8,7 +8,6 @@ Joints go by name, for their order differs between messages; messages of other j
 Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
 """
 
-import os
 import struct
 from array import array
 from collections.abc import Iterator, Sequence
@@ -33,17 +32,6 @@ if TYPE_CHECKING:
 STAMP = "header.stamp"
 AXES = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")
 KINDS = {"joints": "sensor_msgs/msg/JointState", "wrench": "geometry_msgs/msg/WrenchStamped"}
-_STORED = (".mcap", ".db3")
-
-
-def is_bag(path: Path) -> bool:
-    """Whether a path is the folder of a bag."""
-    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False of names that no system takes
-
-
-def bag_of(path: Path) -> Path:
-    """The folder of the bag whose file a path is; else the path itself."""
-    return path.parent if path.suffix in _STORED and is_bag(path.parent) else path
 
 
 def bag_format(case: Case) -> RecordingFormat:

@@ -24,12 +24,11 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
-from identification.formats.binary import bag_of, is_bag
 from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.looked import CLOCKS, RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
-from identification.formats.reading import read_run, read_tables
+from identification.formats.reading import bag_of, is_bag, read_run, read_tables
 from identification.formats.table import Array, require_file
 from identification.formats.text import Fields, parse, read_blocks
 

@@ -3,6 +3,7 @@
 From files to a run: each file in its format, streams told apart by their columns, on one time axis.
 """
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
@@ -62,7 +63,7 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
 
 
 def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
-    if binary.is_bag(file):
+    if is_bag(file):
         return binary.bag_tables
     require_file(file)
     try:
@@ -78,7 +79,7 @@ def _size(file: Path) -> int:
 
 
 def _files(place: Path) -> list[Path]:
-    return sorted(place.iterdir()) if binary.is_bag(place) else [place]
+    return sorted(place.iterdir()) if is_bag(place) else [place]
 
 
 def free_memory() -> int:
@@ -156,6 +157,19 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     return Recording(**own, others=others, case=case, paths=tuple(paths))
 
 
+_STORED = (".mcap", ".db3")  # of a bag
+
+
+def is_bag(path: Path) -> bool:
+    """Whether a path is the folder of a bag."""
+    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False of names that no system takes
+
+
+def bag_of(path: Path) -> Path:
+    """The folder of the bag whose file a path is; else the path itself."""
+    return path.parent if path.suffix in _STORED and is_bag(path.parent) else path
+
+
 def files_of(paths: Sequence[Path]) -> list[Path]:
     """The files that paths mean: a folder of `hexcite run` means the recording in it, a bag all of its files."""
     return [file for path in paths for file in _files(_file_of(path, None)[0])]
@@ -164,8 +178,8 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
 def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
     """The file or bag that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
     try:
-        path = binary.bag_of(path)
-        if binary.is_bag(path):
+        path = bag_of(path)
+        if is_bag(path):
             return path, RecordingFormat() if case is None else binary.bag_format(case)
         if path.is_dir():
             parquet = path / "recording.parquet"

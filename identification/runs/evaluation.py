@@ -33,8 +33,7 @@ from identification.hexapod import Kinematics, StrutsDoNotClose
 from identification.machines import Machine
 from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording
-from identification.samples import fair_part
-from identification.signals import Filter, decimated
+from identification.signals import Filter, decimated, fair_part
 
 Array = NDArray[np.float64]
 

@@ -206,21 +206,3 @@ class _Told(ca.Callback):  # type: ignore[misc]
         self.latest = [*self.latest[-PATIENCE:], float(value[0]) if outside < INSIDE else np.inf]
         self.settled = len(self.latest) > PATIENCE and max(self.latest) < min(self.latest) + GAIN
         return [float(self.watch(float(value[0])) or self.settled)]
-
-
-def last_words(status: object) -> str:
-    """A solver's return status in plain words."""
-    return str(status).replace("_", " ").lower()
-
-
-def solver_text(words: str) -> str:
-    """A solver's last words as people are shown them: to stop at the iterations that a stage has is not a failure."""
-    plain = last_words(words)
-    return _SHOWN.get(plain, plain)
-
-
-_SHOWN = {
-    "maximum iterations exceeded": "at its iteration limit",
-    "user requested stop": "stopped by the time limit or by Ctrl-C",
-    "solve succeeded": "converged",
-}

@@ -293,8 +293,3 @@ def run_safely(task: Task, watch: Watch) -> Start | Failed:
         return run_start(task, watch)
     except HexciteError as error:
         return Failed(task.seed, error.typed)
-
-
-def seeds_of(seed: int, starts: int) -> list[int]:
-    """Seeds of the starts, reproducible from one seed; more starts extend the list."""
-    return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]

@@ -11,7 +11,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identifiability, identify
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.samples import STRETCHES, fair_part
+from identification.signals import STRETCHES, fair_part
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
