@@ -105,7 +105,7 @@ def identify(
         verify_result,
     )
     from planner.runs.identifying import Wish, identified
-    from planner.runs.recorded import StandstillWish, case_of, poses_of_plan
+    from planner.runs.recorded import case_of, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)
     if verify is not None:
@@ -117,7 +117,8 @@ def identify(
         lambda model: method_of(model, loaded, estimator, fix, drop, symmetric, prior, weights, biases, stale),
         words,
         conditioning,
-        StandstillWish(None if poses is None else poses_of_plan(poses, loaded), standstills),
+        None if poses is None else poses_of_plan(poses, loaded),
+        standstills,
     )
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)

@@ -29,7 +29,7 @@ from planner.noise import PoseErrors, expected_noise, mean_information, of_estim
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
-from planner.runs.recorded import standing_of
+from planner.runs.identifying import standing_of
 from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]

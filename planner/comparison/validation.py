@@ -18,7 +18,7 @@ from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, ca
 from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps
 from planner.comparison.step import MethodStep
 from planner.comparison.verdict import Claim, findings
-from planner.runs.recorded import standing_of
+from planner.runs.identifying import standing_of
 from planner.runs.running import require_controller
 
 
