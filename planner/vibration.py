@@ -19,7 +19,7 @@ from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from identification.simulate import circumstances, mode_frequency
-from identification.trajectories.executed import DriveExecution, vibrating
+from identification.trajectories.executed import Execution, vibrating
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
@@ -152,7 +152,7 @@ def _evaluated(
     step = low_pass.step
     t = np.arange(int(np.ceil(run.duration / step)) + 1) * step
     lengths = hexapod.strut_lengths(run.at(np.minimum(t, run.duration)).pose)
-    execution = DriveExecution.of_set_points(hexapod, step, lengths)
+    execution = Execution.of_set_points(hexapod, step, lengths)
     t = t[t <= execution.duration]
     struts, kinematics = execution.struts(t), execution.kinematics(t)
     vibrating_motion = replace(kinematics, twist_rate=vibrating(kinematics.twist_rate, step, frequency, damping))

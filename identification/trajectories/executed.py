@@ -4,7 +4,7 @@ Drives that ripple and a platform that vibrates are executed motions too.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,31 +25,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Execution(Protocol):
-    """What the machine did, from time 0 to `duration`."""
-
-    @property
-    def machine(self) -> Machine:
-        """Its kinematics."""
-
-    @property
-    def duration(self) -> float:
-        """Duration [s]."""
-
-    @property
-    def extremes(self) -> Array:
-        """Instants among which the largest accelerations are found, shape (n,) [s]."""
-
-    def struts(self, t: ArrayLike, order: int = 0) -> Array:
-        """What drives are at at times t (struts, or joints), or its first or second derivatives, shape (n, k)."""
-
-    def kinematics(self, t: ArrayLike) -> Kinematics:
-        """Motion of the load's frame at times t, shape (n,) [s]."""
-
-
 @dataclass(frozen=True, slots=True)
-class DriveExecution:
-    """A controller that interpolates drives by cubic splines between its cycles, as LinuxCNC does.
+class Execution:
+    """What the machine did, from time 0 to `duration`, under a controller that interpolates drives as LinuxCNC does.
 
     Its interpolator makes a uniform cubic B-spline of the inverse kinematics, and logs positions on it; accelerations
     are straight lines between those of the cycles, and known exactly.
@@ -59,14 +37,14 @@ class DriveExecution:
     spline: "BSpline"  # drives over time [m or rad]
 
     @classmethod
-    def of_log(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":
+    def of_log(cls, machine: Machine, period: float, drives: Array) -> "Execution":
         """Through logged drives, shape (n, k) [m or rad], one each `period` [s]."""
         from scipy.interpolate import make_interp_spline
 
         return cls(machine, make_interp_spline(np.arange(len(drives)) * period, drives, k=3))
 
     @classmethod
-    def of_set_points(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":
+    def of_set_points(cls, machine: Machine, period: float, drives: Array) -> "Execution":
         """The uniform B-spline whose control points are set points, shape (n, k) [m or rad], one each `period` [s].
 
         It begins and ends standing still, and accelerates no more than the set points do from cycle to cycle.
@@ -220,7 +198,7 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     sections = butter(3, band, btype="bandpass", fs=1.0 / RIPPLE_STEP, output="sos")
     velocity = sosfiltfilt(sections, draw.normal(size=lengths.shape), axis=0)
     velocity *= disturbances.ripple * speeds / np.sqrt(np.mean(velocity**2, axis=0))
-    return DriveExecution.of_log(execution.machine, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
+    return Execution.of_log(execution.machine, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
 
 
 def vibrating(accelerations: Array, step: float, frequency: float, damping: float) -> Array:

@@ -57,7 +57,7 @@ def poses(
     grid = loaded.poses if isinstance(loaded.poses, Poses) else None
     steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
     with progress("choosing poses", steps, json) as report:
-        plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses"), own)
+        plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses", 1), own)
     with status("writing", json):
         save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()

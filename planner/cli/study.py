@@ -74,7 +74,7 @@ def run(
                 def on_end(end: Any) -> None:
                     nonlocal busy
                     busy += end.seconds
-                    count("" if end.reason is None else "(the last one failed)")
+                    count("" if end.reason is None else "(the last one failed)", 1)
 
                 computed = run_study(client, study, loaded, folder, on_end)
         except Interrupted:

@@ -18,7 +18,7 @@ from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
-from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
+from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information
 from planner.runs.recorded import stood, way_of
@@ -174,7 +174,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
         remark = f"{remark}; {surplus}" if remark else surplus
-    execution = DriveExecution.of_log(machine_of(case), log.period, log.drives)
+    execution = Execution.of_log(machine_of(case), log.period, log.drives)
     on = windows(log.trigger, log.period)
     measured = on if at_poses else moving_windows(log.trigger, log.drives, log.period)
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)

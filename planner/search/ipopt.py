@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -23,13 +23,8 @@ class Reached:
     iterations: int  # taken
 
 
-class Watch(Protocol):
-    """Is told of every iteration; says whether to stop."""
-
-    def __call__(self, objective: float) -> bool:
-        """Takes the objective of the iteration; true stops the solver."""
-        ...
-
+Watch = Callable[[float], bool]
+"""Is told the objective of every iteration; true stops the solver."""
 
 INSIDE = 1e-4  # of a limit, by which an iterate may exceed it and still count
 GAIN, PATIENCE = 2e-4, 8  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time

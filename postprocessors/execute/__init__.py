@@ -10,7 +10,7 @@ from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading import Reading
 
 if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
-    from identification.trajectories.executed import DriveExecution
+    from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ class ExecutedRun:
     """A run."""
 
     controller: str  # name and version
-    execution: "DriveExecution"  # the motion, continuous in time
+    execution: "Execution"  # the motion, continuous in time
     trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
     real: bool  # whether a real controller ran it (the machine is simulated in any case)
     remark: str = ""  # what to know about this run; empty where there is nothing

@@ -31,12 +31,12 @@ def test_offsets_are_scaled_by_one() -> None:
 
 
 def test_uniform_states_fill_the_box_and_stay_inside() -> None:
-    states, box = uniform_states(CASE, 5000, seed=0), CASE.limits.motion
-    relative = states.pose - CASE.machine.home.vector
+    (poses, rates, accelerations), box = uniform_states(CASE, 5000, seed=0), CASE.limits.motion
+    relative = poses - CASE.machine.home.vector
     for values, low, high in (
         (relative, *box.pose),
-        (states.rates, -box.rate, box.rate),
-        (states.accelerations, -box.acceleration, box.acceleration),
+        (rates, -box.rate, box.rate),
+        (accelerations, -box.acceleration, box.acceleration),
     ):
         assert np.all((values >= low) & (values <= high))
         np.testing.assert_allclose(np.ptp(values, axis=0), high - low, rtol=0.01)

@@ -20,7 +20,7 @@ from identification.simulate import (
     pose_covariance,
     pose_fields,
 )
-from identification.trajectories.executed import DriveExecution, rippled, vibrating
+from identification.trajectories.executed import Execution, rippled, vibrating
 from tests.helpers import Harmonic, paper_poses
 from tests.simulated_machine import PoseExecution, simulate_standstills, true_forces
 
@@ -101,7 +101,7 @@ def test_averaging_does_not_remove_the_pose_error():
 
 def test_the_ripple_moves_struts_at_its_share_of_their_speed_and_differs_from_run_to_run():
     one, other = (rippled(EXECUTION, FOUND, seed) for seed in (0, 1))
-    assert isinstance(one, DriveExecution)
+    assert isinstance(one, Execution)
     t = np.arange(0.0, 3.0, 1e-3)
     spread = one.struts(t) - EXECUTION.struts(t)
     velocity = np.gradient(spread, 1e-3, axis=0)
