@@ -225,7 +225,9 @@ def _turn(stride: int, count: int, phase: int) -> Spectrum:
     return np.asarray(np.exp(2j * np.pi * ((phase * index) % (stride * count)) / (stride * count)))
 
 
-PART = 8_000  # samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz
+FAIR_PART = (
+    8_000  # samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz
+)
 STRETCHES = 8  # that these are in
 
 
@@ -235,7 +237,7 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
     Args:
         count: count of the samples.
     """
-    most = times * PART
+    most = times * FAIR_PART
     if count <= most:
         return np.arange(count)
     size = most // STRETCHES
