@@ -225,9 +225,8 @@ def _turn(stride: int, count: int, phase: int) -> Spectrum:
     return np.asarray(np.exp(2j * np.pi * ((phase * index) % (stride * count)) / (stride * count)))
 
 
-FAIR_PART = (
-    8_000  # samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz
-)
+# Samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz.
+FAIR_PART = 8_000
 STRETCHES = 8  # that these are in
 
 
