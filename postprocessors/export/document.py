@@ -21,6 +21,11 @@ class _Exported(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class _Versioned(_Exported):
+    schema_version: Literal[1]
+    kind: Literal["hexcite calibration"]
+
+
 class Origin(_Exported):
     """What made the file, and from what."""
 
@@ -71,14 +76,12 @@ class ExportedStruts(_Exported):
     at: Literal["drive", "platform"] = Field(description="end of the strut at which the sensor sits")
 
 
-class Document(_Exported):
+class Document(_Versioned):
     """A calibrated measurement model: external = -structure (forces - A(pose, twist, twist rate) u), (1)-(22).
 
     A has one column for each entry of `linear`. `external` acts on the platform, at the origin of {P}, along its axes.
     """
 
-    schema_version: Literal[1]
-    kind: Literal["hexcite calibration"]
     origin: Origin
     warnings: list[str] = Field(description="of the identification; not empty only if the export was forced")
     model: int = Field(ge=0, le=9, description="identification model, Table 2")
