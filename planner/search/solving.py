@@ -38,7 +38,6 @@ TIGHTER = 2  # times at most that limits are constrained at more instants, and t
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
 REFINE, GLANCE = 25, 25  # iterations at most of refinements, and of a glance at another family than moves
-MENDING = 10  # of what is solved again more tightly: 25 took a fifth more time for 0.6 % of an efficiency
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
@@ -250,7 +249,7 @@ class _Run:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
         self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN + SLIPPED))
-        again = stage._replace(convex=False, iterations=MENDING, options=_AT_HAND)
+        again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
             slips = self.problem.slips(self.family.motion(unknowns))
             kept = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
