@@ -36,6 +36,7 @@ from cases.schema import Case
 from cases.units import MM
 from identification.formats.reading import files_of, read_run
 from identification.formats.stream import Recording
+from identification.formats.text import unreadable
 
 __all__ = ["Recording", "about_case", "files_of", "load_recording", "read", "save_recording", "write_recording"]
 
@@ -68,8 +69,13 @@ def record_of(path: Path) -> Mapping[str, Any]:
     """What recording.json in a folder says of its run; nothing where `path` is no such folder.
 
     Raises:
+        RecordingError: there is nothing at `path`.
         FileProblem: recording.json is damaged.
     """
+    try:
+        path.stat()
+    except (OSError, ValueError) as error:
+        raise unreadable(path, error) from error
     file = path / "recording.json"
     return read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
 

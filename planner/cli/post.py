@@ -28,6 +28,7 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
@@ -40,6 +41,7 @@ def post(
     It is read back and proven before it is written.
     """
     from cases.files import check_file, output_place
+    from cases.loading import load_case
     from planner.plans import Plan
     from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS
@@ -51,7 +53,7 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    loaded = Plan.load(plan, stale=stale)
+    loaded = Plan.load(plan, None if case is None else load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
@@ -103,12 +105,11 @@ def check(
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
     from cases.loading import load_case
-    from planner.runs.written import of_another
-    from postprocessors.program_file import read_program
+    from planner.runs.written import of_another, read_for
 
     loaded = load_case(case)
     with status(f"proving {program.name}", json):
-        read = read_program(program, loaded, dialect)
+        read = read_for(loaded, program, dialect)
         answer = answer_of_proof(read)
     if json:
         print_json(answer)
@@ -117,7 +118,7 @@ def check(
     try:
         read.proof.require()
     except ProgramError as error:
-        raise of_another(error, read.content, loaded) from error
+        raise of_another(error, program, read.content, loaded) from error
 
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:

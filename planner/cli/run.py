@@ -42,7 +42,8 @@ def run(
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.loaded import circumstances
-    from planner.runs.running import execute, read_to_run, require_controller, require_seed
+    from planner.runs.running import execute, require_controller, require_seed
+    from planner.runs.written import read_for
 
     require_seed(seed)
     require_controller(on)
@@ -51,7 +52,7 @@ def run(
     loaded = load_case(case)
     around = circumstances(loaded, payload, disturbed)
     with status(f"running {program.name} on {on}", json):
-        outcome = execute(read_to_run(program, loaded), loaded, on, seed, around)
+        outcome = execute(read_for(loaded, program), loaded, on, seed, around)
         outcome.recording.save(folder, overwrite)
     answer = answer_of_run(outcome, folder)
     if json:
