@@ -148,9 +148,10 @@ class Artefact(NamedTuple):
         name = self.about.get("case_file", case.name)
         more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
         if not stale:
+            differs = "has changed since" if case.origin == name else f"differs from {case.origin}"
             raise FileProblem(
                 self.file,
-                f"case {name} has changed since: {changes[0]}{more}",
+                f"case {name} {differs}: {changes[0]}{more}",
                 f"{self.again}, restore the case, or go on at your own risk with --stale",
             )
         return (*earlier, f"stale: {self.file} is of case {case.name} before {'; '.join(changes)}")

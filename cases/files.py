@@ -108,22 +108,23 @@ def atomic_file(path: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
-def free_name(path: Path) -> Path:
+def free_name(path: Path, separator: str = "-") -> Path:
     """`path` where nothing stands there, else the first of path-2, path-3, .. that is free."""
-    names = (path.with_name(f"{path.stem}-{k}{path.suffix}") for k in count(2))
+    names = (path.with_name(f"{path.stem}{separator}{k}{path.suffix}") for k in count(2))
     return next(p for p in chain([path], names) if not os.path.lexists(p))
 
 
-def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
+def output_place(named: Path | None, usual: Path, overwrite: bool, separator: str = "-") -> Path:
     """Where a command writes: the place that was named, else the usual one, or a free name beside it.
 
     Args:
         named: place given with -o; None where none was given.
         overwrite: whether the usual place may be replaced.
+        separator: between the usual name and the number of a free one.
     """
     if named is not None:
         return named
-    return usual if overwrite else free_name(usual)
+    return usual if overwrite else free_name(usual, separator)
 
 
 def _refuse_to_replace(path: Path, content: str) -> NoReturn:

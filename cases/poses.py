@@ -124,12 +124,18 @@ class Steps(Part):
     steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
 
 
-def load_sequence(file: Path) -> Steps:
+def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
     """Reads a sequence from a TOML file.
 
+    Args:
+        file: TOML file.
+        columns: coordinates of the machine; steps are those of a platform.
+
     Raises:
-        FileProblem: it cannot be read or describes no sequence; the message names the step.
+        FileProblem: it cannot be read or describes no sequence; the message names the step. Or the machine has others.
     """
+    if tuple(columns) != POSE:
+        raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
     try:
         data = tomllib.loads(file.read_text(encoding="utf-8"))
         return Steps.model_validate(data)

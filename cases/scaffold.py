@@ -308,7 +308,7 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "run": _RUN,
     "identify a motion": ("recording.filter_cutoff_Hz",),
     "identify standstills, force, tare": (),
-    "validate": (*_RUN, "nominal", "poses", "payloads"),
+    "validate": (*_RUN, "controller.sinumerik", "nominal", "poses", "payloads"),  # on the virtual controller
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""

@@ -21,7 +21,7 @@ from identification.estimation.estimators import FitProblem, Method
 from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
-from identification.findings.fit_checks import CHECKS, other_mass, require_scale
+from identification.findings.fit_checks import CHECKS, leaves_much, no_body, other_mass, require_scale
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
@@ -80,7 +80,7 @@ def identify(
             except (IdentificationError, RecordingError) as error:
                 require_wiring(recording, case, model, negative=isinstance(error, NegativeMass))
                 raise
-            if estimate.warnings:
+            if estimate.warnings or leaves_much(estimate.fit, estimate.evaluation.evaluated.forces, case):
                 require_wiring(recording, case, model)
         return estimate
     except (IdentificationError, RecordingError) as error:
@@ -103,7 +103,8 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     if softer is not None:
         estimate = replace(_evaluated(recording, softer, model, method, conditioning), case=case)
     require_scale(model, estimate.fit.values, case)
-    return replace(estimate, findings=(*estimate.findings, *other_mass(model, estimate.fit.values, case)))
+    doubts = [*other_mass(model, estimate.fit.values, case), *no_body(model, estimate.fit)]
+    return replace(estimate, findings=(*estimate.findings, *doubts))
 
 
 def samples_of(

@@ -35,7 +35,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.units import MM, as_html
 from identification.findings import Finding, Kind, note
-from identification.formats.table import Array, Lines, lost_samples, uniform_step
+from identification.formats.table import Array, Lines, lost_samples, uniform_step, unreadable
 
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
@@ -223,8 +223,13 @@ def record_of(path: Path) -> Mapping[str, Any]:
     """What recording.json in a folder says of its run; nothing where `path` is no such folder.
 
     Raises:
+        RecordingError: there is nothing at `path`.
         FileProblem: recording.json is damaged.
     """
+    try:
+        path.stat()
+    except (OSError, ValueError) as error:
+        raise unreadable(path, error) from error
     file = path / "recording.json"
     return read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
 

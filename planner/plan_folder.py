@@ -89,7 +89,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
 
     Args:
         folder: its folder.
-        case: case for which the motion is taken, instead of the plan's own.
+        case: stands for the case that the plan names, which may have been moved.
         stale: read it although what it was computed from has changed in its case.
 
     Raises:
@@ -117,7 +117,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         raise FileProblem(f"{file}: its motion does not have the {count} coordinates of case {own.name}; plan again")
     payload = data.get("payload", 0)
     now = plan_basis(own, payload if isinstance(payload, int) else 0, of_poses)
-    remarks = artefact.require_unchanged(now, own, stale) if case is None else ()
+    remarks = artefact.require_unchanged(now, own, stale)
     if not artefact.changes(now, own.hash) and (problem := problem_of(data, motion, own)):
         raise FileProblem(file, problem, "plan again")
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)

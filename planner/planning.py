@@ -38,19 +38,25 @@ KEPT = 3  # of several orders and periods, the best get more starts
 ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time
 
 
-def _rival(request: Request, case: Case) -> Task | None:
-    """One start of another family that takes seconds, to compare with."""
+def _of_families(results: Sequence[Start | Failed], request: Request) -> tuple[list[Start], list[Start]]:
+    """Starts of the family asked for, and those of another to compare with."""
+    starts = [r for r in results if isinstance(r, Start)]
+    own = [s for s in starts if s.family.name == request.family.name]
+    return own, [s for s in starts if s.family.name != request.family.name]
+
+
+def _rival(request: Request, case: Case) -> list[Task]:
+    """One start of another family that takes seconds, to compare with; none where nothing is to be compared."""
     if request.starts == 1 or request.criterion != "D":  # one start was asked for, or what D does not measure
-        return None
+        return []
     rival = request.family.rival
     try:
         require_plannable(replace(request, family=rival, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
-        return None
+        return []
     (family,) = rival.families(case, request.duration)
-    return Task(
-        case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family, case)
-    )
+    begin = shipped_start(family, case)
+    return [Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, begin)]
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
@@ -63,16 +69,21 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     listener.begin(request)
     own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
-    results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
-    score = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
+    rival = _rival(request, case)
+    late = patience.refined == 1  # the rival then has the core that one refinement leaves free
+    results, interrupted = _explored(request, own, case, [] if late else rival, listener, run, patience.exploring())
+    explored, _ = _of_families(results, request)
+    score = max((s.score for s in explored if s.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
-    rough = [s for s in results if isinstance(s, Start) and not s.refined and s.promise > score]
+    rough = [s for s in explored if not s.refined and s.promise > score]
     best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
             for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
-    if best and not interrupted:
-        second = run(best, listener, patience)
+    last = [*best, *(rival if late else [])]
+    if last and not interrupted:
+        second = run(last, listener, patience)
         results, interrupted = results + second.results, second.interrupted
-    starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
+    starts, others = _of_families(results, request)
+    starts.sort(key=lambda s: -s.score)
     failed = [r for r in results if isinstance(r, Failed)]
     if not starts:
         if interrupted:
@@ -84,15 +95,14 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         fresh = fresh if fresh.settings == best_family.settings else best_family
         one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
                    begin=shipped_start(fresh, case))  # fmt: skip
-        last = run([one], replace(SILENT, news=listener.news), patience)
-        white, interrupted = next((r for r in last.results if isinstance(r, Start)), None), last.interrupted
+        alone = run([one], replace(SILENT, news=listener.news), patience)
+        white, interrupted = next((r for r in alone.results if isinstance(r, Start)), None), alone.interrupted
     winner = starts[0].family
     unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
     report = own.reported(prove(motion, case)) if own.step_time else report
     settings = {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})}
-    rival = next(iter(rivals), None)
-    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival, white)
+    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, next(iter(others), None), white)
 
 
 def _by_errors(request: Request, case: Case, result: Found, listener: Listener, run: Runner) -> tuple[Request, Found]:
@@ -121,9 +131,15 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
 
 
 def _explored(
-    request: Request, own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience
-) -> tuple[list[Start | Failed], list[Start], bool]:
-    """Results of all starts, of other families to compare with, and whether Ctrl-C ended them.
+    request: Request,
+    own: Controlled,
+    case: Case,
+    rival: Sequence[Task],
+    listener: Listener,
+    run: Runner,
+    patience: Patience,
+) -> Outcome:
+    """Results of all starts, those of `rival` among them, and whether Ctrl-C ended them.
 
     `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
     that follow go to the best of them.
@@ -137,19 +153,14 @@ def _explored(
     first = max(len(families), min(1 + patience.idle, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
-    rival = _rival(request, case)
-    results: list[Start | Failed] = []
-    rivals: list[Start] = []
+    everything: list[Start | Failed] = []
+    tasks += rival
     while True:
-        outcome = run([*tasks, *([] if rival is None else [rival])], listener, patience)
-        for result in outcome.results:
-            if isinstance(result, Start) and rival is not None and result.family.name != request.family.name:
-                rivals.append(result)
-            else:
-                results.append(result)
-        rival = None
+        outcome = run(tasks, listener, patience)
+        everything += outcome.results
+        results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
         if outcome.interrupted or patience.over() or patience.enough(results) or len(results) >= patience.most:
-            return results, rivals, outcome.interrupted
+            return Outcome(everything, outcome.interrupted)
         starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
         names = [family.settings for family in families]
         ranked = dict.fromkeys(names.index(s.family.settings) for s in starts) if several else {}

@@ -18,7 +18,7 @@ from identification.findings.readings import drifting
 from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
-from identification.parameters import MASS
+from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
 from identification.recording import Recording
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
@@ -32,6 +32,8 @@ LEAST_SERIES = 50  # samples that tell an autocorrelation
 THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
 GRAM = 1e-3  # [kg]
 OTHER_MASS = 1.0 / 3.0  # of the nominal mass
+CERTAIN = 4.0  # standard deviations by which a quantity is below zero for certain
+MUCH = 0.1  # rms of the residuals over that of what varies
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
 RATE_TOLERANCE = 0.02  # of the rate of a recording
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
@@ -76,6 +78,39 @@ def other_mass(model: Model, values: Array, case: Case) -> list[Finding]:
     key = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
     sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
     return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
+
+
+def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
+    """Whether a fit leaves a tenth or more of what varies in the forces, shape (n, 6), or in the moments among them."""
+    units = (slice(0, 3), slice(3, 6)) if case.sensor_frame.has_moments else (slice(0, 6),)
+    return any(np.mean(fit.residuals[:, u] ** 2) > MUCH**2 * np.mean(forces[:, u].var(axis=0)) for u in units)
+
+
+def no_body(model: Model, fit: Fit) -> list[Finding]:
+    """What to say of moments of inertia that no body has: along any line, mass spreads by zero or more.
+
+    The second moments of a body's mass are 1/2 tr(I) 1 - I, positive semidefinite (Wensing, Kim and Slotine 2018).
+    """
+    if INERTIA not in model.blocks:
+        return []
+    form = physical_form(model)
+    names = [parameter.name for parameter in form.parameters]
+    places = [names.index(f"IC{i + 1}{j + 1}") for i, j in INERTIA_INDEX]
+    values, white = form.of(fit.values, fit.covariance)
+    robust = form.of(fit.values, fit.covariance_robust)[1]
+    inertia = np.zeros((3, 3))
+    for (i, j), value in zip(INERTIA_INDEX, values[places], strict=True):
+        inertia[i, j] = inertia[j, i] = value
+    moments, lines = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
+    least, line = float(moments[0]), lines[:, 0]
+    slopes = np.array([0.5 - line[i] ** 2 if i == j else -2.0 * line[i] * line[j] for i, j in INERTIA_INDEX])
+    deviation = max(float(np.sqrt(slopes @ c[np.ix_(places, places)] @ slopes)) for c in (white, robust))
+    if least >= -CERTAIN * deviation:
+        return []
+    along = ", ".join(f"{component + 0.0:.2f}" for component in line)
+    sentence = f"no body has these moments of inertia: its mass would spread by {least:.2g} +- {deviation:.1g} kg m^2 "
+    sentence += f"along ({along}) of the platform, and cannot by less than 0; check signs and order of force and "
+    return [warning(Kind.MODEL, f"{sentence}moment channels, and the dimensions of the machine")]
 
 
 def unlikely(fit: Fit, forces: Array) -> list[Finding]:

@@ -88,7 +88,7 @@ def scan(recording: Recording, case: Case) -> Scan:
             recording.source,
             f"{100 * bad.sum() / count:.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
             f"be: {findings[0]}",
-            "mend the sensor and record again",
+            "mend the sensor and record again, or name the case of the machine that was recorded",
         )
     return Scan(tuple(findings), bad)
 

@@ -68,7 +68,7 @@ class Order(NamedTuple):
         if all(self.places[self.places[k]] == k for k in exchanges):
             pairs = [f"{k + 1} and {self.places[k] + 1}" for k in exchanges if k < self.places[k]]
             return f"{what} {', '.join(pairs)} are exchanged"
-        return f"{what} are shifted by {self.places[0]} places"
+        return f"{what} are shifted by {self.places[0]} place{'s' * (self.places[0] > 1)}"
 
 
 STRAIGHT = Order(tuple(range(6)))
@@ -136,7 +136,9 @@ def _remedy(case: Case, side: str, order: Order) -> str:
             return "turn these entries of recording.drives.sign in the case"
         if case.sensor_frame.bars is not None:
             return "exchange both ends of these bars in sensor_frame.bars, or turn the signs in the recorder"
-        return "turn the signs in the recorder, or set the other sensor_frame.transducer.sense"
+        if case.sensor_frame.transducer is not None and not any(sign > 0 for sign in order.signs):
+            return "set the other sensor_frame.transducer.sense, or turn the signs in the recorder"
+        return "turn the signs in the recorder"
     if side == "strut" and case.recording.drives is not None:
         numbers = [case.recording.drives.order[place] for place in order.places]
         return f"write recording.drives.order = {numbers}"

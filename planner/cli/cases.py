@@ -55,6 +55,8 @@ def check(
         figures: dict[str, Any] = case_figures(case)
     except CaseError as error:
         if len(error.problems) < 2:
+            for remark in () if json else _doubts(case):
+                print(f"look at {remark}")
             raise
         if json:  # one line has them all; nothing stands on standard output
             raise CaseError(error.file, "", "; ".join(error.problems)) from error
@@ -96,6 +98,18 @@ def check(
         _print_reach(reach, case, proposal is None)
     if proposal is not None:
         _print_proposal(proposal)
+
+
+def _doubts(case: str) -> tuple[str, ...]:
+    """What is odd in a case that is valid in itself, though its machine cannot stand at home."""
+    from cases.errors import CaseError
+    from cases.loading import load_case
+    from planner.reports.case_figures import leftovers
+
+    try:
+        return leftovers(load_case(case))
+    except CaseError:
+        return ()
 
 
 def _print_reach(reach: "Reach", case: str, advise: bool) -> None:

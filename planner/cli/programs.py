@@ -32,6 +32,7 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
@@ -44,6 +45,7 @@ def post(
     It is read back and proven before it is written.
     """
     from cases.files import check_file, output_place
+    from cases.loading import load_case
     from planner.plans import Plan
     from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS
@@ -55,7 +57,7 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    loaded = Plan.load(plan, stale=stale)
+    loaded = Plan.load(plan, None if case is None else load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
@@ -107,12 +109,11 @@ def check(
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
     from cases.loading import load_case
-    from planner.runs.written import of_another
-    from postprocessors.dialects import read_program
+    from planner.runs.written import of_another, read_for
 
     loaded = load_case(case)
     with status(f"proving {program.name}", json):
-        read = read_program(program, loaded, dialect)
+        read = read_for(loaded, program, dialect)
         answer = answer_of_proof(read)
     if json:
         print_json(answer)
@@ -121,7 +122,7 @@ def check(
     try:
         read.proof.require()
     except ProgramError as error:
-        raise of_another(error, read.content, loaded) from error
+        raise of_another(error, program, read.content, loaded) from error
 
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
@@ -185,7 +186,8 @@ def run(
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.simulate import circumstances
-    from planner.runs.running import execute, read_to_run, require_controller, require_seed
+    from planner.runs.running import execute, require_controller, require_seed
+    from planner.runs.written import read_for
 
     require_seed(seed)
     require_controller(on)
@@ -194,7 +196,7 @@ def run(
     loaded = load_case(case)
     around = circumstances(loaded, payload, disturbed)
     with status(f"running {program.name} on {on}", json):
-        outcome = execute(read_to_run(program, loaded), loaded, on, seed, around)
+        outcome = execute(read_for(loaded, program), loaded, on, seed, around)
         outcome.recording.save(folder, overwrite)
     answer = answer_of_run(outcome, folder)
     if json:

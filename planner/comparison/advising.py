@@ -145,6 +145,8 @@ def _comparable(one: Conditions, other: Conditions) -> bool:
         return False
     if one.noise is None or other.noise is None:
         return True
+    if one.case.recording.rate_Hz != other.case.recording.rate_Hz:  # as many samples a second carry the noise
+        return False
     if PoseField.of(one.case.sensors) != PoseField.of(other.case.sensors):  # one prediction counts errors of the pose
         return False
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
@@ -153,7 +155,11 @@ def _comparable(one: Conditions, other: Conditions) -> bool:
 def _in_words(conditions: Sequence[Conditions]) -> str:
     """Machine, load and noise of entries that have them in common."""
     loads = [f"{c.load:.4g} kg mounted" for c in conditions if c.load is not None]
-    noises = [f"noise {c.noise:.3g} N{_by_pose(c.case)}" for c in conditions if c.noise is not None]
+    noises = [
+        f"noise {c.noise:.3g} N at {c.case.recording.rate_Hz:g} Hz{_by_pose(c.case)}"
+        for c in conditions
+        if c.noise is not None
+    ]
     machines = [c.machine for c in conditions if c.machine is not None]
     return ", ".join([f"case {conditions[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
 

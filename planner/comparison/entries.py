@@ -178,7 +178,7 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     about = read_json(file, "hexcite run")
     artefact = Artefact(file, about, "run the program again")
     case = artefact.case() if user_case is None else user_case
-    stale_in = () if user_case is not None else artefact.require_unchanged(recording_basis(case), case, stale)
+    stale_in = artefact.require_unchanged(recording_basis(case), case, stale)
     recorded = on_one_clock(read(path, case), case)
     recording, _ = standing_of(recorded, case)
     model = identification_model(case, default_model(recording, case))

@@ -50,6 +50,11 @@ class Family(Protocol):
         ...
 
     @property
+    def mending(self) -> int:
+        """The same where a refined motion is solved again more tightly."""
+        ...
+
+    @property
     def duration(self) -> float:
         """Of the excitation [s]."""
         ...

@@ -75,6 +75,7 @@ class SplineFamily:
         return cls(intervals, duration, middle, half, slip)
 
     iterations: ClassVar[int] = 50
+    mending: ClassVar[int] = 10
 
     @property
     def name(self) -> str:

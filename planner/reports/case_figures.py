@@ -11,7 +11,7 @@ import numpy as np
 from cases.basis import values
 from cases.errors import CaseError
 from cases.loading import built_in_cases, find_case, load_case
-from cases.machine import Limits
+from cases.machine import Joints, Limits
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.limit import LimitKind
@@ -237,6 +237,17 @@ def _of_gravity(case: Case) -> Iterator[str]:
         )
 
 
+def _joints(case: Case) -> dict[str, Joints]:
+    """The points of machine and sensor frame by their tables."""
+    joints = {}
+    if case.hexapod is not None:
+        joints = {"machine.base": case.hexapod.base, "machine.platform": case.hexapod.platform}
+    if case.sensor_frame.bars is not None:
+        lower, upper = case.sensor_frame.bars.lower, case.sensor_frame.bars.upper
+        joints |= {"sensor_frame.bars.lower": lower, "sensor_frame.bars.upper": upper}
+    return joints
+
+
 def _of_units(case: Case) -> Iterator[str]:
     """Angles that look like radians and lengths that look like metres."""
     angles: dict[str, tuple[float, float]] = {}
@@ -253,10 +264,11 @@ def _of_units(case: Case) -> Iterator[str]:
         lengths["limits.motion.strut_length_mm"] = max(motion.strut_length_mm)
     if case.hexapod is not None:
         lengths["machine.home.z_mm"] = abs(case.hexapod.home.z_mm) or np.inf
-        for name in ("base", "platform"):
-            joints = getattr(case.hexapod, name)
-            field = "ring.radius_mm" if joints.ring is not None else "points_mm"
-            lengths[f"machine.{name}.{field}"] = float(np.abs(joints.points).max()) * 1e3
+    for name, joints in _joints(case).items():
+        field = "ring.radius_mm" if joints.ring is not None else "points_mm"
+        lengths[f"{name}.{field}"] = float(np.abs(joints.points).max()) * 1e3
+        if joints.ring is not None:
+            angles[f"{name}.ring.half_angle_deg"] = (joints.ring.half_angle_deg, _RADIANS)
     for key, (value, most) in angles.items():
         if value <= most:
             yield f"{key}: {value:g} degrees at most; these look like radians, give degrees"

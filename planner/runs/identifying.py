@@ -88,11 +88,11 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
     method = wish.how(identification_model(case, number, wish.terms))
     try:
         estimate = estimate_parameters(run, case, number, method, wish.terms, wish.conditioning)
-    except StrutsDoNotClose as error:
+    except (IdentificationError, RecordingError) as error:
         own = recording.record.get("case")
         if own not in (None, case.name):
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
-        if other := fitting_case(error.lengths, case, case.origin or None):
+        if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case, case.origin or None)):
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     estimate = replace(estimate, findings=(*estimate.findings, *shorter_than_planned(whole)))

@@ -53,7 +53,7 @@ def case_of(
 
 
 def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
-    """A case whose machine has a pose with such strut lengths: a built-in one, or one in a folder beside this case's.
+    """A case whose machine has a pose with such strut lengths: built in, or in a folder beside this one's, or here.
 
     Args:
         lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
@@ -61,7 +61,8 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
         name: its name, if it has one.
     """
     own = None if name is None or name in built_in_cases() else find_case(name)
-    around = [] if own is None else sorted(own.resolve().parent.parent.glob(f"*/{CASE_FILE}"))
+    places = [Path.cwd()] if own is None else [own.resolve().parent.parent, Path.cwd()]
+    around = dict.fromkeys(file for place in places for file in sorted(place.glob(f"*/{CASE_FILE}")))
     for candidate in (*built_in_cases(), *map(str, around)):
         try:
             other = load_case(candidate)
@@ -83,7 +84,7 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
         FileProblem: no plan there, or damaged.
         HexciteError: no plan of poses.
     """
-    plan = load_plan(folder, case)
+    plan = load_plan(folder, case, stale=True)  # of a plan of poses only these are wanted
     if not len(plan.poses):
         raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     return plan.poses

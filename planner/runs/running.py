@@ -22,8 +22,8 @@ from identification.trajectories.executed import Execution, executed_information
 from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information
 from planner.runs.recorded import stood, way_of
-from planner.runs.written import of_another, plan_of_program, written_for_another
-from postprocessors.dialects import Program, read_program
+from planner.runs.written import of_another, plan_of_program, read_for, written_for_another
+from postprocessors.dialects import Program
 from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
@@ -124,18 +124,6 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     return replace(outcome, recording=replace(outcome.recording, case=case, record=record))
 
 
-def read_to_run(file: Path, case: Case) -> Program:
-    """Reads a program; where it cannot be read because it is for another state of the case, that is said too.
-
-    Raises:
-        ProgramError: it cannot be read or understood.
-    """
-    try:
-        return read_program(file, case)
-    except ProgramError as error:
-        raise of_another(error, file.read_bytes() if file.is_file() else b"", case) from error
-
-
 def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
     """Proves a program and runs it: its stretches, and what the controller did.
 
@@ -146,7 +134,7 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
     try:
         program.proof.require()
     except ProgramError as error:
-        raise of_another(error, program.content, case) from error
+        raise of_another(error, program.path, program.content, case) from error
     parts = stretches(program.reading)
     if on == "virtual":
         run = run_virtual(program.reading, case, program.guarantees)
@@ -227,7 +215,7 @@ def run(
     require_seed(seed)
     require_controller(on)
     around = circumstances(case, payload, disturbed)
-    read = program if isinstance(program, Program) else read_to_run(Path(program), case)
+    read = program if isinstance(program, Program) else read_for(case, Path(program))
     return execute(read, case, on, seed, around).recording
 
 

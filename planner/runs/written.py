@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from cases.basis import motion_hash
-from cases.errors import HexciteError, ProgramError
+from cases.errors import CaseError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Joined
 from planner.controlled import fits_law, usual_dialect
@@ -14,7 +14,7 @@ from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan
 from planner.request import Request
-from postprocessors.dialects import Dialect, Program, dialect_of_file
+from postprocessors.dialects import Dialect, Program, dialect_of_file, read_program
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program
 
@@ -104,11 +104,31 @@ def case_line(case: Case) -> str:
     return f"case {case.name}, hash {motion_hash(case)}, controller settings {case.controller_hash}"
 
 
-def of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError:
+def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
+    """Reads a program; where it cannot be read because it is for another state of the case, that is said too.
+
+    Args:
+        dialect: name of its dialect; None for the one that the suffix names.
+
+    Raises:
+        ProgramError: it cannot be read or understood.
+        CaseError: the case lacks what its dialect needs.
+    """
+    try:
+        return read_program(file, case, dialect)
+    except (ProgramError, CaseError) as error:
+        raise of_another(error, file, file.read_bytes() if file.is_file() else b"", case) from error
+
+
+def of_another(error: HexciteError, file: Path, content: bytes, case: Case) -> HexciteError:
     """What is wrong with a program, with the case that its header names in front where that is another one."""
     other = written_for_another(content, case)
-    return (
-        error if other is None else ProgramError(error.file, error.line, error.column, f"is {other}; {error.problem}")
+    if other is None:
+        return error
+    if not isinstance(error, ProgramError):
+        return ProgramError(file, 0, 0, f"is {other}; {error.typed}")
+    return ProgramError(
+        error.file, error.line, error.column, f"is {other}; {error.typed.removeprefix(error.place)[2:]}"
     )
 
 

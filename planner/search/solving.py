@@ -248,7 +248,7 @@ class _Run:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
         self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN + SLIPPED))
-        again = stage._replace(convex=False, iterations=REFINE, options=_AT_HAND)
+        again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
             slips = self.problem.slips(self.family.motion(unknowns))
             kept = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED

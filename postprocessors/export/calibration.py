@@ -142,8 +142,8 @@ def environment() -> Environment:
 
 
 def default_name(calibration: Calibration) -> str:
-    """Name of the model in the written language."""
-    return f"{calibration.case.name}_force"[:31]
+    """Name of the model in the written language, short enough for a number behind it."""
+    return f"{calibration.case.name[:22].rstrip('_')}_force"
 
 
 def checked_name(stem: str, file: Path) -> str:

@@ -81,7 +81,8 @@ def export_calibration(calibration: Calibration, target: str, output: Path | Non
     if target not in SINGLE_FILES:
         raise HexciteError(f"target {target!r} is unknown; choose {', '.join(TARGETS)}")
     kind = SINGLE_FILES[target]
-    file = output_place(output, Path(f"{default_name(calibration)}{kind.suffix}"), overwrite)
+    usual = Path(f"{default_name(calibration)}{kind.suffix}")
+    file = output_place(output, usual, overwrite, "_" if kind.named else "-")  # no name of a model holds "-"
     check_file(file, [kind.suffix], [Path(calibration.result.source)], overwrite)
     text = kind.text(calibration, checked_name(file.stem, file) if kind.named else file.stem)
     with atomic_file(file) as part:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import hexcite as hx
 from tests.planner.command_line import call, refused
 
 Rows = list[list[str]]
@@ -114,3 +115,15 @@ def test_a_file_that_is_no_recording_is_refused(content: bytes, tmp_path: Path):
 
 def test_a_folder_without_a_recording_is_refused(tmp_path: Path):
     assert "recording.csv" in refused("identify", tmp_path, "--case", "hexapod", "-o", tmp_path / "result")
+
+
+@pytest.mark.parametrize("command", ["identify", "load"])
+def test_a_recording_that_is_not_there_is_named_as_such(command: str, tmp_path: Path):
+    if command == "identify":
+        line = refused("identify", tmp_path / "absent", "-o", tmp_path / "result")
+    else:
+        with pytest.raises(hx.HexciteError) as caught:
+            hx.Recording.load(tmp_path / "absent")
+        line = str(caught.value)
+    assert "absent" in line
+    assert "No such file" in line

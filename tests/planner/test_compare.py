@@ -207,6 +207,16 @@ def test_nothing_is_recommended_across_machines_loads_or_noise(
     assert set(advice.ratios) == {"b", "c"}
 
 
+def test_predictions_at_another_rate_are_not_preferred(hexapod_case: Case):
+    """Half as many samples: sqrt 2 that no motion is to blame for."""
+    slow = hexapod_case.model_copy(update={"recording": hexapod_case.recording.model_copy(update={"rate_Hz": 500.0})})
+    a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.1 * 2**0.5, 12.0)
+    advice = recommend([[changed(a, noise=1.0)], [changed(b, noise=1.0, case=slow)]])
+    assert advice.best is None
+    assert "1000 Hz" in advice.sentences[0]
+    assert "500 Hz" in advice.sentences[0]
+
+
 @pytest.mark.parametrize(
     ("one", "other", "said"),
     [

@@ -42,7 +42,7 @@ def test_an_override_that_was_recorded_explains_a_short_run() -> None:
     assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == ()
 
 
-def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:
+def test_a_machine_whose_struts_fit_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the built-in cases, or of the folders beside the case that was named."""
     data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
     data["machine"]["base"]["ring"]["z_mm"] = 400.0
@@ -57,6 +57,8 @@ def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:
         (tmp_path / name / "case.toml").write_text(changed, encoding="utf-8")
     assert fitting_case(far, CASE, None) is None  # the case itself is no other
     assert fitting_case(far, CASE, str(tmp_path / "mine")) == str(tmp_path / "theirs" / "case.toml")
+    monkeypatch.chdir(tmp_path)  # a built-in case has no neighbours but those of the user's
+    assert fitting_case(far, CASE, None) == str(tmp_path / "theirs" / "case.toml")
 
 
 def test_a_recording_of_another_case_is_named_as_such() -> None:
@@ -65,6 +67,9 @@ def test_a_recording_of_another_case_is_named_as_such() -> None:
     wide = Case.model_validate(data | {"name": "wide"})
     with pytest.raises(IdentificationError, match="recorded with the case other, not wide"):
         identify(replace(run(), record={"case": "other"}), wide)
+    weak = Case.model_validate(data | {"name": "weak", "sensors": data["sensors"] | {"range_N": 1.0}})
+    with pytest.raises(IdentificationError, match="recorded with the case other, not weak"):
+        identify(replace(run(), record={"case": "other"}), weak)
 
 
 def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:

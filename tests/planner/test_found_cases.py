@@ -102,6 +102,25 @@ def test_biases_are_taken_from_the_same_machine_only(
     assert "radius_mm was 146, is 147" in json.dumps(answer["warnings"])
 
 
+def test_the_case_of_a_plan_can_be_named_and_is_compared(shared: Path, tmp_path: Path, hexapod_file: Path) -> None:
+    plan = Path(shutil.copytree(shared / "plan", tmp_path / "plan"))
+    data = json.loads((plan / "plan.json").read_text())
+    (plan / "plan.json").write_text(json.dumps(data | {"case_file": "/gone/case.toml"}))
+    text = hexapod_file.read_text()
+    for words in (
+        ("post", plan, "--dialect", "sinumerik", "-o", tmp_path / "a.mpf"),
+        ("retime", plan, "--method", "ipopt"),
+        ("compare", plan, "-o", tmp_path / "b"),
+    ):
+        assert "name the case file with --case" in refused(*words)
+        hexapod_file.write_text(text.replace("range_N = 5000.0", "range_N = 6000.0"), encoding="utf-8")
+        line = refused(*words, "--case", hexapod_file)
+        assert "sensors.range_N was 5000, is 6000" in line
+        assert str(hexapod_file) in line
+        hexapod_file.write_text(text, encoding="utf-8")
+        call(*words, "--case", hexapod_file, "--json").json()
+
+
 def test_a_case_that_is_gone_can_be_named(mine: Path, tmp_path: Path, hexapod_file: Path) -> None:
     moved = tmp_path / "moved.toml"
     hexapod_file.rename(moved)

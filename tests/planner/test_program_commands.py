@@ -80,6 +80,15 @@ def test_a_program_of_another_state_of_the_case_is_checked_by_this_one_and_says_
     assert all(re.search(str(said), remark) for remark in found)
 
 
+@pytest.mark.parametrize(
+    ("command", "case"), [("check", "five_axis_table"), ("check", "ft_wrist"), ("run", "ur10_wrist")]
+)
+def test_a_program_that_a_machine_cannot_even_read_names_its_own(command: str, case: str, program: Path):
+    program.write_text(f"(- {case_line(load_case('hexapod'))})\n{program.read_text()}")
+    line = refused(command, program, "--case", case)
+    assert f"is written for another case, hexapod; this is {case}; " in line
+
+
 def test_a_program_checked_by_the_wrong_case_is_named_as_that_and_each_limit_stands_once(tmp_path: Path):
     program = tmp_path / "far.ngc"
     moves = "\n".join(f"G1 X{x} F3000" for x in (-400, 400, -410, 410))

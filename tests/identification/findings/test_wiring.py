@@ -7,10 +7,12 @@ import pytest
 
 from cases.errors import IdentificationError
 from cases.recording_format import Drives
+from cases.schema import Case
 from identification.findings.wiring import Order, orders_of, other_wiring
 from identification.identify import identify
+from identification.simulate import simulate_recording
 from tests.helpers import HOME, few, one_line
-from tests.identification.test_findings import CASE, MODEL, run
+from tests.identification.test_findings import CASE, MODEL, MOTIONS, run
 from tests.simulated_machine import simulate_standstills
 
 ORDERS = list(orders_of(signs=False))
@@ -67,6 +69,24 @@ def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     with pytest.raises(IdentificationError, match=r"signs of all force channels are turned: .*mass") as caught:
         identify(replace(whole, forces=-whole.forces), CASE)
     assert "exchange both ends of these bars in sensor_frame.bars" in one_line(caught.value)
+
+
+@pytest.mark.parametrize("channel", range(6))
+def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel: int) -> None:
+    """Moments of inertia take up much of a turned moment; but no body has such ones."""
+    data = CASE.model_dump(mode="json", exclude_unset=True)
+    data |= {"setup": "R", "sensor_frame": {"transducer": {"sense": "load_on_sensor"}}}
+    data["sensors"] |= {"weights": "per_unit"}
+    case = Case.model_validate(data)
+    whole = simulate_recording(case, MOTIONS[0], np.array([[0.2, 2.8]]), 0, "run.csv")
+    assert identify(whole, case).warnings == ()
+    turned = replace(whole, forces=whole.forces * np.where(np.arange(6) == channel, -1.0, 1.0))
+    try:
+        (said,) = (warning for warning in identify(turned, case).warnings if "no body" in warning)
+    except IdentificationError as error:
+        said = str(error)
+    assert "sign" in said
+    assert "transducer.sense" not in said  # which turns all
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -50,6 +50,7 @@ def test_built_in_cases_are_as_they_are_meant() -> None:
         (lambda d: d["workspace"].update(base_joint_angle_deg=0.96), "base_joint_angle_deg: .* look like radians"),
         (lambda d: d["limits"]["motion"].update({f"{k}_deg": [-0.3, 0.3] for k in "abc"}), "a_deg, b_deg"),
         (lambda d: d["machine"]["home"].update(z_mm=0.9), "machine.home.z_mm: .* looks like metres"),
+        (lambda d: d["machine"]["base"]["ring"].update(half_angle_deg=0.21), "base.ring.half_angle_deg: .* radians"),
     ],
 )  # fmt: skip
 def test_what_is_hardly_meant_is_noticed(change: Callable[[Any], object], says: str) -> None:
@@ -73,6 +74,11 @@ def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:
     assert missing["post --dialect sinumerik"] == missing["plan"] == ()
 
 
+def test_a_validation_needs_the_language_of_its_programs() -> None:
+    case = own(lambda d: d["controller"].pop("sinumerik"))
+    assert readiness(case)["validate"] == ("controller.sinumerik",)
+
+
 def test_case_check_prints_both(tmp_path: Path) -> None:
     file = mine(tmp_path)
     answer = call("case", "check", file, "--json").json()
@@ -81,6 +87,14 @@ def test_case_check_prints_both(tmp_path: Path) -> None:
     for table in ("machine", "sensor_frame", "simulation", "payloads"):
         assert table in remark.split(":")[0].split(", ")
     assert "look at machine" in call("case", "check", file).out
+
+
+def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_home(tmp_path: Path) -> None:
+    frame = (("146.0", "0.146"), ("171.0", "0.171"), ("z_mm = 9.0", "z_mm = 0.009"), ("z_mm = 121.0", "z_mm = 0.121"))
+    answer = call("case", "check", mine(tmp_path, *frame))
+    assert answer.code == 1
+    assert "sensor force" in answer.refusal()
+    assert re.search("look at .*sensor_frame.bars.lower.ring.radius_mm: 0.14.* mm .* metres", answer.out)
 
 
 def test_case_check_says_once_what_several_commands_miss() -> None:

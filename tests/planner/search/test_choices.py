@@ -84,6 +84,17 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     assert all(other in one_line(told.value) for other in BELONGS[option])
 
 
+def _made_up(task: Task) -> Start:
+    """What a start would find: the shorter the period, the better."""
+    promise = -float(task.family.settings.get("period_s", 100.0))
+    refined = task.step is Step.REFINE
+    score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
+    unknowns = np.full(18, 0.01)
+    return Start(
+        task.seed, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, 1.0, unknowns, promise, refined
+    )
+
+
 @pytest.mark.parametrize(("criterion", "refinements"), [("D", 2), ("K", 4)])
 def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     criterion: str, refinements: int, hexapod_case: Case
@@ -94,18 +105,9 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
-    def start_of(task: Task) -> Start:
-        promise = -float(task.family.settings.get("period_s", 100.0))
-        refined = task.step is Step.REFINE
-        score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
-        unknowns = np.full(18, 0.01)
-        return Start(
-            task.seed, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, 1.0, unknowns, promise, refined
-        )
-
     def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
         tried.extend(tasks)
-        return Outcome([start_of(task) for task in tasks], False)
+        return Outcome([_made_up(task) for task in tasks], False)
 
     found = search(request, hexapod_case, SILENT, run)
     assert len(periods) > KEPT
@@ -120,3 +122,17 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     assert (found.rival is None) == (criterion != "D")
     assert all(start.family.name == "fourier" for start in found.starts)
     assert found.settings["period_s"] == periods[0]
+
+
+def test_another_family_is_looked_at_while_one_motion_is_refined(hexapod_case: Case):
+    """On the core that one refinement leaves free."""
+    rounds: list[list[Step]] = []
+
+    def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+        rounds.append([task.step for task in tasks])
+        return Outcome([_made_up(task) for task in tasks], False)
+
+    found = search(Request(Fourier(order=2), duration=3.0), hexapod_case, SILENT, run)
+    assert rounds == [[Step.EXPLORE, Step.EXPLORE], [Step.REFINE, Step.GLANCE]]
+    assert found.rival is not None
+    assert found.rival.family.name == "ptp"

@@ -42,6 +42,19 @@ def test_every_target_is_written_whole_and_says_where_it_is_from(target: str, re
     assert written == {here / file for file in answer["files"]}
 
 
+@pytest.mark.parametrize("name", ["hexapod", "a" * 30])
+@pytest.mark.parametrize("target", TARGETS)
+def test_what_is_exported_again_gets_a_free_name(target: str, name: str, tmp_path: Path, here: Path) -> None:
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace('name = "hexapod"', f'name = "{name}"')
+    (folder := tmp_path / name).mkdir()
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    result = write_result(tmp_path / "result", load_case(str(folder)), 9)
+    files = [call("export", result, "--to", target, "--case", folder, "--json").json()["files"] for _ in range(3)]
+    written = [str(path.relative_to(here)) for path in here.rglob("*") if path.is_file()]
+    assert sorted(written) == sorted(file for run in files for file in run)
+    assert len(set(written)) == 3 * len(files[0])
+
+
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_result_with_warnings_needs_force_and_the_file_tells(target: str, tmp_path: Path, here: Path) -> None:
     result = write_result(tmp_path / "doubtful", CASE, 9, warnings=["rank 19 of 20: k1 is free", "short"])
