@@ -129,7 +129,7 @@ def remedy(check: LimitCheck, case: Case) -> str:
     """What to change where a limit of a case lets nothing move."""
     match check.kind:
         case LimitKind.DISTANCE_FROM_BOX:
-            return f"make that box of {'workspace' if case.chain is None else 'machine.chain'}.keep_out smaller"
+            return f"make that box of {'workspace' if machine_of(case).of_pose else 'machine.chain'}.keep_out smaller"
         case LimitKind.DISTANCE_BETWEEN_LINKS:
             return f"narrow position_deg of {_JOINTS}, correct the bodies in machine.chain"
         case LimitKind.JOINT_TORQUE:
