@@ -104,8 +104,7 @@ def identify(
         show_result,
         verify_result,
     )
-    from planner.runs.identifying import Wish, identified
-    from planner.runs.recorded import case_of, poses_of_plan
+    from planner.runs.identifying import Wish, case_of, identified, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)
     if verify is not None:

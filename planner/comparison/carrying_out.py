@@ -20,10 +20,10 @@ from planner.library import planned
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseMethod, PoseRequest, Request
-from planner.runs.recorded import stood
 from planner.runs.running import carried_out
 from planner.runs.written import write
 from postprocessors.dialects import Program
+from postprocessors.execute import stood
 from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller

@@ -1,32 +1,36 @@
-"""From a recording to a result: standstills averaged where a run holds them, parameters, what speaks against them."""
+"""From a recording to a result: its case, standstills averaged where a run holds them, parameters, and what is odd."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.basis import KEPT, result_basis
-from cases.errors import FileProblem, IdentificationError, RecordingError
-from cases.files import provenance
+from cases.basis import KEPT, Artefact, recording_basis, result_basis
+from cases.errors import FileProblem, HexciteError, IdentificationError, RecordingError
+from cases.files import another_kind, provenance
+from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.findings import Finding, Kind, warning
 from identification.fitting import GAUSS_MARKOV
 from identification.formats.reading import files_of
-from identification.hexapod import StrutsDoNotClose
+from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
 from identification.recording import Recording
+from identification.recording import record_of as about_recording
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.samples import USUAL, Conditioning
+from identification.saved_result import load_result
+from planner.plan_folder import load_plan
 from planner.plans import Plan
-from planner.runs.recorded import fitting_case
 
 Array = NDArray[np.float64]
 
@@ -124,6 +128,73 @@ def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]
     if seconds is None and run.t is not None:
         seconds = estimate.evaluation.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
+
+
+def case_of(
+    path: Path, case: str | None, stale: bool = False, result: Path | None = None
+) -> tuple[Case, tuple[str, ...]]:
+    """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
+
+    Args:
+        case: named case, which is taken as it is now; None where the folder knows.
+        result: folder of a result, whose case is taken where the recording names none.
+
+    Raises:
+        RecordingError: no recording, or nothing says which machine it is from.
+        FileProblem: its case has changed, and `stale` is not set.
+        CaseError: the case cannot be read.
+    """
+    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
+    if not recorded and (other := another_kind(path, "recording.json")):
+        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
+    if case is not None:
+        return load_case(case), ()
+    about = about_recording(path)
+    if not about:
+        if result is not None:
+            return load_result(result).artefact.case(), ()
+        raise RecordingError(path, "does not say which machine it is from", "name it with --case")
+    artefact = Artefact(path / "recording.json", about, "run the program again")
+    loaded = artefact.case()
+    return loaded, artefact.require_unchanged(recording_basis(loaded), loaded, stale)
+
+
+def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
+    """A case whose machine has a pose with such strut lengths: built in, or in a folder beside this one's, or here.
+
+    Args:
+        lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
+        case: case that was tried.
+        name: its name, if it has one.
+    """
+    own = None if name is None or name in built_in_cases() else find_case(name)
+    places = [Path.cwd()] if own is None else [own.resolve().parent.parent, Path.cwd()]
+    around = dict.fromkeys(file for place in places for file in sorted(place.glob(f"*/{CASE_FILE}")))
+    for candidate in (*built_in_cases(), *map(str, around)):
+        try:
+            other = load_case(candidate)
+            if other.machine == case.machine or other.machine is None or other.workspace is None:
+                continue
+            low, high = other.workspace.strut_length
+            if np.all((lengths >= low) & (lengths <= high)):
+                Hexapod.of(other).poses(lengths[None])
+                return candidate
+        except HexciteError:
+            continue
+    return None
+
+
+def poses_of_plan(folder: Path, case: Case) -> Array:
+    """Poses of a plan in the order of visit, shape (n, k) [m or rad].
+
+    Raises:
+        FileProblem: no plan there, or damaged.
+        HexciteError: no plan of poses.
+    """
+    plan = load_plan(folder, case, stale=True)  # of a plan of poses only these are wanted
+    if not len(plan.poses):
+        raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
+    return plan.poses
 
 
 def standing_of(

@@ -21,15 +21,14 @@ from identification.simulate import UNDISTURBED, Circumstances, circumstances, s
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information
-from planner.runs.recorded import stood, way_of
 from planner.runs.written import of_another, plan_of_program, read_for, written_for_another
 from postprocessors.dialects import Program
-from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
+from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.homing import planned_excitation
+from postprocessors.proving.homing import planned_excitation, way_of
 from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")

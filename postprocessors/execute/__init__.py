@@ -1,11 +1,13 @@
 """A run of a program on a controller, whichever it was: what moved, and when the trigger was on."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import ExecutionError
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading import Reading
 
@@ -142,3 +144,33 @@ def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
         ):
             worst = path
     return worst
+
+
+STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles
+
+
+def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
+    """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, k) [m].
+
+    Raises:
+        ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
+    """
+    if len(run.trigger) != len(poses):
+        raise ExecutionError(
+            program,
+            f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}",
+            "report this",
+        )
+    for k, (start, end) in enumerate(run.trigger, 1):
+        within = run.execution.struts(np.arange(start, end, 1e-3))
+        if (way := float(np.ptp(within, axis=0).max())) > STANDS:
+            raise ExecutionError(
+                program,
+                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
+                "run again",
+            )
+    actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
+    t = np.arange(0.0, run.execution.duration, 1e-3)
+    moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
+    off = float(np.linalg.norm(actual[:, :3] - run.execution.machine.positions(poses), axis=1).max())
+    return float(t[moving[-1] + 1] - t[moving[0]]), off
