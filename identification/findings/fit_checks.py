@@ -12,15 +12,15 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
-from identification.finding import Finding, Kind, note, warning
-from identification.findings.drift import drifting
+from identification.estimation.stated_noise import noise_components
+from identification.findings import Finding, Kind, note, warning
+from identification.findings.readings import drifting
 from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
-from identification.noise.stated import noise_components
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
-from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
+from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]

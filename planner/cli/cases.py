@@ -46,11 +46,10 @@ def check(
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     from cases.errors import CaseError
-    from cases.leftovers import leftovers
     from cases.loading import load_case
     from cases.scaffold import readiness
     from identification.limit import LimitReport
-    from planner.reports.case_figures import case_figures, proposed_box, reach_figures
+    from planner.reports.case_figures import case_figures, leftovers, proposed_box, reach_figures
 
     try:
         figures: dict[str, Any] = case_figures(case)
@@ -104,8 +103,8 @@ def check(
 def _doubts(case: str) -> tuple[str, ...]:
     """What is odd in a case that is valid in itself, though its machine cannot stand at home."""
     from cases.errors import CaseError
-    from cases.leftovers import leftovers
     from cases.loading import load_case
+    from planner.reports.case_figures import leftovers
 
     try:
         return leftovers(load_case(case))
@@ -158,7 +157,7 @@ def show(
     with status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.case_plots import case_figure, chain_figure
+        from planner.reports.plots import case_figure, chain_figure
 
         reach = reach_of(loaded)
         figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)

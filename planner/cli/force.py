@@ -182,7 +182,7 @@ def payload(
     """
     from identification.external import payload_between, payload_on_table, require_two
     from identification.saved_result import load_result
-    from planner.cli.shown_result import PARAMETER_COLUMNS, parameter_rows
+    from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows
 
     old, new = load_result(before), load_result(after)
     loaded = old.artefact.case(case)

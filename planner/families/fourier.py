@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from planner.families.family import Layout, linear_layout
-from planner.families.fourier_motion import FourierMotion, run_in, run_out
+from identification.trajectories.curves import FourierMotion, run_in, run_out
+from planner.families import Layout, linear_layout
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]

@@ -1,43 +1,26 @@
-"""What stands beside a recording: its case, the poses it was to stand at, how long it was to last."""
+"""What stands beside a recording: its case, the poses of a plan, and how a run stood at those of its program."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
-from cases.errors import ExecutionError, FileProblem, HexciteError, RecordingError
+from cases.errors import ExecutionError, HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
-from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
-from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan
-from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Stretch, Timed, Untimed
 
-SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
-RESTLESS = 3.0  # times the usual scatter of an averaged force
-
-
-class StandstillWish(NamedTuple):
-    """What a user says about standstills in a run that was recorded with a clock."""
-
-    poses: Array | None = None  # whose standstills the run holds, shape (n, 6) [m, rad]
-    asked: bool = False  # average standstills without knowing the poses
-
-
-UNSAID = StandstillWish()
 
 
 def case_of(
@@ -94,54 +77,6 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
     return None
 
 
-def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
-    """A trigger that was on for less than the program lasts, at the feed that was recorded, of a run of hexcite."""
-    planned = recording.record.get("planned_s")
-    if recording.record.get("poses_m_rad"):  # there it is on in the dwells only
-        return ()
-    if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
-        return ()
-    feed = 1.0 if recording.override is None else recording.override[recording.trigger]
-    duration = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
-    if duration >= planned - max(SHORTER_BY, SHORTER * planned):
-        return ()
-    sentence = (
-        f"the trigger is on for {duration:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
-    )
-    return (warning(Kind.WINDOW, f"{sentence}off; what the plan promises is not of this run"),)
-
-
-def standing_of(
-    recording: Recording, case: Case, still: StandstillWish = UNSAID
-) -> tuple[Recording, dict[str, Any] | None]:
-    """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
-
-    A run of hexcite knows the poses of its program; `still` names others, or says that there are standstills.
-
-    Raises:
-        StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
-        RecordingError: no standstills, though there should be some.
-    """
-    expected = still.poses if still.poses is not None else poses_of_record(recording.record, len(case.drive_columns))
-    if recording.t is None:
-        if still.poses is None and not still.asked:
-            return recording, None
-        raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
-    if expected is None and not still.asked and not stands_only(recording):
-        return recording, None
-    settle = case.poses.settle_s if case.poses is not None else 0.5
-    standing = average(recording, find_standstills(recording, settle))
-    if expected is not None:
-        standing = match(standing, case, expected, recording.source)
-    entries = {
-        "count": len(standing.windows),
-        "matched_to_poses": expected is not None,
-        "found_by": "trigger" if delimited(recording.trigger) else "motion",
-        "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
-    }
-    return standing.averages, entries
-
-
 def poses_of_plan(folder: Path, case: Case) -> Array:
     """Poses of a plan in the order of visit, shape (n, k) [m or rad].
 
@@ -153,24 +88,6 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
     if not len(plan.poses):
         raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     return plan.poses
-
-
-def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
-    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
-
-    Raises:
-        FileProblem: the entry is damaged.
-    """
-    entry = record.get("poses_m_rad")
-    if not entry:
-        return None
-    try:
-        poses = np.array(entry, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
-    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
-        raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
-    return poses
 
 
 STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles

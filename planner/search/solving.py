@@ -17,12 +17,11 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.families.family import Family
+from planner.families import Family
 from planner.families.ptp import PointToPointFamily
-from planner.infeasible import require_rest
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
+from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
 
@@ -101,7 +100,7 @@ class _Stage(NamedTuple):
     """One run of the solver."""
 
     letter: str  # letter of the criterion
-    halvings: int  # see `planner.search.criterion`
+    halvings: int  # see `planner.search.objective`
     convex: bool  # see `planner.search.program.Program`
     iterations: int  # at most
     options: dict[str, object]  # options of the solver
@@ -294,8 +293,3 @@ def run_safely(task: Task, watch: Watch) -> Start | Failed:
         return run_start(task, watch)
     except HexciteError as error:
         return Failed(task.seed, error.typed)
-
-
-def seeds_of(seed: int, starts: int) -> list[int]:
-    """Seeds of the starts, reproducible from one seed; more starts extend the list."""
-    return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]

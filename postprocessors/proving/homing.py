@@ -18,13 +18,13 @@ from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import prove
 from identification.limited_quantities import Box
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.profile import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, StraightMove
+from identification.trajectories.profile import limits_along
 from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 
 if TYPE_CHECKING:
-    from postprocessors.program_file import Program
+    from postprocessors.dialects import Program
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import pytest
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.limit_proof import prove
+from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import FourierFamily
-from planner.families.fourier_motion import FourierMotion
 from postprocessors.blocks import TimedPath
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.proving.stretches import Timed, stretches

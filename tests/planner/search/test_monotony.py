@@ -13,8 +13,7 @@ from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import SILENT, Listener, Outcome, run_here
-from planner.search.patience import Patience
+from planner.search.parallel import SILENT, Listener, Outcome, Patience, run_here
 from planner.search.solving import Step, Task
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
