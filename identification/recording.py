@@ -39,7 +39,6 @@ from identification.formats.table import Array, Lines, lost_samples, uniform_ste
 
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
-_BELOW_A_HEADER = Lines()
 Rows = NDArray[np.bool_]
 
 
@@ -58,7 +57,7 @@ class Stream:
     specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
     override: Array | None = None  # override of the feed, shape (n,); 1 is none
     temperature: Array | None = None  # of the sensor, shape (n,) [degC]
-    lines: Lines = _BELOW_A_HEADER  # where the rows stand in the file
+    lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
     # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
     missing: Rows | None = None
     missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
@@ -194,11 +193,8 @@ class Recording(Stream):
 
 SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
-_DECIMALS = (
-    {CLOCK: 9}
-    | dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
-    | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
-)
+_DECIMALS = {CLOCK: 9} | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
+_DECIMALS |= dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
 FINE = 12  # decimals of all else
 
 

@@ -42,9 +42,8 @@ SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a s
 def systematic(fit: Fit, usual: float) -> list[Finding]:
     """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
     residuals = fit.residuals
-    alike = np.sum(residuals[1:] * residuals[:-1], axis=0) / np.maximum(
-        np.sum(residuals**2, axis=0), np.finfo(float).tiny
-    )
+    squares = np.maximum(np.sum(residuals**2, axis=0), np.finfo(float).tiny)
+    alike = np.sum(residuals[1:] * residuals[:-1], axis=0) / squares
     if len(residuals) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
     sentence = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
@@ -121,8 +120,6 @@ def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     if ratio > SUSPICIOUS_RATIO:
         sentence = (
             f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-        )
-        sentence += (
             "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
         )
         findings.append(warning(Kind.NOISE, sentence))
@@ -130,10 +127,9 @@ def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     misfit = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
     if moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread:
-        sentence = (
-            f"the model explains only {100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance; check "
-        )
-        findings.append(warning(Kind.MODEL, f"{sentence}order, sign and unit of forces and struts"))
+        share = f"{100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance"
+        remedy = "check order, sign and unit of forces and struts"
+        findings.append(warning(Kind.MODEL, f"the model explains only {share}; {remedy}"))
     return findings
 
 
