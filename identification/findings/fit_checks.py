@@ -134,7 +134,7 @@ def unlikely(fit: Fit, forces: Array) -> list[Finding]:
 
 
 STEP = 0.07  # of the feed, by which neighbouring stretches differ
-MOST_NAMED = 3
+MOST_NAMED, OVERRIDE = 3, "the recorded override"
 CONSEQUENCE = (
     "the parameters are valid, for they come from the measured motion; figures of the plan (duration, predicted "
     "standard deviations, efficiency) are not of this run, whose accelerations go with the square of its feed"
@@ -170,9 +170,8 @@ def other_feed(recording: Recording) -> list[Finding]:
         entries.append({"from_s": start, "to_s": end, "feed": scale, "where": place})
         texts.append(f"{place} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")
     more = f" and {len(texts) - MOST_NAMED} more stretches" if len(texts) > MOST_NAMED else ""
-    found_by = "the recorded override"
-    sentence = f"feed other than 100 %, by {found_by}: {', '.join(texts[:MOST_NAMED])}{more}; {CONSEQUENCE}"
-    return [warning(Kind.FEED, sentence, feed={"found_by": found_by, "stretches": entries})]
+    sentence = f"feed other than 100 %, by {OVERRIDE}: {', '.join(texts[:MOST_NAMED])}{more}; {CONSEQUENCE}"
+    return [warning(Kind.FEED, sentence, feed={"found_by": OVERRIDE, "stretches": entries})]
 
 
 def other_rate(recording: Recording, case: Case) -> list[Finding]:
@@ -231,8 +230,7 @@ def _not_compared(_recording: Recording, case: Case, method: Method, fitted: Fit
 
 def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
     """Residuals far above the noise that the case states for its force sensors, where it states no other."""
-    stated = case.sensors.force_noise_N
-    others = case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N
+    stated, others = case.sensors.force_noise_N, (case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N)
     if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
         return []
     if fitted.fit.s0 <= NOISIER * stated:
