@@ -148,7 +148,7 @@ class Artefact(NamedTuple):
         name = self.about.get("case_file", case.name)
         more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
         if not stale:
-            differs = "has changed since" if case.origin == name else f"differs from {case.origin}"
+            differs = "has changed since" if case.origin in ("", name) else f"differs from {case.origin}"
             raise FileProblem(
                 self.file,
                 f"case {name} {differs}: {changes[0]}{more}",

@@ -322,10 +322,11 @@ def provenance(files: Sequence[Path]) -> dict[str, Any]:
     Args:
         files: files that were read; they are read once more, piece by piece.
     """
-    return {"inputs": [{"file": str(f), "sha256": _sha256(f)} for f in files], "versions": _versions()}
+    return {"inputs": [{"file": str(f), "sha256": sha256_of(f)} for f in files], "versions": _versions()}
 
 
-def _sha256(file: Path) -> str:
+def sha256_of(file: Path) -> str:
+    """SHA-256 of what a file holds, read piece by piece."""
     with file.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 

@@ -40,6 +40,17 @@ def _six_points(value: tuple[tuple[float, float, float], ...]) -> tuple[tuple[fl
     return value
 
 
+def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
+    first, last, step = value
+    if not (first <= last and step > 0.0):
+        raise ValueError(
+            f"[{first:g}, {last:g}, {step:g}] is not a range [first, last, step]; step up from first to last"
+        )
+    return value
+
+
+Grid = Annotated[tuple[Number, Number, Number], AfterValidator(_climbing)]
+"""First value, last value, step."""
 Range = Annotated[tuple[Number, Number], AfterValidator(_ordered)]
 Vector = tuple[Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]

@@ -1,29 +1,23 @@
-"""Quasi-static measurement: the grid of candidate poses, what counts as a valid pose, and how long it is measured.
+"""Poses of a case: the table `[poses]` of quasi-static measurement, and moves and poses made by hand, from files.
 
-A chain has no grid: its poses are searched for in the box of `[limits.motion]`.
+The grid of candidate poses, what counts as a valid pose, and how long it is measured; a chain has no grid: its poses
+are searched for in the box of `[limits.motion]`. A hand-made excitation is data too: straight moves, full
+circles and pauses, one after the other.
 """
 
+import tomllib
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field
+from pydantic import Field, ValidationError, model_validator
 
-from cases.parts import Array, Number, Part, Positive, Range, frozen
+from cases.errors import FileProblem
+from cases.parts import Array, Grid, Number, Part, Positive, Range, frozen
+from cases.recording_format import POSE
 from cases.units import DEG, MM
-
-
-def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
-    first, last, step = value
-    if not (first <= last and step > 0.0):
-        raise ValueError(
-            f"[{first:g}, {last:g}, {step:g}] is not a range [first, last, step]; step up from first to last"
-        )
-    return value
-
-
-Steps = Annotated[tuple[Number, Number, Number], AfterValidator(_climbing)]
-"""First value, last value, step."""
 
 
 class JointPoses(Part):
@@ -38,19 +32,19 @@ class JointPoses(Part):
 class Poses(JointPoses):
     """Poses in tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth); positions relative to home."""
 
-    x_mm: Steps
+    x_mm: Grid
     """Grid of positions relative to home: [first, last, step]."""
-    y_mm: Steps
+    y_mm: Grid
     """As `x_mm`."""
-    z_mm: Steps
+    z_mm: Grid
     """As `x_mm`."""
     radius_mm: Range
     """Distance from home in the XY plane: grid points outside are left out."""
-    tilt_deg: Steps
+    tilt_deg: Grid
     """Grid of tilts: [first, last, step]."""
-    azimuth_deg: Steps
+    azimuth_deg: Grid
     """Grid of the tilts' directions: [first, last, step]."""
-    torsion_deg: Steps
+    torsion_deg: Grid
     """Grid of turns about the tilted z axis: [first, last, step]."""
     singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)]
     """Smallest determinant of the machine's inverse Jacobian, as a share of that at home."""
@@ -85,3 +79,109 @@ def _count(steps: tuple[float, float, float]) -> int:
 
 def _values(steps: tuple[float, float, float], unit: float) -> Array:
     return frozen((steps[0] + steps[2] * np.arange(_count(steps))) * unit)
+
+
+MOST_STEPS = 1000
+
+
+class ManualStep(Part):
+    """A straight move to a pose relative to home, a full circle, or a pause."""
+
+    x_mm: Number = 0.0
+    y_mm: Number = 0.0
+    z_mm: Number = 0.0
+    a_deg: Number = 0.0
+    b_deg: Number = 0.0
+    c_deg: Number = 0.0
+    circle: Literal["XY", "ZX", "YZ"] | None = None
+    """A full circle in this plane; its centre lies at `radius_mm` from its start, against the plane's first axis."""
+    radius_mm: Positive | None = None
+    pause_s: Positive | None = None
+    speed: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 1.0
+    """Share of the limits of velocity; accelerations take its square, jerks its cube."""
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "ManualStep":
+        fields = self.model_fields_set
+        pose = fields & set(POSE)
+        if (self.circle is None) != (self.radius_mm is None):
+            raise ValueError("a circle needs circle and radius_mm, a move neither")
+        if sum((bool(pose), self.circle is not None, self.pause_s is not None)) > 1:
+            raise ValueError("a step is a move, a circle or a pause, not several; make separate steps")
+        return self
+
+    @cached_property
+    def offset(self) -> Array:
+        """Pose relative to home, shape (6,) [m, rad]."""
+        lengths = np.array([self.x_mm, self.y_mm, self.z_mm]) * MM
+        return frozen([*lengths, *(np.array([self.a_deg, self.b_deg, self.c_deg]) * DEG)])
+
+
+class Steps(Part):
+    """A hand-made excitation: it begins and ends standing at home."""
+
+    title: str
+    steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
+
+
+def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
+    """Reads a sequence from a TOML file.
+
+    Args:
+        file: TOML file.
+        columns: coordinates of the machine; steps are those of a platform.
+
+    Raises:
+        FileProblem: it cannot be read or describes no sequence; the message names the step. Or the machine has others.
+    """
+    if tuple(columns) != POSE:
+        raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
+    try:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+        return Steps.model_validate(data)
+    except OSError as error:
+        raise FileProblem(
+            file, f"cannot be read ({error.strerror})", "name a TOML file of steps or a CSV of poses"
+        ) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FileProblem(file, f"is not TOML ({error})", "mend that line") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(k + 1) if isinstance(k, int) else str(k) for k in first["loc"]) or "file"
+        raise FileProblem(file, f"{place}: {first['msg'].removeprefix('Value error, ')}", "mend that step") from error
+
+
+def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
+    """Reads poses from a CSV file with a column for each coordinate: of a platform absolute in {B}, or of joints.
+
+    Args:
+        file: CSV file.
+        columns: names of the columns, which end in mm or deg.
+
+    Returns:
+        Shape (n, columns) [m or rad].
+
+    Raises:
+        FileProblem: it cannot be read, columns are missing, or a row holds no numbers.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileProblem(file, f"cannot be read ({error})", "name a TOML file of steps or a CSV of poses") from error
+    rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    missing = [c for c in columns if c not in header]
+    if missing:
+        raise FileProblem(file, f"column {missing[0]} is missing", f"the first line must name {', '.join(columns)}")
+    if not 1 <= len(rows) - 1 <= MOST_STEPS:
+        raise FileProblem(file, f"holds {len(rows) - 1} poses", f"1 to {MOST_STEPS} make an excitation")
+    poses = []
+    for number, row in enumerate(rows[1:], start=1):
+        try:
+            values = [float(row[header.index(c)]) for c in columns]
+        except (ValueError, IndexError):
+            values = [float("nan")]
+        if not np.isfinite(values).all():
+            raise FileProblem(file, f"pose {number} holds no {len(columns)} numbers", "mend that line")
+        poses.append(values)
+    return np.asarray(np.array(poses) * np.array([MM if c.endswith("_mm") else DEG for c in columns]))

@@ -6,7 +6,7 @@ from cases import door
 
 if TYPE_CHECKING:
     from identification.estimation.estimators import method as method
-    from identification.finding import Finding as Finding
+    from identification.findings import Finding as Finding
     from identification.formats.look import look as look
     from identification.formats.looked import Look as Look
     from identification.outcome import Result as Result
@@ -19,7 +19,7 @@ __getattr__, __dir__ = door(
     __name__,
     {
         "identification.estimation.estimators": "method",
-        "identification.finding": "Finding",
+        "identification.findings": "Finding",
         "identification.formats.look": "look",
         "identification.formats.looked": "Look",
         "identification.outcome": "Result force tare",

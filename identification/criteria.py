@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
+from identification.symbolic import over_samples
 
 Array = NDArray[np.float64]
 
@@ -67,16 +67,8 @@ STATES = 20_000
 SEED = 0
 
 
-class BoxStates(NamedTuple):
-    """States of the motion box, one row each: coordinates, rates and accelerations, shapes (n, k)."""
-
-    pose: Array
-    rates: Array
-    accelerations: Array
-
-
-def uniform_states(case: Case, count: int, seed: int) -> BoxStates:
-    """Independent uniform states of the motion box of a case.
+def uniform_states(case: Case, count: int, seed: int) -> tuple[Array, Array, Array]:
+    """Independent uniform states of the motion box of a case: coordinates, rates and accelerations, shapes (n, k).
 
     Raises:
         CaseError: the case has no machine or no limits.
@@ -86,7 +78,7 @@ def uniform_states(case: Case, count: int, seed: int) -> BoxStates:
     draw = np.random.default_rng(seed)
     pose = home + draw.uniform(box.pose[0], box.pose[1], shape)
     rates = draw.uniform(-box.rate, box.rate, shape)
-    return BoxStates(pose, rates, draw.uniform(-box.acceleration, box.acceleration, shape))
+    return pose, rates, draw.uniform(-box.acceleration, box.acceleration, shape)
 
 
 def reference_scaling(case: Case, model: Model) -> Array:
@@ -99,10 +91,10 @@ def reference_scaling(case: Case, model: Model) -> Array:
     return np.asarray(1.0 / np.sqrt(np.einsum("nij,nij->j", matrices, matrices) / STATES))
 
 
-def information(model: Model, scaling: Array, states: BoxStates) -> Array:
+def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]) -> Array:
     """Mean of H A^T A H over states (equal sensors, W = 1), shape (u, u)."""
     matrices = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, len(scaling)) * scaling
-    return np.asarray(matrices.T @ matrices / len(states.pose))
+    return np.asarray(matrices.T @ matrices / len(states[0]))
 
 
 INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as part of it

@@ -14,8 +14,8 @@ from scipy.special import chdtri
 from cases.basis import KEPT
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.finding import Severity, sentences
-from identification.findings.drift import drifted_since, shifted_all_along
+from identification.findings import Severity, sentences
+from identification.findings.readings import drifted_since, shifted_all_along
 from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block, physical_form

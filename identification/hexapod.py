@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.machine_limits import hexapod_shares
 from identification.machines import FrameMotion, Share
-from identification.pose import rotation, rpy, twist, twist_rate
+from identification.symbolic import over_samples, rotation, rpy, twist, twist_rate
 
 Array = NDArray[np.float64]
 

@@ -6,6 +6,7 @@ run is looked for before the estimate (`sample_checks`) and in what the estimate
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,21 +18,20 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
-from identification.finding import Kind, note, warning
+from identification.estimation.noise_sources import NoiseSources, noise_sources
+from identification.findings import Finding, Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
 from identification.findings.fit_checks import CHECKS, far_off, leaves_much, no_body, other_mass, require_scale
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.model import RIGID, Model, full_model, identification_model
-from identification.noise.sources import NoiseSources, noise_sources
 from identification.parameters import MASS
-from identification.periodic.averaging import PeriodicRun, periodic_run
 from identification.recording import Recording
 from identification.result import Estimate, Evaluation, estimate_of
-from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.averaging import PeriodicRun, periodic_run
+from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, Smoothing, smoothed, smoothing_of
 from identification.runs.preparation import moving_run, standstills
-from identification.runs.smoothing import below, mode_found, smoothed, smoothing_of
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
 
@@ -99,7 +99,7 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
             "model from 0 to 5, or record a motion"
         )
     estimate = _evaluated(recording, case, model, method, conditioning)
-    softer = below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
+    softer = _below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
     if softer is not None:
         estimate = replace(_evaluated(recording, softer, model, method, conditioning), case=case)
     require_scale(model, estimate.fit.values, case)
@@ -164,7 +164,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
             fitted = fit_samples(rich, method, problem, fitted.at)
     if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
         smoothing = smoothing_of(fitted.samples, fitted.fit)
-        findings += mode_found(smoothing, case) if conditioning.flexible else [smoothing.finding]
+        findings += _mode_found(smoothing, case) if conditioning.flexible else [smoothing.finding]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
     noise = stated_noise(case, fitted, method)
     findings += [] if noise is None else noise.findings
@@ -205,3 +205,32 @@ def identifiability(estimate: Estimate) -> Identifiability:
 
 def _inertia(model: Model) -> set[str]:
     return {name for name in model.names if name[0] == "I"}
+
+
+SHARE = 0.5  # of the mode's frequency: there the first term that is left out is a sixteenth
+
+
+def _mode_found(found: Smoothing, case: Case) -> list[Finding]:
+    """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
+    entries = {"smoothing_s2": found._asdict()}
+    if -found.value < CLEAR * found.std:
+        sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
+        return [note(Kind.MODEL, sentence, **entries)]
+    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-found.value)))
+    std = frequency * found.std / (2.0 * -found.value)
+    sentence = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
+    sentence += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
+    return [note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})]
+
+
+def _below(case: Case, told: Any) -> Case | None:
+    """The case with a low-pass at half the mode that an estimate was told of; None where it is as low already.
+
+    Args:
+        told: `structural_mode_Hz` of the estimate; None where none is seen.
+    """
+    cutoff = case.recording.filter_cutoff_Hz
+    if told is None or cutoff is None or cutoff <= SHARE * told["value"]:
+        return None
+    recording = case.recording.model_copy(update={"filter_cutoff_Hz": SHARE * float(told["value"])})
+    return case.model_copy(update={"recording": recording})

@@ -24,7 +24,7 @@ from identification.limited_quantities import (
 )
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, StrutLoads, sensor_loads
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 
 Array = NDArray[np.float64]
 

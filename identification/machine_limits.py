@@ -21,7 +21,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import LimitKind
 from identification.machines import Share
-from identification.pose import rotation
+from identification.symbolic import rotation
 
 if TYPE_CHECKING:
     from identification.hexapod import Hexapod

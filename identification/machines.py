@@ -125,8 +125,8 @@ def kinetic(case: Case, pose: Array, rates: Array, accelerations: Array) -> Kine
     if case.chain is not None:
         none = np.zeros((len(pose), 0))
         return Kinetic(none, none, np.zeros(0), np.zeros(0))
-    from identification.evaluate import over_samples
     from identification.hexapod import Hexapod
+    from identification.symbolic import over_samples
 
     limits = case.need_machine("the motion of struts")[2].motion
     _, velocities, second = over_samples(Hexapod.of(case).strut_motion, pose, rates, accelerations)

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod, Kinematics
 from identification.machines import Machine, machine_if_any
 from identification.parameters import (
@@ -31,8 +30,8 @@ from identification.parameters import (
     Parameter,
     State,
 )
-from identification.pose import gibbs, rotation
 from identification.strut_sensors import StrutLayout, structure
+from identification.symbolic import gibbs, over_samples, rotation
 
 Array = NDArray[np.float64]
 

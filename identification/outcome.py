@@ -14,9 +14,9 @@ from cases.schema import Case
 from cases.units import as_html
 from identification.criteria import Identifiability
 from identification.model import expected_forces
-from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.result import Estimate, Value
+from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 from identification.runs.wrist import WristRun
 from identification.samples import Standstills

@@ -1,4 +1,4 @@
-"""Recorded runs: read with every damage explained, written whole or not at all.
+"""Recorded runs in SI units: streams of channels that share a clock, read with every damage explained, written whole.
 
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
 joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
@@ -8,9 +8,9 @@ names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,20 +33,168 @@ from cases.recording_format import (
     WRENCH,
 )
 from cases.schema import Case
-from cases.units import MM
-from identification.formats.reading import files_of, read_run
-from identification.formats.stream import Recording
-from identification.formats.text import unreadable
+from cases.units import MM, as_html
+from identification.findings import Finding, Kind, note
+from identification.formats.table import Array, Lines, lost_samples, uniform_step, unreadable
 
-__all__ = ["Recording", "about_case", "files_of", "load_recording", "read", "save_recording", "write_recording"]
+Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
+CHANNELS: tuple[Channel, ...] = get_args(Channel)
+Rows = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Samples of one clock, one row a sample; arrays are None where there are no such channels."""
+
+    source: str  # the file, for messages
+    t: Array | None  # time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill
+    # what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad]
+    struts: Array | None
+    rotations: Array | None  # R, shape (n, 3, 3)
+    forces: Array | None  # forces of the sensors, shape (n, 6) [N, or N and N m]
+    trigger: NDArray[np.bool_] | None  # shape (n,)
+    poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
+    specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
+    override: Array | None = None  # override of the feed, shape (n,); 1 is none
+    temperature: Array | None = None  # of the sensor, shape (n,) [degC]
+    lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
+    # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
+    missing: Rows | None = None
+    missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
+
+    @property
+    def channels(self) -> dict[Channel, Any]:
+        """The arrays that are there, by name."""
+        arrays = {name: getattr(self, name) for name in CHANNELS}
+        return {name: array for name, array in arrays.items() if array is not None}
+
+    @property
+    def rows(self) -> int:
+        """Number of samples."""
+        return len(next(iter(self.channels.values()), ()))
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]; raises RecordingError where there is no clock or it is not uniform."""
+        return uniform_step(self.source, self.t, self.lines)
+
+
+class Averaged(NamedTuple):
+    """Forces that were averaged over the motion's sampling interval."""
+
+    ratio: float  # samples of the forces in an interval
+    interval: float  # interval of the motion [s]
+    noise: Array  # noise of a sample, from the differences of neighbours, shape (6,) [N, or N and N m]
+
+    @property
+    def expected(self) -> Array:
+        """Noise of an average below the motion's Nyquist frequency if that of the samples is white, shape (6,)."""
+        return np.asarray(self.noise / np.sqrt(self.ratio))
+
+    def finding(self, w: Array, s0: float) -> Finding:
+        """The noise that is left beside that which white samples would leave.
+
+        Args:
+            w: W of (24) for one sample, shape (6, 6).
+            s0: s0 of the fit.
+        """
+        expected = float(np.sqrt(np.trace(w @ np.diag(self.expected**2)) / 6.0))
+        entries = {
+            "ratio": self.ratio,
+            "interval_s": self.interval,
+            "sample_noise": self.noise.tolist(),
+            "expected_noise": self.expected.tolist(),
+        }
+        return note(
+            Kind.CLOCK,
+            f"forces: {self.ratio:.4g} samples averaged for each of the motion ({self.interval * 1e3:.4g} ms, "
+            f"centred: no group delay); noise of a sample {float(np.median(self.noise)):.3g} N; were it white, s0 "
+            f"would be {expected:.3g}, it is {s0:.3g}",
+            averaged=entries,
+        )
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Recording(Stream):
+    """A run: the samples of the forces, with all channels of their clock, and streams of other clocks."""
+
+    forces: Array  # forces of the sensors, shape (n, 6) [N, or N and N m]
+    others: tuple[Stream, ...] = ()  # what was sampled by other clocks, on the same time axis
+    # weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,)
+    weights: Array | None = None
+    averaged: Averaged | None = None  # how forces were averaged that were sampled faster than the motion
+    case: Case | None = None  # case that it is of; None where that is not known
+    paths: tuple[Path, ...] = ()  # paths of the files that it was read from
+    record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Makes a folder with recording.csv and recording.json.
+
+        Raises:
+            RecordingError: the run has several clocks, or its case is not known.
+            FileProblem: the folder is somebody's, or cannot be written.
+        """
+        if self.case is None:
+            raise RecordingError(self.source, "does not say which case it is of", "read it with its case")
+        if self.others:
+            raise RecordingError(self.source, "has several clocks, and one table has one", "keep its files")
+        place = Path(folder)
+        check_folder(place, RUN, self.paths, overwrite)
+        record = self.record or about_case(self.case) | {"source": self.source}
+        with atomic_folder(place, RUN, overwrite) as part:
+            write_recording(part / "recording.csv", self, self.case)
+            (part / "recording.json").write_text(json_text(dict(record)), encoding="utf-8")
+
+    @classmethod
+    def load(cls, folder: Path | str) -> "Recording":
+        """The recording of a folder, with the case that it names.
+
+        Raises:
+            RecordingError: it does not say which machine it is from, or cannot be used.
+            FileProblem: its case has changed since.
+        """
+        place = Path(folder)
+        record = record_of(place)
+        if not record:
+            raise RecordingError(place, "does not say which machine it is from", "read it with its case")
+        artefact = Artefact(place / "recording.json", record, "run the program again")
+        case = artefact.case()
+        artefact.require_unchanged(recording_basis(case), case, stale=False)
+        return read(place, case)
+
+    def __repr__(self) -> str:
+        """A few lines: where it is from, how long, which channels."""
+        size = f"{len(self.forces)} samples"
+        if self.t is not None and len(self.t) > 1:
+            size += f" in {float(self.t[-1] - self.t[0]):.2f} s"
+        lines = [f"Recording {self.source}: {size}", f"channels: {', '.join(self.channels)}"]
+        lines += [f"with another clock: {', '.join(s.channels)} ({s.source})" for s in self.others]
+        if "controller" in self.record:
+            lines.append(f"executed on {self.record['controller']}; sensors and encoders are simulated")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return as_html(repr(self))
+
+    @property
+    def lost(self) -> NDArray[np.int64]:
+        """How many samples were lost between each row and the next, shape (n - 1,)."""
+        return lost_samples(self.t)
+
+    @property
+    def streams(self) -> tuple[Stream, ...]:
+        """All streams of the run, that of the forces first."""
+        return self, *self.others
+
+    def stream_with(self, channel: Channel) -> Stream | None:
+        """The stream that has a channel; None where the run has no such channel."""
+        return next((s for s in self.streams if channel in s.channels), None)
+
 
 SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
-_DECIMALS = (
-    {CLOCK: 9}
-    | dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
-    | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
-)
+_DECIMALS = {CLOCK: 9} | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
+_DECIMALS |= dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
 FINE = 12  # decimals of all else
 
 
@@ -60,6 +208,8 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     Raises:
         RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
     """
+    from identification.formats.reading import read_run
+
     places = [Path(paths)] if isinstance(paths, Path | str) else [Path(path) for path in paths]
     recording = read_run(places, case)
     return replace(recording, record=record_of(places[0])) if len(places) == 1 else recording
@@ -80,22 +230,6 @@ def record_of(path: Path) -> Mapping[str, Any]:
     return read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
 
 
-def load_recording(folder: Path) -> Recording:
-    """The recording of a folder, with the case that it names.
-
-    Raises:
-        RecordingError: it does not say which machine it is from, or cannot be used.
-        FileProblem: its case has changed since.
-    """
-    record = record_of(folder)
-    if not record:
-        raise RecordingError(folder, "does not say which machine it is from", "read it with its case")
-    artefact = Artefact(folder / "recording.json", record, "run the program again")
-    case = artefact.case()
-    artefact.require_unchanged(recording_basis(case), case, stale=False)
-    return read(folder, case)
-
-
 def about_case(case: Case) -> dict[str, Any]:
     """What `recording.json` says of the case."""
     return {
@@ -105,24 +239,6 @@ def about_case(case: Case) -> dict[str, Any]:
         "case_hash": case.hash,
         KEPT: recording_basis(case),
     }
-
-
-def save_recording(recording: Recording, folder: Path, overwrite: bool = False) -> None:
-    """Makes a folder with recording.csv and recording.json.
-
-    Raises:
-        RecordingError: the run has several clocks, or its case is not known.
-        FileProblem: the folder is somebody's, or cannot be written.
-    """
-    if recording.case is None:
-        raise RecordingError(recording.source, "does not say which case it is of", "read it with its case")
-    if recording.others:
-        raise RecordingError(recording.source, "has several clocks, and one table has one", "keep its files")
-    check_folder(folder, RUN, recording.paths, overwrite)
-    record = recording.record or about_case(recording.case) | {"source": recording.source}
-    with atomic_folder(folder, RUN, overwrite) as part:
-        write_recording(part / "recording.csv", recording, recording.case)
-        (part / "recording.json").write_text(json_text(dict(record)), encoding="utf-8")
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:

@@ -11,9 +11,9 @@ from cases.schema import Case
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
-from identification.finding import Finding, Severity, quantities, sentences
+from identification.estimation.noise_sources import Attenuation, NoiseSources, attenuation_of
+from identification.findings import Finding, Severity, quantities, sentences
 from identification.model import ERROR_TERMS, Model, identification_model
-from identification.noise.sources import Attenuation, NoiseSources, attenuation_of
 from identification.parameters import physical_form
 from identification.samples import USUAL, Conditioning, Samples
 

@@ -15,14 +15,11 @@ from numpy.typing import NDArray
 from identification.estimation.compressed import inverse_root, joint_triangle, scores
 from identification.estimation.estimator import independent_poses
 from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, long_run_covariance
-from identification.finding import Finding
+from identification.findings import Finding
 from identification.model import Model
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
-
-PART = 8_000  # samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz
-STRETCHES = 8  # that these are in
 
 
 class Samples(Protocol):
@@ -170,19 +167,6 @@ class Standstills:
         """Nothing."""
         del fit, w
         return ()
-
-
-def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
-    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
-
-    Args:
-        count: count of the samples.
-    """
-    most = times * PART
-    if count <= most:
-        return np.arange(count)
-    size = most // STRETCHES
-    return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])
 
 
 class Periodic(NamedTuple):

@@ -17,13 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 from cases.chain import Chain
 from cases.schema import Case
 from cases.sensors import RigidBody
-from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
 from identification.limit import LimitKind
 from identification.machine_limits import Placed, clearance_shares
 from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
-from identification.pose import rpy
+from identification.symbolic import over_samples, rpy
 
 Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only

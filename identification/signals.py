@@ -223,3 +223,21 @@ def _turn(stride: int, count: int, phase: int) -> Spectrum:
     """e^(2 pi i p (q + a M) / N), shape (stride, count // 2 + 1)."""
     index = np.arange(stride)[:, None] * count + np.arange(count // 2 + 1)
     return np.asarray(np.exp(2j * np.pi * ((phase * index) % (stride * count)) / (stride * count)))
+
+
+# Samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz.
+FAIR_PART = 8_000
+STRETCHES = 8  # that these are in
+
+
+def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
+    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
+
+    Args:
+        count: count of the samples.
+    """
+    most = times * FAIR_PART
+    if count <= most:
+        return np.arange(count)
+    size = most // STRETCHES
+    return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])

@@ -1,37 +1,127 @@
-"""Simulates what sensors and encoders record of an executed motion.
+"""Simulates what sensors and encoders record of an executed motion, with weights mounted and what disturbs a machine.
 
 No inverse crime: forces follow from the continuous motion's own derivatives, not from the recorded samples, and by
 default the recording is delayed, sampled between encoder cycles, quantised and noisy. With disturbances the drives
 ripple, the structure vibrates and forces err with the pose: nothing of which the identification models know.
 """
 
+from collections.abc import Sequence
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import CaseError
 from cases.schema import Case
-from cases.sensors import Simulation
+from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
+from identification.estimation.stated_noise import acceleration_to_force
 from identification.hexapod import Kinematics
-from identification.loaded import (
-    UNDISTURBED,
-    Circumstances,
-    PoseFields,
-    loaded_truth,
-    mode_frequency,
-    pose_fields,
-    rippled,
-    vibrating,
-)
 from identification.machines import machine_of
 from identification.model import expected_forces, full_model, identification_model
-from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.trajectories.executed import Execution
+from identification.trajectories.executed import Execution, rippled, vibrating
 
 Array = NDArray[np.float64]
+
+WAVES = 48  # of which a pose error is made
+
+
+class Circumstances(NamedTuple):
+    """What is mounted on the simulated machine, and what disturbs it."""
+
+    weights: tuple[RigidBody, ...] = ()
+    disturbances: Disturbances | None = None  # None: an ideal structure, only sensors and encoders are imperfect
+
+    @property
+    def load(self) -> float:
+        """Mass of the weights [kg]."""
+        return sum(w.mass_kg for w in self.weights)
+
+
+UNDISTURBED = Circumstances()
+
+
+def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
+    """The first `weights` weights of a case mounted on its machine, with or without its disturbances.
+
+    Raises:
+        CaseError: the case has fewer weights, or no disturbances.
+    """
+    payloads = () if case.payloads is None else case.payloads.weights
+    if not 0 <= weights <= len(payloads):
+        raise CaseError(f"case {case.name}", "payloads.weights", f"are {len(payloads)}; {weights} cannot be mounted")
+    disturbances = case.need_simulation("a run").disturbances
+    if disturbed and disturbances is None:
+        case.missing("simulation.disturbances", "a run with disturbances")
+    return Circumstances(payloads[:weights], disturbances if disturbed else None)
+
+
+def joined_body(bodies: Sequence[RigidBody]) -> RigidBody:
+    """One rigid body made of several: masses, first moments and inertias about the origin of {P} add."""
+    return reduce(together, bodies)
+
+
+def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:
+    """The parameters of a machine with weights on its platform; offsets and compensation stay."""
+    return truth.model_copy(update={"body": joined_body((truth.body, *weights))}) if weights else truth
+
+
+def mode_frequency(truth: Truth, around: Circumstances) -> float:
+    """Frequency of the structural mode: its stiffness is the structure's, its mass what is moved [Hz]."""
+    assert around.disturbances is not None
+    mass = truth.body.mass_kg
+    return float(around.disturbances.mode_Hz * np.sqrt(mass / (mass + around.load)))
+
+
+class PoseFields(NamedTuple):
+    """Force errors that depend on the pose: two smooth random fields of the machine."""
+
+    platform: Array  # error of each sensor that the platform brings along, shape (n, 6) [N]
+    load: Array  # the same for each newton that is mounted, shape (n, 6) [N/N]
+
+    def of(self, weight: float) -> Array:
+        """Error of each sensor with something of a weight [N] on the platform, shape (n, 6) [N]."""
+        return np.asarray(self.platform + weight * self.load)
+
+
+def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFields:
+    """The errors in poses.
+
+    Args:
+        home: pose from which the machine's poses are counted, shape (6,) [m, rad].
+        poses: shape (n, 6) [m, rad].
+    """
+    reduced = (poses - home) / _lengths(disturbances)
+    fields = []
+    for k, size in enumerate((disturbances.pose_error_N, disturbances.pose_error_of_load)):
+        draw = np.random.default_rng([disturbances.pose_error_seed, k])
+        waves, phases = draw.normal(size=(6, WAVES)), draw.uniform(0.0, 2 * np.pi, (6, WAVES))
+        angle = reduced @ waves  # cos(angle + phase) of six phases, by the sum formula: a third of the cosines
+        field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
+        fields.append(size * np.sqrt(2.0 / WAVES) * field)
+    return PoseFields(*fields)
+
+
+def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
+    """Covariance over machines of a sensor's error between poses, shape (n, n) [N^2].
+
+    Args:
+        home: pose from which the machine's poses are counted, shape (6,) [m, rad].
+        poses: shape (n, 6) [m, rad].
+        weight: weight of what is on the platform [N].
+    """
+    reduced = (poses - home) / _lengths(disturbances)
+    size = np.sum(reduced**2, axis=1)
+    squares = np.maximum(size[:, None] + size - 2.0 * reduced @ reduced.T, 0.0)
+    variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
+    return np.asarray(variance * np.exp(-squares / 2.0))
+
+
+def _lengths(disturbances: Disturbances) -> Array:
+    return np.repeat([disturbances.pose_error_length, disturbances.pose_error_angle], 3)
 
 
 class ForceParts(NamedTuple):

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from cases.sensors import StrutSensors
 from identification.hexapod import Hexapod
 from identification.parameters import Block, Parameter, Rods, State
-from identification.pose import rotation
+from identification.symbolic import rotation
 
 Array = NDArray[np.float64]
 

@@ -7,6 +7,7 @@ from cases import door
 if TYPE_CHECKING:
     from planner.bounds.kept import bound as bound
     from planner.comparison.advising import compare as compare
+    from planner.comparison.validation import validate as validate
     from planner.demonstration import demo as demo
     from planner.families.settings import Fourier as Fourier
     from planner.families.settings import Manual as Manual
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from planner.runs.identifying import identify as identify
     from planner.runs.running import run as run
     from planner.runs.written import write as write
-    from planner.validation.validation import validate as validate
 
 __getattr__, __dir__ = door(
     __name__,
@@ -36,6 +36,6 @@ __getattr__, __dir__ = door(
         "planner.runs.identifying": "identify",
         "planner.runs.running": "run",
         "planner.runs.written": "write",
-        "planner.validation.validation": "validate",
+        "planner.comparison.validation": "validate",
     },
 )

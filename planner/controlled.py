@@ -13,10 +13,10 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
 from identification.limited_quantities import Box
 from identification.motion import Trajectory
-from identification.trajectories.profile import has_steps
+from identification.trajectories.moves import has_steps
 from postprocessors.dialects import DIALECTS, dialect
 from postprocessors.proving.guarantees import limits_jerk
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can

@@ -20,8 +20,7 @@ from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
 from planner.runs.written import write
-from postprocessors.dialects import dialect
-from postprocessors.program_file import Program
+from postprocessors.dialects import Program, dialect
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
 OF_PATHS = ("acceleration", *ACCEPTED)

@@ -1,26 +1,44 @@
-"""What came of a search, and what a user should know of it."""
+"""What came of a search: what it is worth as a plan, and what a user should know of it."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import payload_words
+from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.estimation.fit import PoseField
 from identification.limit import LimitKind, LimitReport, Status
+from identification.model import Model, identification_model
 from identification.motion import Trajectory
+from identification.trajectories.curves import FourierMotion, needless_harmonics
+from planner.bounds.kept import box_bound, known_tight_bound
+from planner.deviations import predicted_std_of, worst_std
 from planner.families.fourier import FourierFamily
-from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.spline import enough_intervals
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    expected_noise,
+    information_of,
+    mean_information,
+    seen_through,
+    without_pose_errors,
+)
+from planner.plans import Plan
+from planner.precision import solver_text
 from planner.request import Request, parse_targets
-from planner.search.ipopt import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
+from planner.vibration import BothLaws, both_laws
+from planner.worth import BINDING, Rival, Search, Tried, Worth, bound_by
 
-if TYPE_CHECKING:
-    from planner.vibration import BothLaws
+Array = NDArray[np.float64]
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one
-BINDING = 0.99  # share of a limit from which it shapes the motion
 FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
+AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
 
 
 class Found(NamedTuple):
@@ -34,7 +52,7 @@ class Found(NamedTuple):
     interrupted: bool = False  # whether Ctrl-C ended the search early
     rival: Start | None = None  # what another family found in seconds
     white: Start | None = None  # what one start reaches where errors of the pose do not count
-    laws: "BothLaws | None" = None  # what the time law of moves costs on a machine that is not stiff
+    laws: BothLaws | None = None  # what the time law of moves costs on a machine that is not stiff
     of_law: str = ""  # what came of the choice between two time laws
 
     def of_rival(self, parameters: int) -> float:
@@ -42,6 +60,132 @@ class Found(NamedTuple):
         if self.rival is None or not self.starts:
             return 0.0
         return float(np.exp((self.rival.logdet - self.starts[0].logdet) / parameters))
+
+
+def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
+    """The plan of a motion that keeps all limits: what it is worth.
+
+    Args:
+        found: the motion, and where it comes from.
+        seconds: spent on it [s].
+
+    Raises:
+        IdentificationError: the motion does not excite all parameters of the model.
+        CaseError: the case has no machine or no limits.
+    """
+    model = identification_model(case, request.model)
+    scaling = reference_scaling(case, model)
+    information = mean_information(model, scaling, found.motion)
+    mu = singular_values(information, model.names)
+    noise = expected_noise(case, model, request.payload)
+    worst = worst_std(case, model, scaling, found.motion, request.payloads)
+    eigenvalues, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
+        eigenvalues = singular_values(weighted, model.names)
+    laws = found.laws or both_laws(case, request.model, found.motion, request.payload)
+    predicted = {name: std for name, (std, _) in worst.items()}
+    remarks = (
+        *_told(case, model, scaling, found.motion, noise, request.payload),
+        *_of_pose_errors(case, model, scaling, found, request, predicted),
+    )
+    logdet, bound = CRITERIA["D"].of(mu), box_bound(case, model)
+    worth = Worth(
+        settings=found.settings,
+        search=_record(found, seconds, bound.efficiency(logdet), len(mu)),
+        score=CRITERIA[request.criterion].of(eigenvalues),
+        logdet=logdet,
+        condition=-CRITERIA["K"].of(mu),
+        bound=bound,
+        tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
+        noise=tuple(noise.std.tolist()),
+        shaken=noise.shaken,
+        weights=noise.weights,
+        weaknesses=weaknesses(found, case, len(mu)),
+        notes=(*notes(found._replace(laws=laws), request, case, worst), *remarks),
+        vibration=None if laws is None else laws.to_json(),
+    )
+    rate = case.recording.rate_Hz
+    return Plan(case, request, found.motion, found.limits, predicted, noise.sensors, rate, worth)
+
+
+def _record(result: Found, seconds: float, efficiency: float, parameters: int) -> Search:
+    """What a plan keeps of its search."""
+    starts = tuple(
+        Tried(
+            seed=s.seed,
+            refined=s.refined,
+            start_logdet=s.start_logdet if np.isfinite(s.start_logdet) else None,
+            logdet=s.logdet,
+            criterion_value=s.score,
+            solver=s.status,
+            converged=s.converged,
+            iterations=s.iterations,
+            seconds=s.seconds,
+        )
+        for s in result.starts
+    )
+    other = result.rival
+    rival = None if other is None else Rival(other.family.name, result.of_rival(parameters) * efficiency)
+    return Search(starts, result.failed, result.interrupted, seconds, rival)
+
+
+def _from_rest_to_rest(motion: Trajectory) -> bool:
+    """Whether nothing moves or speeds up at either end: the tighter bound is one of such motions only."""
+    ends = motion.at([0.0, motion.duration])
+    return bool(max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST)
+
+
+def _told(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
+) -> tuple[str, ...]:
+    """What noise of the accelerations does to a plan."""
+    if not noise.shaken:
+        return ()
+    mounted = f"with {payload_words(payload)}" if payload else "without payload"
+    sentence = f"noise of the accelerations: a force sample errs by {_rms(noise):.3g} N rms {mounted}"
+    if payload:
+        sentence += f", by {_rms(expected_noise(case, model)):.3g} N without"
+    sentence += f"; the sensors alone by {noise.sensors:.3g} N"
+    if noise.weights == "stated":
+        return (sentence,)
+    case_noise = expected_noise(case, model, payload, "stated")
+    pairs = [predicted_std_of(case, model, scaling, motion, n, payload) for n in (case_noise, noise)]
+    less = 1.0 - float(np.exp(np.mean([np.log(pairs[0][name] / pairs[1][name]) for name in pairs[0]])))
+    return (
+        sentence,
+        f'identify --weights stated, or sensors.weights = "stated" in the case, makes the standard deviations '
+        f"{100 * less:.0f} % smaller than the weights {noise.weights} (geometric mean, this motion)",
+    )
+
+
+def _of_pose_errors(
+    case: Case, model: Model, scaling: Array, result: Found, request: Request, predicted: dict[str, float]
+) -> tuple[str, ...]:
+    """What errors that depend on the pose cost a plan, and what it gave up for them."""
+    field = PoseField.of(case.sensors)
+    if field is None:
+        return ()
+    white = worst_std(without_pose_errors(case), model, scaling, result.motion, request.payloads)
+    times = float(np.exp(np.mean([np.log(predicted[name] / std) for name, (std, _) in white.items()])))
+    remark = (
+        f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
+    )
+    remark += "noise alone (geometric mean); "
+    if result.white is None:
+        return (remark + "D-efficiency counts white noise alone",)
+    plain = np.linalg.slogdet(mean_information(model, scaling, result.motion))[1]
+    other = result.white.family.motion(result.white.unknowns)
+    best = np.linalg.slogdet(mean_information(model, scaling, other))[1]
+    bound = box_bound(case, model)
+    return (
+        f"{remark}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
+        f"reaches {bound.efficiency(float(max(best, plain))):.3f}",
+    )
+
+
+def _rms(noise: ExpectedNoise) -> float:
+    return float(np.sqrt(np.mean(noise.std[:3] ** 2)))
 
 
 def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
@@ -72,11 +216,6 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
             "more --seconds or a smaller box may find more"
         )
     return tuple(words)
-
-
-def bound_by(limits: LimitReport) -> list[str]:
-    """The limits that shape a motion."""
-    return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]
 
 
 def notes(

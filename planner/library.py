@@ -13,14 +13,13 @@ from cases.schema import Case
 from identification.model import full_model, identification_model, static_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
-from planner.infeasible import require_plannable
 from planner.interruption import Interrupted
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
 from planner.request import LONGEST, UNITS, PoseRequest, Request, Target, parse_targets
-from planner.search.parallel import SILENT, Listener, News
-from planner.search.patience import WORTHWHILE, gain
+from planner.search.inside import require_plannable
+from planner.search.parallel import SILENT, WORTHWHILE, Listener, News, gain
 from planner.search.solving import Failed, Start
 
 Told = Callable[[str], None]

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.estimation.fit import PoseField, matern, squared_distances
-from identification.evaluate import over_samples
+from identification.estimation.stated_noise import StatedNoise, inverse_root
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
-from identification.noise.stated import StatedNoise, inverse_root
 from identification.parameters import nominal_parameters
+from identification.symbolic import over_samples
 
 Array = NDArray[np.float64]
 

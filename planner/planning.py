@@ -12,42 +12,28 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
-from cases.units import payload_words
-from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
-from identification.model import Model, identification_model
+from identification.model import identification_model
 from identification.motion import Trajectory
-from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled
-from planner.deviations import predicted_std_of, worst_std
-from planner.families.family import Family
+from planner.families import Family
 from planner.families.saved import shipped_start
 from planner.families.settings import Spline
-from planner.found import Found, notes, weaknesses
-from planner.infeasible import remedy, require_plannable
+from planner.found import Found, rated
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import (
-    ExpectedNoise,
-    PoseErrors,
-    expected_noise,
-    information_of,
-    mean_information,
-    seen_through,
     without_pose_errors,
 )
 from planner.plans import Plan
 from planner.request import LONGEST, Request
-from planner.search.inside import keep_limits
-from planner.search.parallel import SILENT, Listener, Outcome, Runner, run_here, workers
-from planner.search.patience import Patience
-from planner.search.solving import Failed, Start, Step, Task, seeds_of
+from planner.search.inside import keep_limits, remedy, require_plannable
+from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner, run_here, workers
+from planner.search.solving import Failed, Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
-from planner.worth import Rival, Search, Tried, Worth
 
 Array = NDArray[np.float64]
 
-AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
 KEPT = 3  # of several orders and periods, the best get more starts
 ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time
 
@@ -182,6 +168,11 @@ def _explored(
         tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, patience.most - len(results)))]
 
 
+def seeds_of(seed: int, starts: int) -> list[int]:
+    """Seeds of the starts, reproducible from one seed; more starts extend the list."""
+    return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
+
+
 def _made_by_hand(request: Request, motion: Trajectory, file: Path, case: Case) -> Found:
     if not motion.duration <= LONGEST:
         raise InfeasiblePlan(f"{file}: takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
@@ -227,129 +218,3 @@ def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
 
         plan = make(request, case, listener, run)
     return plan.ended_early() if pressed.is_set() else plan
-
-
-def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
-    """The plan of a motion that keeps all limits: what it is worth.
-
-    Args:
-        found: the motion, and where it comes from.
-        seconds: spent on it [s].
-
-    Raises:
-        IdentificationError: the motion does not excite all parameters of the model.
-        CaseError: the case has no machine or no limits.
-    """
-    model = identification_model(case, request.model)
-    scaling = reference_scaling(case, model)
-    information = mean_information(model, scaling, found.motion)
-    mu = singular_values(information, model.names)
-    noise = expected_noise(case, model, request.payload)
-    worst = worst_std(case, model, scaling, found.motion, request.payloads)
-    eigenvalues, errors = mu, PoseErrors.of(case, noise)
-    if noise.whitening is not None or errors is not None:
-        weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
-        eigenvalues = singular_values(weighted, model.names)
-    laws = found.laws or both_laws(case, request.model, found.motion, request.payload)
-    predicted = {name: std for name, (std, _) in worst.items()}
-    remarks = (
-        *_told(case, model, scaling, found.motion, noise, request.payload),
-        *_of_pose_errors(case, model, scaling, found, request, predicted),
-    )
-    logdet, bound = CRITERIA["D"].of(mu), box_bound(case, model)
-    worth = Worth(
-        settings=found.settings,
-        search=_record(found, seconds, bound.efficiency(logdet), len(mu)),
-        score=CRITERIA[request.criterion].of(eigenvalues),
-        logdet=logdet,
-        condition=-CRITERIA["K"].of(mu),
-        bound=bound,
-        tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
-        noise=tuple(noise.std.tolist()),
-        shaken=noise.shaken,
-        weights=noise.weights,
-        weaknesses=weaknesses(found, case, len(mu)),
-        notes=(*notes(found._replace(laws=laws), request, case, worst), *remarks),
-        vibration=None if laws is None else laws.to_json(),
-    )
-    rate = case.recording.rate_Hz
-    return Plan(case, request, found.motion, found.limits, predicted, noise.sensors, rate, worth)
-
-
-def _record(result: Found, seconds: float, efficiency: float, parameters: int) -> Search:
-    """What a plan keeps of its search."""
-    starts = tuple(
-        Tried(
-            seed=s.seed,
-            refined=s.refined,
-            start_logdet=s.start_logdet if np.isfinite(s.start_logdet) else None,
-            logdet=s.logdet,
-            criterion_value=s.score,
-            solver=s.status,
-            converged=s.converged,
-            iterations=s.iterations,
-            seconds=s.seconds,
-        )
-        for s in result.starts
-    )
-    other = result.rival
-    rival = None if other is None else Rival(other.family.name, result.of_rival(parameters) * efficiency)
-    return Search(starts, result.failed, result.interrupted, seconds, rival)
-
-
-def _from_rest_to_rest(motion: Trajectory) -> bool:
-    """Whether nothing moves or speeds up at either end: the tighter bound is one of such motions only."""
-    ends = motion.at([0.0, motion.duration])
-    return bool(max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST)
-
-
-def _told(
-    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
-) -> tuple[str, ...]:
-    """What noise of the accelerations does to a plan."""
-    if not noise.shaken:
-        return ()
-    mounted = f"with {payload_words(payload)}" if payload else "without payload"
-    sentence = f"noise of the accelerations: a force sample errs by {_rms(noise):.3g} N rms {mounted}"
-    if payload:
-        sentence += f", by {_rms(expected_noise(case, model)):.3g} N without"
-    sentence += f"; the sensors alone by {noise.sensors:.3g} N"
-    if noise.weights == "stated":
-        return (sentence,)
-    case_noise = expected_noise(case, model, payload, "stated")
-    pairs = [predicted_std_of(case, model, scaling, motion, n, payload) for n in (case_noise, noise)]
-    less = 1.0 - float(np.exp(np.mean([np.log(pairs[0][name] / pairs[1][name]) for name in pairs[0]])))
-    return (
-        sentence,
-        f'identify --weights stated, or sensors.weights = "stated" in the case, makes the standard deviations '
-        f"{100 * less:.0f} % smaller than the weights {noise.weights} (geometric mean, this motion)",
-    )
-
-
-def _of_pose_errors(
-    case: Case, model: Model, scaling: Array, result: Found, request: Request, predicted: dict[str, float]
-) -> tuple[str, ...]:
-    """What errors that depend on the pose cost a plan, and what it gave up for them."""
-    field = PoseField.of(case.sensors)
-    if field is None:
-        return ()
-    white = worst_std(without_pose_errors(case), model, scaling, result.motion, request.payloads)
-    times = float(np.exp(np.mean([np.log(predicted[name] / std) for name, (std, _) in white.items()])))
-    remark = (
-        f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
-    )
-    remark += "noise alone (geometric mean); "
-    if result.white is None:
-        return (remark + "D-efficiency counts white noise alone",)
-    plain = np.linalg.slogdet(mean_information(model, scaling, result.motion))[1]
-    other = result.white.family.motion(result.white.unknowns)
-    best = np.linalg.slogdet(mean_information(model, scaling, other))[1]
-    bound = box_bound(case, model)
-    return (
-        f"{remark}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
-        f"reaches {bound.efficiency(float(max(best, plain))):.3f}",
-    )
-
-
-def _rms(noise: ExpectedNoise) -> float:
-    return float(np.sqrt(np.mean(noise.std[:3] ** 2)))

@@ -17,10 +17,9 @@ from identification.model import identification_model
 from identification.motion import Joined, Measurement, Motion, Trajectory
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
-from planner.found import bound_by
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
-from planner.worth import PoseWorth, Worth
+from planner.worth import PoseWorth, Worth, bound_by
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Numbers as people read them, to the second digit of their standard deviation, and parameters by their words."""
+"""Numbers as people read them, to the second digit of their standard deviation; parameters and solvers in words."""
 
 import re
 from collections.abc import Iterable
@@ -97,3 +97,21 @@ def parameter_words(name: str, rods: bool = False) -> str:
     elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):
         words = f"deformation: channel {factor[1]} by {factor[2]}"
     return name if words is None else f"{words} ({name})"
+
+
+def last_words(status: object) -> str:
+    """A solver's return status in plain words."""
+    return str(status).replace("_", " ").lower()
+
+
+def solver_text(words: str) -> str:
+    """A solver's last words as people are shown them: to stop at the iterations that a stage has is not a failure."""
+    plain = last_words(words)
+    return _SHOWN.get(plain, plain)
+
+
+_SHOWN = {
+    "maximum iterations exceeded": "at its iteration limit",
+    "user requested stop": "stopped by the time limit or by Ctrl-C",
+    "solve succeeded": "converged",
+}

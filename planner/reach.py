@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances, guarded
 from identification.limit import TOLERANCE, Limit, LimitKind
@@ -22,7 +21,7 @@ from identification.limit_proof import CHUNK, of_mechanics
 from identification.limited_chain import joint_ranges
 from identification.limited_quantities import Quantity
 from identification.motion import StandingPoses
-from identification.pose import rotation
+from identification.symbolic import over_samples, rotation
 
 Array = NDArray[np.float64]
 

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
-from identification.loaded import circumstances, mode_frequency, vibrating
 from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
-from identification.trajectories.executed import DriveExecution
-from identification.trajectories.profile import StraightMove, has_steps
+from identification.simulate import circumstances, mode_frequency
+from identification.trajectories.executed import Execution, vibrating
+from identification.trajectories.moves import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
 
@@ -125,7 +125,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
 
 def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:
     """Whether identification estimates the smoothing too, by its own rule: differences of evaluated samples decide."""
-    from identification.runs.smoothing import SAMPLED  # all of identification, which most plans do without
+    from identification.runs.evaluation import SAMPLED  # all of identification, which most plans do without
 
     step, matrices = low_pass.stride * low_pass.step, columns[:, : len(u)].reshape(-1, 6, len(u))
     expected = matrices @ u
@@ -152,7 +152,7 @@ def _evaluated(
     step = low_pass.step
     t = np.arange(int(np.ceil(run.duration / step)) + 1) * step
     lengths = hexapod.strut_lengths(run.at(np.minimum(t, run.duration)).pose)
-    execution = DriveExecution.of_set_points(hexapod, step, lengths)
+    execution = Execution.of_set_points(hexapod, step, lengths)
     t = t[t <= execution.duration]
     struts, kinematics = execution.struts(t), execution.kinematics(t)
     vibrating_motion = replace(kinematics, twist_rate=vibrating(kinematics.twist_rate, step, frequency, damping))

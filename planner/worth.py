@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from identification.limit import LimitReport
 from planner.bounds.kept import Bound
 from planner.search.solving import Failed
 
@@ -176,3 +177,11 @@ class PoseWorth:
             select_seconds=float(data["select_s"]),
             solve_seconds=float(data["solve_s"]),
         )
+
+
+BINDING = 0.99  # share of a limit from which it shapes the motion
+
+
+def bound_by(limits: LimitReport) -> list[str]:
+    """The limits that shape a motion."""
+    return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from cases import door
 
 if TYPE_CHECKING:
-    from postprocessors.program_file import Program as Program
-    from postprocessors.program_file import read_program as read_program
+    from postprocessors.dialects import Program as Program
+    from postprocessors.dialects import read_program as read_program
 
-__getattr__, __dir__ = door(__name__, {"postprocessors.program_file": "Program read_program"})
+__getattr__, __dir__ = door(__name__, {"postprocessors.dialects": "Program read_program"})

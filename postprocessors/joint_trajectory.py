@@ -12,8 +12,9 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill, Trajectory
-from identification.trajectories.polynomial import PolynomialMotion
-from identification.trajectories.profile import Profile, StraightMove
+from identification.trajectories.curves import PolynomialMotion
+from identification.trajectories.moves import StraightMove
+from identification.trajectories.profile import Profile
 from postprocessors.blocks import (
     Comment,
     Dwell,
@@ -25,7 +26,7 @@ from postprocessors.blocks import (
     Trigger,
 )
 from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from postprocessors.wording import comment_lines
 
 DECIMALS = 9  # of rad, m and their derivatives

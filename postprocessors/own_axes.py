@@ -17,7 +17,7 @@ from cases.units import DEG, MINUTE, MM
 from identification.limited_quantities import Box
 from postprocessors.blocks import Array, Block, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees, sinumerik_guarantees, twincat_guarantees
-from postprocessors.reading.words import Reading, axis_letters
+from postprocessors.reading import Reading, axis_letters
 from postprocessors.wording import comments, coordinates, digits, number, written_feed
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF

@@ -29,7 +29,7 @@ from postprocessors.blocks import (
     Trigger,
 )
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 FORMAT = "hexcite setpoints 1"
 METADATA = b"hexcite"

@@ -20,14 +20,18 @@ from postprocessors.blocks import (
     Dwell,
     ExactStopMove,
     NeutralProgram,
+    Pieces,
     SplinePath,
     TimedPath,
     ToHome,
+    TooCoarse,
     Trigger,
+    even_deviation,
+    path_speed_deviation,
+    pieces,
 )
-from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.proving.guarantees import Guarantees, sinumerik_guarantees
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,

@@ -23,7 +23,7 @@ from postprocessors.blocks import (
     Trigger,
 )
 from postprocessors.proving.guarantees import Guarantees, twincat_guarantees
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from postprocessors.wording import (
     PLANE_WORDS,
     arc_words,

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cases.units import DEG, MINUTE, MM
 from identification.limited_quantities import Box
-from identification.trajectories.circle import CircularMove, Plane
-from identification.trajectories.profile import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, Plane, StraightMove
+from identification.trajectories.profile import limits_along
 from postprocessors.blocks import Arc, Array, ExactStopMove
 from postprocessors.proving.guarantees import Guarantees
 

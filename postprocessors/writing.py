@@ -11,9 +11,8 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import PolynomialMotion, polynomials_of
+from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import (
     Arc,
     Block,
@@ -29,7 +28,7 @@ from postprocessors.blocks import (
 from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
-from postprocessors.reading.words import Event, Reading
+from postprocessors.reading import Event, Reading
 
 # The last decimal of the words, doubled: what is read back must be what was planned, up to rounding [m or rad].
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)

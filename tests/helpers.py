@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Motion
-from identification.trajectories.polynomial import Piece, PolynomialMotion
+from identification.trajectories.curves import Piece, PolynomialMotion
 
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")

@@ -7,13 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod, Kinematics
-from identification.loaded import UNDISTURBED, Circumstances, pose_fields
 from identification.motion import Trajectory
-from identification.pose import twist, twist_rate
 from identification.recording import Recording
-from identification.simulate import force_parts
+from identification.simulate import UNDISTURBED, Circumstances, force_parts, pose_fields
+from identification.symbolic import over_samples, twist, twist_rate
 from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
-from identification.finding import Finding, Kind, note, warning
+from identification.findings import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import MASS, OFFSETS
 

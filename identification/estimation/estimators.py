@@ -14,16 +14,14 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, Biases
-from identification.estimation.consistent import consistent
 from identification.estimation.estimator import full_weights, gauss_markov, per_channel
 from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
-from identification.estimation.nonlinear import nonlinear
 from identification.estimation.priors import Prior, with_priors
-from identification.estimation.robust import huber
-from identification.estimation.selection import Selection, estimate_selected, select
-from identification.finding import Kind, note, warning
+from identification.estimation.robust import consistent, huber
+from identification.estimation.selection import Selection, estimate_selected, nonlinear, select
+from identification.estimation.stated_noise import StatedNoise
+from identification.findings import Kind, note, warning
 from identification.model import Model
-from identification.noise.stated import StatedNoise
 from identification.parameters import physical_form
 
 Array = NDArray[np.float64]

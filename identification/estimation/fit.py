@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cases.sensors import Sensors
 from cases.units import MM
-from identification.finding import Finding, Kind, warning
+from identification.findings import Finding, Kind, warning
 
 Array = NDArray[np.float64]
 

@@ -22,8 +22,7 @@ from identification.estimation.compressed import (
     scores,
 )
 from identification.estimation.fit import UNFILTERED, Filtered, Fit, long_run_covariance
-from identification.estimation.nonlinear import gauss_newton
-from identification.estimation.selection import require_names
+from identification.estimation.selection import gauss_newton, require_names
 from identification.model import Model
 from identification.parameters import PhysicalForm, physical_form
 

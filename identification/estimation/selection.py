@@ -2,19 +2,28 @@
 
 A known centre of gravity ties a first moment to the mass, and a known central inertia ties an inertia to the first
 moments by the parallel-axis theorem, so that u = u0 + B v with the parameters v that are left: the problem stays
-linear, and every estimator of stacked data serves it.
+linear, and every estimator of stacked data serves it (`select`).
+
+A physical parameter that is known and not linear in u, such as a central inertia without its centre of gravity, takes
+the non-linear form (18) in physical parameters p = (m, xC, I_C, f_q0, K), by its local Jacobian (`nonlinear`). (18) is
+A u(p) with u(p) of (17): the regressor is the model's own, and A du/dp is the local Jacobian. With all parameters free
+the estimate is the linear one, propagated. Least squares of a non-linear residual by Gauss-Newton steps with halving
+(Nocedal & Wright 2006, section 10.3).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimation.fit import Estimator, Fit
+from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
+from identification.estimation.fit import UNFILTERED, Estimator, Filtered, Fit
+from identification.findings import Kind, note
 from identification.model import Model
-from identification.parameters import physical_form
+from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS, physical_form
 
 Array = NDArray[np.float64]
 
@@ -152,4 +161,137 @@ def estimate_selected(
         values=offset + basis @ fit.values,
         covariance=basis @ fit.covariance @ basis.T,
         covariance_robust=basis @ fit.covariance_robust @ basis.T,
+    )
+
+
+TOLERANCE = 1e-9  # of a standard deviation of each parameter
+ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
+
+
+def linear_map(model: Model) -> ca.Function:
+    """The inverse of `physical_form`: physical parameters -> (u, du/dp)."""
+    names = [p.name for p in physical_form(model).parameters]
+    p = ca.SX.sym("p", len(names))
+    mass, first = p[names.index(MASS.parameters[0].name)], names.index("xC")
+    centre = p[first : first + 3]
+    values: list[ca.SX] = []
+    start = 0
+    for block in model.blocks:
+        part = p[start : start + len(block.parameters)]
+        start += len(block.parameters)
+        if block is FIRST_MOMENT:
+            part = mass * centre
+        elif block is INERTIA:
+            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
+            part = part + ca.vertcat(*(steiner[i, j] for i, j in INERTIA_INDEX))
+        values.append(part)
+    u = ca.vertcat(*values)
+    return ca.Function("linear", [p], [u, ca.jacobian(u, p)])
+
+
+def nonlinear(
+    regressors: Array,
+    forces: Array,
+    model: Model,
+    weights: Array,
+    known: Mapping[str, float],
+    filtered: Filtered = UNFILTERED,
+) -> Fit:
+    """Fit of u by Gauss-Newton in the physical parameters; rank and condition are those of the local Jacobian.
+
+    It starts from 1 kg at the origin: with all parameters free u(p) is reached in a few steps from any mass but zero,
+    since mass, first moments and inertia each become linear once the ones before them are right.
+
+    Args:
+        regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) are estimated too.
+        forces: shape (n, 6) [N, or N and N m].
+        model: model that the regressors belong to.
+        weights: diagonal of W for one sample, shape (6,).
+        known: exact values of physical parameters, by name [SI].
+        filtered: what was done to regressors and forces before.
+
+    Raises:
+        IdentificationError: a name that the model does not have, a value that is not finite, no free parameter, fewer
+            forces than unknowns, parameters that the data do not determine, or a search that fails.
+    """
+    names = [p.name for p in physical_form(model).parameters]
+    beyond = regressors.shape[2] - len(names)
+    names += [f"nuisance {k + 1}" for k in range(beyond)]
+    require_names(known, names[: len(names) - beyond])
+    if not np.isfinite(list(known.values())).all() or known.get("m", 1.0) <= 0.0:
+        raise IdentificationError("a known value must be finite, and a known mass above zero")
+    free = np.array([name not in known for name in names])
+    if not free.any():
+        raise IdentificationError("all parameters are known; leave at least one to estimate")
+    start = np.array([known.get(name, 1.0 if name == "m" else 0.0) for name in names])
+    mapping, compressed = linear_map(model), compress(regressors, forces, weights)
+
+    def full(theta: Array) -> tuple[Array, Array]:
+        physical = start.copy()
+        physical[free] = theta
+        u, derivative = (value.full() for value in mapping(physical[: len(names) - beyond]))
+        jacobian = np.eye(len(names))
+        jacobian[: len(derivative), : len(derivative)] = derivative
+        return np.r_[u[:, 0], physical[len(names) - beyond :]], jacobian[:, free]
+
+    def residual(theta: Array) -> tuple[Array, Array]:
+        u, tangent = full(theta)
+        return compressed.root @ u - compressed.right, compressed.root @ tangent
+
+    noise = np.sqrt(compressed.rest / (compressed.rows - len(names)))
+    length = np.sqrt(compressed.rest + np.sum(compressed.right**2))
+    solution, steps = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
+    u, tangent = full(solution)
+    labels = [name for name, f in zip(names, free, strict=True) if f]
+    fit = with_kernel(fit_along(compressed, labels, u, tangent, beyond, filtered), regressors, filtered)
+    return replace(fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {steps} Gauss-Newton steps"),))
+
+
+Residual = Callable[[Array], tuple[Array, Array]]
+"""theta, shape (p,) -> residuals, shape (k,), and their Jacobian, shape (k, p)."""
+
+STEPS = 50
+HALVINGS = 30
+RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in rounding, and the step is taken unseen
+
+
+def gauss_newton(residual: Residual, start: Array, tolerance: float) -> tuple[Array, int]:
+    """The theta of least |r(theta)|^2, shape (p,), and the steps to it.
+
+    Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
+
+    Args:
+        start: theta, shape (p,).
+        tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
+            standard deviations of the noise no parameter is then further from the minimum than so many of its own.
+
+    Raises:
+        IdentificationError: where the search ended is not a minimum.
+    """
+    at = np.asarray(start, dtype=float)
+    r, jacobian = residual(at)
+    if not np.isfinite(r).all() or not np.isfinite(jacobian).all():
+        raise IdentificationError(
+            "no minimum was found: the model has no finite value at the start; start from a mass above zero"
+        )
+    for steps in range(1, STEPS + 1):
+        scale = column_scale(jacobian)
+        step = scale * np.linalg.lstsq(jacobian * scale, -r, rcond=None)[0]
+        predicted = float(np.linalg.norm(jacobian @ step))
+        cost, share = float(r @ r), 1.0
+        for _ in range(HALVINGS):
+            new, new_jacobian = residual(at + share * step)
+            finite = bool(np.isfinite(new).all() and np.isfinite(new_jacobian).all())
+            if finite and (float(new @ new) < cost or predicted**2 <= max(tolerance**2, RESOLVED * cost)):
+                break
+            share /= 2.0
+        else:
+            raise IdentificationError(
+                "no minimum was found: no step lowers chi^2 any more, yet the gradient is not zero; start nearer"
+            )
+        at, r, jacobian = at + share * step, new, new_jacobian
+        if predicted <= tolerance:
+            return at, steps
+    raise IdentificationError(
+        f"no minimum was found: the steps did not become small within {STEPS}; start nearer or give more known values"
     )

@@ -26,7 +26,8 @@ from identification.fitting import Fitted, fit_samples
 from identification.model import Model
 from identification.recording import Recording
 from identification.result import Delay
-from identification.samples import PART, Samples, fair_part
+from identification.samples import Samples
+from identification.signals import FAIR_PART, fair_part
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -242,7 +243,7 @@ def free_of_contact(
 def _long_contacts(run: Samples, moving: Fitted) -> tuple[Contact, ...]:
     """Contacts of up to half a run, by what the half of the samples that agree best says of all."""
     matrices, forces = run.regressors(moving.at), run.forces
-    every = slice(None, None, -(-len(forces) // PART))  # of a long run some say where, on the scale of a search
+    every = slice(None, None, -(-len(forces) // FAIR_PART))  # of a long run some say where, on the scale of a search
     step = float(np.median(np.diff(run.t[every])))
     half = least_trimmed_squares(matrices[every], forces[every], moving.w, step)
     if half is None:

@@ -12,15 +12,15 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
-from identification.finding import Finding, Kind, note, warning
-from identification.findings.drift import drifting
+from identification.estimation.stated_noise import noise_components
+from identification.findings import Finding, Kind, note, warning
+from identification.findings.readings import drifting
 from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
-from identification.noise.stated import noise_components
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
-from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
+from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]
@@ -43,9 +43,8 @@ SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a s
 def systematic(fit: Fit, usual: float) -> list[Finding]:
     """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
     residuals = fit.residuals
-    alike = np.sum(residuals[1:] * residuals[:-1], axis=0) / np.maximum(
-        np.sum(residuals**2, axis=0), np.finfo(float).tiny
-    )
+    squares = np.maximum(np.sum(residuals**2, axis=0), np.finfo(float).tiny)
+    alike = np.sum(residuals[1:] * residuals[:-1], axis=0) / squares
     if len(residuals) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
     sentence = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
@@ -134,8 +133,6 @@ def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     if ratio > SUSPICIOUS_RATIO:
         sentence = (
             f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-        )
-        sentence += (
             "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
         )
         findings.append(warning(Kind.NOISE, sentence))
@@ -143,15 +140,14 @@ def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     misfit = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
     if moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread:
-        sentence = (
-            f"the model explains only {100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance; check "
-        )
-        findings.append(warning(Kind.MODEL, f"{sentence}order, sign and unit of forces and struts"))
+        share = f"{100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance"
+        remedy = "check order, sign and unit of forces and struts"
+        findings.append(warning(Kind.MODEL, f"the model explains only {share}; {remedy}"))
     return findings
 
 
 STEP = 0.07  # of the feed, by which neighbouring stretches differ
-MOST_NAMED = 3
+MOST_NAMED, OVERRIDE = 3, "the recorded override"
 CONSEQUENCE = (
     "the parameters are valid, for they come from the measured motion; figures of the plan (duration, predicted "
     "standard deviations, efficiency) are not of this run, whose accelerations go with the square of its feed"
@@ -187,9 +183,8 @@ def other_feed(recording: Recording) -> list[Finding]:
         entries.append({"from_s": start, "to_s": end, "feed": scale, "where": place})
         texts.append(f"{place} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")
     more = f" and {len(texts) - MOST_NAMED} more stretches" if len(texts) > MOST_NAMED else ""
-    found_by = "the recorded override"
-    sentence = f"feed other than 100 %, by {found_by}: {', '.join(texts[:MOST_NAMED])}{more}; {CONSEQUENCE}"
-    return [warning(Kind.FEED, sentence, feed={"found_by": found_by, "stretches": entries})]
+    sentence = f"feed other than 100 %, by {OVERRIDE}: {', '.join(texts[:MOST_NAMED])}{more}; {CONSEQUENCE}"
+    return [warning(Kind.FEED, sentence, feed={"found_by": OVERRIDE, "stretches": entries})]
 
 
 def other_rate(recording: Recording, case: Case) -> list[Finding]:
@@ -248,8 +243,7 @@ def _not_compared(_recording: Recording, case: Case, method: Method, fitted: Fit
 
 def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
     """Residuals far above the noise that the case states for its force sensors, where it states no other."""
-    stated = case.sensors.force_noise_N
-    others = case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N
+    stated, others = case.sensors.force_noise_N, (case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N)
     if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
         return []
     if fitted.fit.s0 <= NOISIER * stated:

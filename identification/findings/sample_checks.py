@@ -14,9 +14,9 @@ from cases.errors import RecordingError
 from cases.machine import Limits
 from cases.schema import Case
 from cases.units import MM
-from identification.finding import Finding, Kind, Severity, sentences, warning
-from identification.formats.stream import Recording, Stream
+from identification.findings import Finding, Kind, Severity, sentences, warning
 from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
+from identification.recording import Recording, Stream
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

@@ -15,7 +15,7 @@ from cases.errors import HexciteError, IdentificationError
 from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.estimation.compressed import triangle
-from identification.findings.compensated import compensated
+from identification.findings.readings import compensated
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors

@@ -35,8 +35,8 @@ from identification.formats.checks import (
     with_lost_rows,
 )
 from identification.formats.delimited import without
-from identification.formats.stream import Stream
 from identification.formats.table import Array, ColumnTable, listed
+from identification.recording import Stream
 
 # Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
 _SHIFTED: dict[StreamName, tuple[str, ...]] = {

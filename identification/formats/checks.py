@@ -13,8 +13,8 @@ from cases.errors import RecordingError
 from cases.recording_format import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, RecordingFormat, units_of
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.stream import Channel, Stream
 from identification.formats.table import UNIFORMITY, Array, ColumnTable, crowded, lost_samples, shown
+from identification.recording import Channel, Stream
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3

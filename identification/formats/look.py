@@ -28,10 +28,9 @@ from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.looked import CLOCKS, RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
-from identification.formats.reading import read_run, read_tables
-from identification.formats.ros import bag_of, is_bag
-from identification.formats.table import Array
-from identification.formats.text import Fields, parse, read_blocks, require_file
+from identification.formats.reading import bag_of, is_bag, read_run, read_tables
+from identification.formats.table import Array, require_file
+from identification.formats.text import Fields, parse, read_blocks
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 _USUAL_RATE = 1000.0

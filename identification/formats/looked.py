@@ -10,10 +10,7 @@ import numpy as np
 from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, WRENCH, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
-from identification.formats.checks import switched
-from identification.formats.layout import TextLayout
-from identification.formats.naming import matched
-from identification.formats.ros import (
+from identification.formats.binary import (
     AXES,
     KINDS,
     STAMP,
@@ -24,6 +21,9 @@ from identification.formats.ros import (
     topics_of,
     wrench_rows,
 )
+from identification.formats.checks import switched
+from identification.formats.layout import TextLayout
+from identification.formats.naming import matched
 from identification.formats.table import Array, Stamps, listed, lost_samples, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have

@@ -3,6 +3,7 @@
 From files to a run: each file in its format, streams told apart by their columns, on one time axis.
 """
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
@@ -14,13 +15,12 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, ros, scope
+from identification.formats import binary, delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.delimited import without
-from identification.formats.stream import Recording, Stream, either
-from identification.formats.table import Array, ColumnTable, Stamps
-from identification.formats.text import require_file, unreadable
+from identification.formats.table import Array, ColumnTable, Stamps, require_file, unreadable
+from identification.recording import Recording, Rows, Stream
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
@@ -63,19 +63,15 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
 
 
 def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
-    if ros.is_bag(file):
-        return ros.tables
+    if is_bag(file):
+        return binary.bag_tables
     require_file(file)
     try:
         with file.open("rb") as stream:
             start = stream.read(len(_PARQUET))
     except OSError as error:
         raise unreadable(file, error) from error
-    if start != _PARQUET:
-        return _READERS[form.format]
-    from identification.formats import parquet  # costs 50 ms, and few need it
-
-    return parquet.tables
+    return binary.parquet_tables if start == _PARQUET else _READERS[form.format]
 
 
 def _size(file: Path) -> int:
@@ -83,7 +79,7 @@ def _size(file: Path) -> int:
 
 
 def _files(place: Path) -> list[Path]:
-    return sorted(place.iterdir()) if ros.is_bag(place) else [place]
+    return sorted(place.iterdir()) if is_bag(place) else [place]
 
 
 def free_memory() -> int:
@@ -161,6 +157,19 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     return Recording(**own, others=others, case=case, paths=tuple(paths))
 
 
+_STORED = (".mcap", ".db3")  # of a bag
+
+
+def is_bag(path: Path) -> bool:
+    """Whether a path is the folder of a bag."""
+    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False of names that no system takes
+
+
+def bag_of(path: Path) -> Path:
+    """The folder of the bag whose file a path is; else the path itself."""
+    return path.parent if path.suffix in _STORED and is_bag(path.parent) else path
+
+
 def files_of(paths: Sequence[Path]) -> list[Path]:
     """The files that paths mean: a folder of `hexcite run` means the recording in it, a bag all of its files."""
     return [file for path in paths for file in _files(_file_of(path, None)[0])]
@@ -169,9 +178,9 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
 def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
     """The file or bag that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
     try:
-        path = ros.bag_of(path)
-        if ros.is_bag(path):
-            return path, RecordingFormat() if case is None else ros.bag_format(case)
+        path = bag_of(path)
+        if is_bag(path):
+            return path, RecordingFormat() if case is None else binary.bag_format(case)
         if path.is_dir():
             parquet = path / "recording.parquet"
             path = parquet if parquet.is_file() else path / "recording.csv"
@@ -211,7 +220,7 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
             result.append(stream)
         else:
             more: dict[Any, Any] = {**stream.channels}
-            missing = either(result[same].missing, stream.missing)
+            missing = _either(result[same].missing, stream.missing)
             names = (*result[same].missing_in, *stream.missing_in)
             result[same] = replace(result[same], missing=missing, missing_in=names, **more)
     return result
@@ -254,3 +263,10 @@ def _with_kinematics(stream: Stream, poses: np.ndarray, case: Case) -> Stream:
     from scipy.spatial.transform import Rotation
 
     return replace(stream, rotations=Rotation.from_euler("xyz", poses[:, 3:]).as_matrix())
+
+
+def _either(one: Rows | None, other: Rows | None) -> Rows | None:
+    """Rows that are marked in one of two, None standing for no rows at all."""
+    if one is None or other is None:
+        return other if one is None else one
+    return one | other

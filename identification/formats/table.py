@@ -1,8 +1,10 @@
 """What a reader makes of a file: columns of numbers that share their rows, and where in the file each row stands."""
 
+import stat
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +64,25 @@ class ColumnTable:
         """Number of rows."""
         columns = [*self.values.values(), *([] if self.stamps is None else [self.stamps])]
         return len(columns[0]) if columns else 0
+
+
+def require_file(file: Path) -> None:
+    """Raises RecordingError unless there is a file that holds something."""
+    try:
+        about = file.stat()
+    except (OSError, ValueError) as error:
+        raise unreadable(file, error) from error
+    if not stat.S_ISREG(about.st_mode):
+        reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is not a regular file"
+        raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
+    if about.st_size == 0:
+        raise RecordingError(file, "is empty", "record again")
+
+
+def unreadable(file: Path, error: Exception) -> RecordingError:
+    """The error for a file that the system does not give."""
+    reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
+    return RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
 
 
 def shown(text: str, limit: int = _SHOWN_CHARACTERS) -> str:

@@ -5,7 +5,6 @@ pyarrow reads the numbers; what it cannot read is told by one message with line,
 
 import csv
 import re
-import stat
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from identification.formats.table import Lines, shown
+from identification.formats.table import Lines, require_file, shown, unreadable
 
 SIZE = 1 << 22  # bytes read at a time
 # What is kept back for the end of the file, so that its trailing rows are never handed out: a hundred long lines.
@@ -69,25 +68,6 @@ class TextBlock:
 
     first_line: int  # number of the first of them, counted from 1
     data: bytes  # the lines; only the very last of the file may lack its line break
-
-
-def require_file(file: Path) -> None:
-    """Raises RecordingError unless there is a file that holds something."""
-    try:
-        about = file.stat()
-    except (OSError, ValueError) as error:
-        raise unreadable(file, error) from error
-    if not stat.S_ISREG(about.st_mode):
-        reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is not a regular file"
-        raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
-    if about.st_size == 0:
-        raise RecordingError(file, "is empty", "record again")
-
-
-def unreadable(file: Path, error: Exception) -> RecordingError:
-    """The error for a file that the system does not give."""
-    reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
-    return RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
 
 
 def read_head(file: Path) -> list[bytes]:

@@ -1,27 +1,39 @@
-"""What is evaluated of a recording: regressors and forces, of standstills or at any delay of a moving run.
+"""A moving run, evaluated at any delay between forces and motion, and by how much more its forces are smoothed.
 
 Forces and struts of a moving run pass the same zero-phase low-pass, which also differentiates the struts: what a
 controller's blocks and the encoders' steps add above the cut-off then disturbs neither side. What is left is kept at
 the rate that it still needs.
+
+But they were not sampled alike. Where accelerations leap within a sampling step T, as those of controllers without
+limit of jerk do, forces sampled pointwise are those of a motion smoothed by -T^2/12 to T^2/24 more than the struts, by
+where in a step they are sampled; averaging over the step, or a low-pass before the sampling, adds half its variance. To
+first order f = A u + b d^2(A u)/dt^2: beside the delay, the first moment of the smoothing, b, half the second, is one
+more unknown, estimated where the run can tell. Left out, it draws the mass of a clean ten-second run by two of its
+standard deviations.
+
+The lowest structural mode of a machine makes forces grow with frequency beyond what the motion asks for. A platform
+behind a spring of circular frequency w feels accelerations amplified by 1 / (1 - (f/w)^2), to first order
+f = A u - w^-2 d^2(A u)/dt^2: that smoothing with a negative sign. The series holds well below the mode alone, so that
+the low-pass is set to half of it.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.estimation.compressed import joint_triangle
+from identification.estimation.coloured_noise import coloured_covariance, turned
+from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust
-from identification.finding import Finding
+from identification.estimation.pose_noise import covariance_by_pose
+from identification.findings import Finding, Kind, note
 from identification.hexapod import Kinematics, StrutsDoNotClose
 from identification.machines import Machine
 from identification.model import Model, expected_forces, regressors
-from identification.noise.coloured import coloured_covariance, turned
-from identification.noise.pose_noise import covariance_by_pose
 from identification.recording import Recording
-from identification.samples import fair_part
-from identification.signals import Filter, decimated
+from identification.signals import Filter, decimated, fair_part
 
 Array = NDArray[np.float64]
 
@@ -203,3 +215,62 @@ class Run:
 def inwards(delay: float) -> float:
     """A delay next to a given one [s], on the side where the filter reaches."""
     return delay + DELAY_STEP if delay < 0.0 else delay - DELAY_STEP
+
+
+SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
+CLEAR = 3.0  # standard deviations of b from which it is told
+
+
+class Smoothing(NamedTuple):
+    """Half the second moment, b, by which forces are smoothed more than the motion, and its deviation [s^2]."""
+
+    value: float
+    std: float
+
+    @property
+    def finding(self) -> Finding:
+        """What is to be told of it; people only where it is clear."""
+        sentence = (
+            f"forces are {'smoothed' if self.value > 0.0 else 'sharpened'} against the motion by "
+            f"{self.value * 1e6:+.3g} +- {self.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
+            "averaging or a low-pass of the channels): estimated and compensated"
+        )
+        clear = abs(self.value) >= CLEAR * self.std
+        return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=self._asdict())
+
+
+def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
+    """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
+
+    It is where the run tells b more closely than sampling can make it; elsewhere leaving it out draws parameters by
+    less than estimating it would widen them. The value of b is not looked at, so that the choice draws nothing.
+
+    Args:
+        fit: fit of it; its values begin with u.
+        basis: basis of the free parameters, shape (u, free).
+        w: W for one sample, shape (6, 6).
+        delay: estimated delay [s].
+    """
+    part, (size, free) = run.excerpt(), basis.shape
+    matrices, share = part.regressors(delay), len(part.rows) / len(run.rows)
+    expected = matrices @ fit.values[:size]
+    # Differences of evaluated samples are near enough to choose by: at the cut-off they see seven tenths of the bend.
+    even = np.diff(part.rows) == run.filter.stride
+    inner = 1 + np.flatnonzero(even[1:] & even[:-1])
+    if len(inner) <= free:
+        return run
+    slope = (expected[inner + 1] - expected[inner - 1]) / (2.0 * run.step)
+    bend = (expected[inner + 1] - 2.0 * expected[inner] + expected[inner - 1]) / run.step**2
+    rows = np.linalg.cholesky(w).T @ np.dstack([matrices[inner] @ basis, slope, bend])
+    triangle = np.asarray(np.linalg.qr(rows.reshape(-1, free + 2), mode="r"))
+    if np.abs(np.diag(triangle)).min() == 0.0:  # nothing bends, as in a standstill
+        return run
+    std = fit.s0 * np.sqrt(share / run.filter.stride) * float(np.linalg.norm(inverse_root(triangle)[-1]))
+    return replace(run, smoothing=True) if std < SAMPLED * run.filter.step**2 else run
+
+
+def smoothing_of(run: Run, fit: Fit) -> Smoothing:
+    """What a fit of a run with its smoothing found."""
+    place = len(run.model.parameters) + run.nuisances.index("smoothing")
+    std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
+    return Smoothing(float(fit.values[place]), std)

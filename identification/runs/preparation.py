@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.finding import Finding, Kind, warning
+from identification.findings import Finding, Kind, warning
 from identification.findings.sample_checks import Scan, bridged
 from identification.formats.checks import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from identification.formats.stream import Averaged, Channel, Recording, Stream
 from identification.hexapod import Hexapod
+from identification.recording import Averaged, Channel, Recording, Stream
 
 Array = NDArray[np.float64]
 

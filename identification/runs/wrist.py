@@ -16,14 +16,14 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import Biases
+from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.fit import Filtered, Fit, Robust
-from identification.finding import Finding
+from identification.findings import Finding
 from identification.findings.sample_checks import bridged
-from identification.formats.stream import Recording, Stream
 from identification.formats.table import HOST_GAP, equal_steps, lost_samples
 from identification.model import Model
-from identification.noise.coloured import coloured_covariance, turned
 from identification.parameters import MASS
+from identification.recording import Recording, Stream
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
 

@@ -1,13 +1,17 @@
-"""A motion as a controller executed it: continuous in time, with struts and platform kinematics at any instant."""
+"""A motion as a controller executed it: continuous in time, with struts and platform kinematics at any instant.
+
+Drives that ripple and a platform that vibrates are executed motions too.
+"""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.machine import MotionLimits
 from cases.schema import Case
+from cases.sensors import Disturbances
 from identification.hexapod import Kinematics
 from identification.limit import LimitKind
 from identification.machines import Machine
@@ -21,31 +25,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Execution(Protocol):
-    """What the machine did, from time 0 to `duration`."""
-
-    @property
-    def machine(self) -> Machine:
-        """Its kinematics."""
-
-    @property
-    def duration(self) -> float:
-        """Duration [s]."""
-
-    @property
-    def extremes(self) -> Array:
-        """Instants among which the largest accelerations are found, shape (n,) [s]."""
-
-    def struts(self, t: ArrayLike, order: int = 0) -> Array:
-        """What drives are at at times t (struts, or joints), or its first or second derivatives, shape (n, k)."""
-
-    def kinematics(self, t: ArrayLike) -> Kinematics:
-        """Motion of the load's frame at times t, shape (n,) [s]."""
-
-
 @dataclass(frozen=True, slots=True)
-class DriveExecution:
-    """A controller that interpolates drives by cubic splines between its cycles, as LinuxCNC does.
+class Execution:
+    """What the machine did, from time 0 to `duration`, under a controller that interpolates drives as LinuxCNC does.
 
     Its interpolator makes a uniform cubic B-spline of the inverse kinematics, and logs positions on it; accelerations
     are straight lines between those of the cycles, and known exactly.
@@ -55,14 +37,14 @@ class DriveExecution:
     spline: "BSpline"  # drives over time [m or rad]
 
     @classmethod
-    def of_log(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":
+    def of_log(cls, machine: Machine, period: float, drives: Array) -> "Execution":
         """Through logged drives, shape (n, k) [m or rad], one each `period` [s]."""
         from scipy.interpolate import make_interp_spline
 
         return cls(machine, make_interp_spline(np.arange(len(drives)) * period, drives, k=3))
 
     @classmethod
-    def of_set_points(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":
+    def of_set_points(cls, machine: Machine, period: float, drives: Array) -> "Execution":
         """The uniform B-spline whose control points are set points, shape (n, k) [m or rad], one each `period` [s].
 
         It begins and ends standing still, and accelerates no more than the set points do from cycle to cycle.
@@ -193,3 +175,46 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
     motion = [low_pass.apply(struts, order)[rows] for order in range(3)]
     matrices = regressors(model, execution.machine.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
     return np.asarray(matrices.T @ matrices / rows.sum())
+
+
+RIPPLE_STEP = 1e-3  # [s] between the samples of the ripple
+
+
+def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Execution:
+    """The execution with a ripple of the struts on top, which encoders and sensors both see.
+
+    Args:
+        disturbances: rms and band of the ripple, which grows with the speed, as errors of screws and gears make it.
+    """
+    if disturbances.ripple == 0.0:
+        return execution
+    from scipy.signal import butter, sosfiltfilt
+
+    t = np.arange(0.0, execution.duration + 2 * RIPPLE_STEP, RIPPLE_STEP)
+    inside = np.clip(t, 0.0, execution.duration)
+    lengths, speeds = execution.struts(inside), execution.struts(inside, 1)
+    draw = np.random.default_rng([seed, 1])
+    band = (0.05 * disturbances.strut_velocity_band_Hz, disturbances.strut_velocity_band_Hz)
+    sections = butter(3, band, btype="bandpass", fs=1.0 / RIPPLE_STEP, output="sos")
+    velocity = sosfiltfilt(sections, draw.normal(size=lengths.shape), axis=0)
+    velocity *= disturbances.ripple * speeds / np.sqrt(np.mean(velocity**2, axis=0))
+    return Execution.of_log(execution.machine, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
+
+
+def vibrating(accelerations: Array, step: float, frequency: float, damping: float) -> Array:
+    """Accelerations of a platform behind a spring and a damper, driven by those of the drives.
+
+    Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), exact for accelerations that are linear between samples.
+
+    Args:
+        accelerations: accelerations of the drives, from rest, shape (n, k).
+        step: step between samples [s].
+        frequency: frequency of the undamped mode [Hz].
+        damping: share of the critical one.
+    """
+    from scipy.signal import cont2discrete, lfilter
+
+    w = 2.0 * np.pi * frequency
+    numerator, denominator = np.array([2.0 * damping * w, w**2]), np.array([1.0, 2.0 * damping * w, w**2])
+    discrete = cont2discrete((numerator, denominator), step, method="foh")
+    return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], accelerations, axis=0))

@@ -1,4 +1,9 @@
-"""Time laws from rest to rest in closed form (seven segments, with or without a jerk limit), and straight moves."""
+"""Time laws from rest to rest: seven segments in closed form, with or without a jerk limit, and as controllers do it.
+
+Controllers compute theirs online: jerk-limited, in whole controller cycles, here by ruckig. It is called for one move
+from rest to rest at a time. Its other features stay closed: intermediate waypoints are computed by a service in the
+network, and vectors of wrong length are read out of bounds; neither can be reached here.
+"""
 
 import math
 from dataclasses import dataclass
@@ -6,8 +11,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from identification.motion import Joined, Motion, Trajectory
 
 Array = NDArray[np.float64]
 
@@ -120,44 +123,89 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
     return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]
 
 
+SAME = 1e-9  # relative: how well the coordinates of a straight move keep step in ruckig's answer
+
+
+class UntimedMove(ValueError):
+    """A move that cannot be timed; the message says why."""
+
+
 @dataclass(frozen=True, slots=True)
-class StraightMove:
-    """A straight line in the coordinates from rest to rest, all coordinates in step."""
+class OnlineProfile:
+    """Phases of constant jerk over the share of the way covered, from rest to rest; a `TimeLaw`."""
 
-    start: Array  # shape (n,) [m or rad]
-    end: Array  # shape (n,) [m or rad], different from start
-    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
-
-    @classmethod
-    def fastest(
-        cls, start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike = UNLIMITED
-    ) -> "StraightMove":
-        """The fastest such move within limits on each coordinate, shapes (n,); the jerk may be unlimited.
-
-        Raises:
-            ValueError: start and end are the same.
-        """
-        a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-        way = np.abs(b - a)
-        if not way.any():
-            raise ValueError("a move needs two different poses")
-        return cls(a, b, fastest_profile(1.0, *limits_along(way, rate, acceleration, jerk)))
+    lengths: Array  # lengths of the phases, shape (k,) [s]
+    jerks: Array  # shape (k,) [1/s^3]
+    duration: float  # duration in whole cycles: after the last phase the move rests until its cycle is over [s]
 
     @property
-    def duration(self) -> float:
-        """Duration [s]."""
-        return self.profile.duration
+    def peak_velocity(self) -> float:
+        """Largest velocity [1/s]."""
+        return float(np.abs(self._knots()[2]).max())
 
-    def at(self, t: ArrayLike) -> Motion:
-        """The motion at times t, shape (n,) [s]."""
-        time = np.asarray(t, dtype=float)
-        share, *derivatives = self.profile.at(time)
-        way = self.end - self.start
-        return Motion(time, self.start + share[:, None] * way, *(d[:, None] * way for d in derivatives))
+    def slowed(self, speed: float) -> "OnlineProfile":
+        """The same way at a share of the speed."""
+        return OnlineProfile(self.lengths / speed, self.jerks * speed**3, self.duration / speed)
+
+    def _knots(self) -> tuple[Array, Array, Array, Array]:
+        """Starts of the phases and share, velocity and acceleration there, with the end as a last entry."""
+        share, velocity, acceleration = [0.0], [0.0], [0.0]
+        for t, j in zip(self.lengths, self.jerks, strict=True):
+            s, v, a = share[-1], velocity[-1], acceleration[-1]
+            share.append(s + v * t + a * t**2 / 2 + j * t**3 / 6)
+            velocity.append(v + a * t + j * t**2 / 2)
+            acceleration.append(a + j * t)
+        starts = np.concatenate([[0.0], np.cumsum(self.lengths)])
+        return starts, np.array(share), np.array(velocity), np.array(acceleration)
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
+        starts, share, velocity, acceleration = self._knots()
+        time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
+        phase = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.jerks) - 1)
+        tau, j = time - starts[phase], self.jerks[phase]
+        s0, v0, a0 = share[phase], velocity[phase], acceleration[phase]
+        s = s0 + v0 * tau + a0 * tau**2 / 2 + j * tau**3 / 6
+        v, a = v0 + a0 * tau + j * tau**2 / 2, a0 + j * tau
+        rest = (time >= starts[-1]) | (time >= self.duration)
+        return (
+            np.where(rest, 1.0, s),
+            np.where(rest, 0.0, v),
+            np.where(rest, 0.0, a),
+            np.where(rest, 0.0, j),
+        )
 
 
-def has_steps(motion: Trajectory) -> bool:
-    """Whether a motion has straight moves whose accelerations step."""
-    parts = motion.parts if isinstance(motion, Joined) else (motion,)
-    laws = (part.profile for part in parts if isinstance(part, StraightMove))
-    return any(isinstance(law, Profile) and law.jerk_time == 0.0 for law in laws)
+def online_profile(velocity: float, acceleration: float, jerk: float, cycle: float) -> OnlineProfile:
+    """The fastest time law over a way of 1 within three limits, in whole cycles.
+
+    Args:
+        velocity: limit [1/s].
+        acceleration: limit [1/s^2].
+        jerk: limit [1/s^3].
+        cycle: cycle of the controller [s].
+
+    Raises:
+        UntimedMove: a limit is not a finite number above 0, or ruckig finds no profile.
+    """
+    from ruckig import DurationDiscretization, InputParameter, Result, Ruckig, RuckigError, Trajectory
+
+    for name, value in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk), ("cycle", cycle)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise UntimedMove(f"{name} {value:g} is not a finite number above 0")
+    request, answer = InputParameter(1), Trajectory(1)
+    request.current_position, request.target_position = [0.0], [1.0]
+    request.max_velocity, request.max_acceleration, request.max_jerk = [velocity], [acceleration], [jerk]
+    request.duration_discretization = DurationDiscretization.Discrete
+    try:
+        result = Ruckig(1, cycle).calculate(request, answer)
+    except RuckigError as error:
+        raise UntimedMove(f"no time law within these limits ({' '.join(str(error).split())})") from error
+    if result != Result.Working:
+        raise UntimedMove(f"no time law within these limits (ruckig: {result.name})")
+    phases = answer.profiles[0][0]
+    valid = np.array(phases.t) > 0.0
+    profile = OnlineProfile(np.array(phases.t)[valid], np.array(phases.j)[valid], float(answer.duration))
+    if abs(profile._knots()[1][-1] - 1.0) > SAME or profile.duration < profile.lengths.sum() * (1.0 - SAME):
+        raise UntimedMove("ruckig's time law does not cover the way: change the limits or the cycle slightly")
+    return profile

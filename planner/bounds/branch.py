@@ -8,7 +8,7 @@ import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import monotonic, process_time
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +30,8 @@ class Bounded(NamedTuple):
     split: NDArray[np.intp]  # the coordinate of the cell to halve next, shape (n,)
 
 
-class Bounding(Protocol):
-    """Bounds of a function over cells."""
-
-    def __call__(self, low: Array, high: Array) -> Bounded:
-        """Bounds over cells from `low` to `high`, shapes (n, dimensions)."""
-        ...
+Bounding = Callable[[Array, Array], Bounded]
+"""Bounds of a function over cells, from their lower to their upper corners, shapes (n, dimensions)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ the hull of the control points of `planner.bounds.branch`: the largest value at 
 interpolation misses, is an upper bound. Corners of cells are states of the box: their values are lower bounds.
 Rounding (1e-12 of d) is not enclosed.
 
-The tight one is h = d - l, d = y^T Q y, l the Lagrangian of `planner.bounds.moments.Multipliers`. Over a cell of
+The tight one is h = d - l, d = y^T Q y, l the Lagrangian of `planner.bounds.features.Multipliers`. Over a cell of
 angles, angular rates and accelerations it is convex in x, y, z (corners); features and products of rates lie in the
 hull of control points; and in the accelerations a = m + e, |e_i| <= h_i, it is quadratic. There mixed terms are bounded
 by 2 C_ij e_i e_j <= |C_ij| (e_i^2 h_j / h_i + e_j^2 h_i / h_j), after which every acceleration has its maximum by
@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.bounds.branch import CONTROL, WIDEST, Bounded, Enclosure, enclose
-from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PRODUCTS, Features
-from planner.bounds.moments import Multipliers
+from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PRODUCTS, Features, Multipliers
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
+from identification.symbolic import over_samples
 from planner.bounds.branch import Maximum, maximise
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.features import CORNER_COORDINATES, Features

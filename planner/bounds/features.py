@@ -1,11 +1,41 @@
-"""The regressor as a quadratic form: what the information of one state depends on, and how.
+"""The information of one state as a quadratic form, and what the states of every motion satisfy on average.
 
 A (21) is affine in 21 features of a state: 1; x, y; the Gibbs vector, gravity, specific acceleration and angular
 acceleration in {P}; and the six products of the angular velocity in {P}. So the directional derivative of log det,
-d = trace(A F^-1 A^T), is a convex quadratic form y^T Q y of these features y.
+d = trace(A F^-1 A^T), is a convex quadratic form y^T Q y of these features y. For given angles the features are affine
+in x, y and the six accelerations, and in the six products of the angular rates: y = T(angles) s, s = (1; x, y and
+accelerations as shares of their limits; products of the angular rates).
 
-For given angles the features are affine in x, y and the six accelerations, and in the six products of the angular
-rates: y = T(angles) s, s = (1; x, y and accelerations as shares of their limits; products of the angular rates).
+Moment constraints on designs: what every motion from rest to rest satisfies on average, whatever its shape.
+Means are time averages over the whole motion; q, v, a are the six coordinates, their rates and accelerations; q counts
+from the middle of the box. At both ends v and a are zero; the pose may be another one. Every mean of a derivative of a
+quantity that ends with the value it began with is zero:
+
+- mean a_i = 0, for v_i is zero at both ends.
+- mean (v_i v_j + q_i a_j) = 0 for every ordered pair, for q_i v_j is zero at both ends.
+- mean (v_i a_j + a_i v_j) = 0, for v_i v_j is.
+
+Motions that are closed, ending in the pose and at the velocity in which they began, satisfy the same, for these
+products return, and two more:
+
+- mean v_i = 0, for q_i returns.
+- mean (q_i v_j + v_i q_j) = 0, for q_i q_j returns.
+
+With a limit J on |a_i'|, a limit A on |a_i| and a limit V on |v_i|:
+
+- mean a_i^2 <= c A^2. Proof: between two zeros of a_i its area is a change of v_i, at most 2 V. Among all courses
+  with slopes up to J, heights up to A and a given area S the trapezoid (triangle, where A is not reached) has the
+  largest mean square, and that mean square grows with S: take S = 2 V. With r = A / J and h = 2 V / A - r it rises
+  for r, holds A for h and falls for r: mean square (h + 2 r / 3) / (h + 2 r) A^2 for h >= 0. For h < 0 the triangle
+  has the height sqrt(2 V J) and a third of its square as mean: c = 2 V J / (3 A^2). Both cases agree at h = 0.
+
+The regressor depends on v only through products of the angular rates: a design stays as informative, and keeps the
+constraints that are even in v, when half of its weight moves to the states with -v. There the means that are odd in v
+(mean v, mean (q v + v q), mean (v a + a v)) vanish by themselves: these constraints exclude no information matrix.
+Rates of x, y, z enter nothing else. What the others demand of the rest, once those rates are eliminated, is
+
+- mean (q_i a_j - q_j a_i) = 0 where i or j is one of x, y, z: both ordered pairs have the same mean of v_i v_j.
+- -V_i^2 <= mean q_i a_i <= 0 for x, y, z: it is the mean of -v_i^2.
 """
 
 from dataclasses import dataclass
@@ -15,10 +45,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
 from identification.parameters import State
-from identification.pose import gibbs, rotation, twist, twist_rate
+from identification.symbolic import gibbs, over_samples, rotation, twist, twist_rate
 
 Array = NDArray[np.float64]
 
@@ -114,3 +143,112 @@ def _table(model: Model, middle: Array, half: Array) -> ca.Function:
         second = ca.jacobian(ca.jacobian(features, rates[i]), rates[j])
         columns.append(second / 2 if i == j else second)
     return ca.Function("table", [angles], [ca.densify(ca.substitute(ca.horzcat(*columns), *still))], {"cse": True})
+
+
+ANGLES = (3, 4, 5)
+
+
+def mean_square_share(rate: Array, acceleration: Array, jerk: Array) -> Array:
+    """The c of mean a^2 <= c A^2, from the limits V, A, J, all of one shape; see the module."""
+    rise = acceleration / jerk
+    hold = 2.0 * rate / acceleration - rise
+    with np.errstate(invalid="ignore", divide="ignore"):
+        trapezoid = (hold + 2.0 * rise / 3.0) / (hold + 2.0 * rise)
+        return np.asarray(np.where(hold >= 0.0, trapezoid, 2.0 * rate * jerk / (3.0 * acceleration**2)))
+
+
+@dataclass(frozen=True)
+class Moments:
+    """The constraints on means over states, given as shares of the half widths of the box.
+
+    Every constraint is the mean of one linear combination of a_j, q_i a_j, v_i v_j (angles only) and a_i^2, less a
+    constant, in shares: equal to zero, or at most zero.
+    """
+
+    equal: Array  # coefficients, shape (m, 6 + 36 + 9 + 6)
+    at_most: Array  # coefficients, shape (k, 6 + 36 + 9 + 6)
+    constant: Array  # constant of `at_most`, shape (k,)
+
+    @staticmethod
+    def monomials(shares: Array) -> Array:
+        """a_j, q_i a_j, v_i v_j of the angles, a_i^2 of states, shape (n, 57)."""
+        q, v, a = shares[:, :6], shares[:, 9:12], shares[:, 12:]
+        mixed = (q[:, :, None] * a[:, None, :]).reshape(-1, 36)
+        rates = (v[:, :, None] * v[:, None, :]).reshape(-1, 9)
+        return np.hstack([a, mixed, rates, a**2])
+
+
+def motion_moments(case: Case, features: Features) -> Moments:
+    """All constraints of a case."""
+    limits = case.need_machine("the information limit")[2].motion
+    half = features.half
+    product = half[:6, None] * half[None, 12:]  # of q_i a_j
+    equal, at_most, constant = [], [], []
+
+    def row(**places: float) -> Array:
+        values = np.zeros(57)
+        for place, value in places.items():
+            values[int(place[1:])] = value
+        return values
+
+    equal += [row(**{f"_{i}": 1.0}) for i in range(6)]
+    for i in range(6):
+        for j in range(6):
+            first, second = 6 + 6 * i + j, 6 + 6 * j + i
+            if i in ANGLES and j in ANGLES:
+                rate = half[6 + i] * half[6 + j] / product[i, j]
+                equal.append(row(**{f"_{first}": 1.0, f"_{42 + 3 * (i - 3) + j - 3}": rate}))
+            elif i < j:
+                size = np.sqrt(product[i, j] * product[j, i])
+                equal.append(row(**{f"_{first}": product[i, j] / size, f"_{second}": -product[j, i] / size}))
+            elif i == j:
+                at_most += [row(**{f"_{first}": 1.0}), row(**{f"_{first}": -1.0})]
+                constant += [0.0, limits.rate[i] ** 2 / product[i, i]]
+    share = mean_square_share(limits.rate, limits.acceleration, limits.jerk)
+    at_most += [row(**{f"_{51 + i}": 1.0}) for i in range(6)]
+    return Moments(np.array(equal), np.array(at_most), np.r_[constant, share])
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion."""
+
+    linear: Array  # coefficients of a_j, shape (6,)
+    mixed: Array  # of q_i a_j, shape (6, 6)
+    rates: Array  # rates of v_i v_j of the angles, shape (3, 3)
+    squares: Array  # coefficients of a_i^2, shape (6,)
+    constant: float  # added
+
+    def of(self, shares: Array) -> Array:
+        """The function at states given as shares, shape (n,)."""
+        coefficients = np.concatenate([self.linear, self.mixed.ravel(), self.rates.ravel(), self.squares])
+        return np.asarray(Moments.monomials(shares) @ coefficients + self.constant)
+
+
+def combined(moments: Moments, of_equal: Array, of_at_most: Array) -> Multipliers:
+    """One function from multipliers of each constraint; those of inequalities below 0 are rounding and become 0.
+
+    Args:
+        of_equal: multipliers of the equalities, shape (equalities,).
+        of_at_most: multipliers of the inequalities, shape (inequalities,).
+    """
+    positive = np.maximum(of_at_most, 0.0)
+    total = of_equal @ moments.equal + positive @ moments.at_most
+    return Multipliers(
+        total[:6],
+        total[6:42].reshape(6, 6),
+        total[42:51].reshape(3, 3),
+        total[51:],
+        -float(positive @ moments.constant),
+    )
+
+
+def mixed(first: Multipliers, second: Multipliers, share: float) -> Multipliers:
+    """`share` of the first and the rest of the second."""
+    pairs = zip(
+        (first.linear, first.mixed, first.rates, first.squares),
+        (second.linear, second.mixed, second.rates, second.squares),
+        strict=True,
+    )
+    linear, mixed_, rates, squares = (share * a + (1.0 - share) * b for a, b in pairs)
+    return Multipliers(linear, mixed_, rates, squares, share * first.constant + (1.0 - share) * second.constant)

@@ -2,7 +2,7 @@
 
 Two bounds. Over the motion box of pose, rates and accelerations: the D-optimal approximate design, see
 `planner.bounds.design` and its proof in `planner.bounds.certificate`. Tighter: the best design that also has the
-moments of a motion from rest to rest with limited jerk, see `planner.bounds.moments`, `planner.bounds.tight` and the
+moments of a motion from rest to rest with limited jerk, see `planner.bounds.features`, `planner.bounds.tight` and the
 proof in `planner.bounds.certificate`.
 """
 
@@ -26,7 +26,7 @@ from identification.model import Model, full_model, identification_model
 from planner.bounds.design import Design, optimal_design, searched_design
 from planner.bounds.features import box_features
 from planner.bounds.tight import tight_design
-from planner.infeasible import require_identifiable
+from planner.search.inside import require_identifiable
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"

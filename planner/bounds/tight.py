@@ -20,8 +20,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
-from planner.bounds.features import Features
-from planner.bounds.moments import Moments, Multipliers, combined, mixed, motion_moments
+from planner.bounds.features import Features, Moments, Multipliers, combined, mixed, motion_moments
 
 Array = NDArray[np.float64]
 

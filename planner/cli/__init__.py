@@ -1,4 +1,4 @@
-"""The command line, `hexcite`: each command in a file of its own; this one turns every outcome into an exit code.
+"""The command line, `hexcite`: commands that belong together in a file; this one turns every outcome into an exit code.
 
 Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
 """
@@ -16,20 +16,7 @@ import typer
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.errors import HexciteError
-from planner.cli import (
-    bound,
-    cases,
-    compare,
-    demo,
-    force,
-    identify,
-    plan,
-    poses,
-    post,
-    retime,
-    run,
-    study,
-)
+from planner.cli import cases, compare, demo, force, identify, limits, plan, poses, programs, study
 from planner.interruption import Interrupted, ctrl_c_raises
 
 app = typer.Typer(
@@ -44,18 +31,18 @@ app.command("cases")(cases.list_cases)
 app.add_typer(cases.app, name="case")
 app.command("plan")(plan.plan)
 app.command("poses")(poses.poses)
-app.command("post")(post.post)
-app.command("check")(post.check)
-app.command("run")(run.run)
+app.command("post")(programs.post)
+app.command("check")(programs.check)
+app.command("run")(programs.run)
 app.command("look")(identify.look)
 app.command("identify")(identify.identify)
 app.command("force")(force.force)
 app.command("tare")(force.tare)
 app.command("payload")(force.payload)
 app.command("export")(force.export)
-app.command("bound")(bound.bound)
+app.command("bound")(limits.bound)
 app.command("study")(study.study)
-app.command("retime")(retime.retime)
+app.command("retime")(limits.retime)
 app.command("compare")(compare.compare)
 app.command("validate")(compare.validate)
 app.command("demo")(demo.demo)

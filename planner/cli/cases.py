@@ -46,11 +46,10 @@ def check(
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     from cases.errors import CaseError
-    from cases.leftovers import leftovers
     from cases.loading import load_case
     from cases.scaffold import readiness
     from identification.limit import LimitReport
-    from planner.reports.case_figures import case_figures, proposed_box, reach_figures
+    from planner.reports.case_figures import case_figures, leftovers, proposed_box, reach_figures
 
     try:
         figures: dict[str, Any] = case_figures(case)
@@ -104,8 +103,8 @@ def check(
 def _units_of(case: str) -> tuple[str, ...]:
     """Units that look mistaken in a case whose machine cannot stand at home, and why it may not."""
     from cases.errors import CaseError
-    from cases.leftovers import mistaken_units
     from cases.loading import load_case
+    from planner.reports.case_figures import mistaken_units
 
     try:
         return tuple(mistaken_units(load_case(case)))
@@ -158,7 +157,7 @@ def show(
     with status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.case_plots import case_figure, chain_figure
+        from planner.reports.plots import case_figure, chain_figure
 
         reach = reach_of(loaded)
         figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)

@@ -9,7 +9,7 @@ from planner.cli.console import Json, Overwrite, Stale, print_json, print_table,
 
 if TYPE_CHECKING:
     from planner.comparison.advising import Comparison
-    from planner.validation.validation import Validation
+    from planner.comparison.validation import Validation
 
 
 def compare(
@@ -100,10 +100,10 @@ def validate(
     from cases.loading import load_case
     from identification.model import RIGID, full_model
     from planner.cli.console import save_with_page
-    from planner.validation.carrying_out import ValidationSettings, unfinished
-    from planner.validation.experiment import chosen, mounted_weights
-    from planner.validation.validation import disturbances_of, validate_recordings
-    from planner.validation.validation import validate as carried_out
+    from planner.comparison.carrying_out import ValidationSettings, unfinished
+    from planner.comparison.experiment import chosen, mounted_weights
+    from planner.comparison.validation import disturbances_of, validate_recordings
+    from planner.comparison.validation import validate as carried_out
 
     settings = ValidationSettings(on, starts, seed, plans)
     loaded = load_case(case)
@@ -153,8 +153,8 @@ def _only_recordings(options: dict[str, Any]) -> None:
 
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
+    from planner.comparison.verdict import OFF_COLUMNS, off_rows
     from planner.reports.validation import TABLE_7, table_7
-    from planner.validation.verdict import OFF_COLUMNS, off_rows
 
     steps = list(validation.steps)
     print(f"machine: {validation.machine}")

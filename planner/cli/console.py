@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -79,16 +79,8 @@ def _are_words(cells: Sequence[str]) -> bool:
     return any(len(cell) > LONGEST_NUMBER for cell in cells) and not any(cell[:1].isdigit() for cell in cells)
 
 
-class Count(Protocol):
-    """Shows a remark and counts steps up."""
-
-    def __call__(self, remark: str, steps: int = 1) -> None:
-        """Shows `remark`, goes on by `steps`."""
-        ...
-
-
 @contextmanager
-def progress(text: str, total: int, quiet: bool) -> Iterator[Count]:
+def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str, int], None]]:
     """A progress bar on stderr where that is a terminal; yields a function that counts up and shows a remark."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -99,7 +91,7 @@ def progress(text: str, total: int, quiet: bool) -> Iterator[Count]:
     with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
         task = bar.add_task(text, total=total)
 
-        def count(remark: str, steps: int = 1) -> None:
+        def count(remark: str, steps: int) -> None:
             bar.update(task, advance=steps, description=f"{text} {remark}")
 
         yield count

@@ -30,10 +30,9 @@ def demo(
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
     from identification.model import full_model
+    from planner.cli.identification import answer_of_result
     from planner.cli.plan import answer_of_plan
-    from planner.cli.post import answer_of_program, answer_of_proof
-    from planner.cli.run import answer_of_run
-    from planner.cli.shown_result import answer_of_result
+    from planner.cli.programs import answer_of_program, answer_of_proof, answer_of_run
     from planner.controlled import usual_dialect
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
@@ -41,8 +40,8 @@ def demo(
     from planner.reports.demo import demo_page
     from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
+    from postprocessors.dialects import Program
     from postprocessors.dialects import dialect as dialect_named
-    from postprocessors.program_file import Program
 
     loaded = load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)

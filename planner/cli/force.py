@@ -81,7 +81,7 @@ def force(
     from identification.recording import read
     from identification.runs.rates import on_one_clock
     from identification.saved_result import load_result
-    from planner.runs.recorded import case_of
+    from planner.runs.identifying import case_of
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
@@ -142,7 +142,7 @@ def tare(
     from identification.recording import read
     from identification.runs.rates import on_one_clock
     from identification.saved_result import load_result, with_tare
-    from planner.runs.recorded import case_of
+    from planner.runs.identifying import case_of
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
@@ -182,7 +182,7 @@ def payload(
     """
     from identification.external import payload_between, payload_on_table, require_two
     from identification.saved_result import load_result
-    from planner.cli.shown_result import PARAMETER_COLUMNS, parameter_rows
+    from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows
 
     old, new = load_result(before), load_result(after)
     loaded = old.artefact.case(case)

@@ -93,31 +93,36 @@ def identify(
     larger of the two is what to report.
     """
     from cases.files import RESULT, check_folder, output_place
-    from identification.formats.text import require_file
-    from identification.recording import files_of
-    from planner.cli.conditioning import Typed, method_of, read_conditioning
+    from identification.formats.reading import files_of
+    from identification.formats.table import require_file
+    from identification.recording import read
     from planner.cli.console import save_with_page
-    from planner.cli.shown_result import answer_of_result, show_result, verify_result
-    from planner.runs.identifying import Wish, identified_file
-    from planner.runs.recorded import StandstillWish, case_of, poses_of_plan
+    from planner.cli.identification import (
+        answer_of_result,
+        method_of,
+        read_conditioning,
+        show_result,
+        verify_result,
+    )
+    from planner.runs.identifying import Wish, case_of, identified, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     loaded, changed = case_of(recordings[0], case, stale)
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
-    typed = Typed(estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()), weights, biases, stale)
     wish = Wish(
         model,
-        lambda model: method_of(typed, model, loaded),
+        lambda model: method_of(model, loaded, estimator, fix, drop, symmetric, prior, weights, biases, stale),
         words,
         conditioning,
-        StandstillWish(None if poses is None else poses_of_plan(poses, loaded), standstills),
+        None if poses is None else poses_of_plan(poses, loaded),
+        standstills,
     )
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with status("identifying", json):
-        result = identified_file(recordings, loaded, wish, changed)
+        result = identified(read(recordings, loaded), loaded, wish, changed)
         save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
@@ -152,7 +157,7 @@ def look(
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with status("looking", json):
         report = look_at(recording, None if case is None else load_case(case))
-        from planner.reports.look_plot import look_figure
+        from planner.reports.plots import look_figure
 
         with atomic_file(file) as part:
             look_figure(report).savefig(part, format=file.suffix[1:].lower())

@@ -110,10 +110,10 @@ def plan(
     from identification.model import full_model
     from planner.cli.console import save_with_page
     from planner.families.settings import family_class
-    from planner.infeasible import require_plannable
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
     from planner.request import Request, read_payloads
+    from planner.search.inside import require_plannable
 
     kind, options = family_class(family), context.params
     sources = {option: context.get_parameter_source(option) for option in BELONGS}

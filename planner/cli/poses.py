@@ -41,12 +41,11 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from cases.manual_steps import load_poses
-    from cases.poses import Poses
+    from cases.poses import Poses, load_poses
     from identification.model import static_model
     from planner.cli.console import save_with_page
+    from planner.poses.candidates import JOINT_CANDIDATES
     from planner.poses.planned_poses import poses_planned
-    from planner.poses.space import JOINT_CANDIDATES
     from planner.request import PoseMethod, PoseRequest
 
     loaded = load_case(case)
@@ -58,7 +57,7 @@ def poses(
     grid = loaded.poses if isinstance(loaded.poses, Poses) else None
     steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
     with progress("choosing poses", steps, json) as report:
-        plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses"), own)
+        plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses", 1), own)
     with status("writing", json):
         save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()

@@ -41,9 +41,8 @@ def run(
     from cases.loading import load_case
     from planner.interruption import Interrupted
     from planner.reports.page import render
+    from planner.study import ABOUT, DONE, PLANNED, check_study, load_spec, read_rows
     from planner.study.cluster import local_client, remote_client, require_dask
-    from planner.study.spec import load_spec
-    from planner.study.store import ABOUT, DONE, PLANNED, check_study, read_rows
     from planner.study.study_run import about_study, cells_of, missing, run_study
     from planner.study.summary import best_groups, groups, study_page
 
@@ -75,7 +74,7 @@ def run(
                 def on_end(end: Any) -> None:
                     nonlocal busy
                     busy += end.seconds
-                    count("" if end.reason is None else "(the last one failed)")
+                    count("" if end.reason is None else "(the last one failed)", 1)
 
                 computed = run_study(client, study, loaded, folder, on_end)
         except Interrupted:
@@ -108,7 +107,7 @@ def run(
 
 
 def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
-    from planner.study.spec import command_of
+    from planner.study import command_of
 
     rows = [
         [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]

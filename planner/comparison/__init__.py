@@ -1,1 +1,1 @@
-"""Plans, runs and results side by side, and which excitation to prefer."""
+"""Plans, runs and results side by side, which excitation to prefer, and what known weights say of each method."""

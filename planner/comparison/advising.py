@@ -155,18 +155,14 @@ def _comparable(one: Conditions, other: Conditions) -> bool:
 def _in_words(conditions: Sequence[Conditions]) -> str:
     """Machine, load and noise of entries that have them in common."""
     loads = [f"{c.load:.4g} kg mounted" for c in conditions if c.load is not None]
-    noises = [
-        f"noise {c.noise:.3g} N at {c.case.recording.rate_Hz:g} Hz{_by_pose(c.case)}"
-        for c in conditions
-        if c.noise is not None
-    ]
+    noises = [f"noise {c.noise:.3g} N {_of_samples(c.case)}" for c in conditions if c.noise is not None]
     machines = [c.machine for c in conditions if c.machine is not None]
     return ", ".join([f"case {conditions[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
 
 
-def _by_pose(case: Case) -> str:
-    field = PoseField.of(case.sensors)
-    return "" if field is None else f" and {field.words} that depends on the pose"
+def _of_samples(case: Case) -> str:
+    field, rate = PoseField.of(case.sensors), f"at {case.recording.rate_Hz:g} Hz"
+    return rate if field is None else f"{rate} and {field.words} that depends on the pose"
 
 
 def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:

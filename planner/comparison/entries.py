@@ -1,6 +1,5 @@
 """Plans, runs and results as entries of a comparison: what each cost, and what it tells."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import IntEnum
@@ -12,14 +11,15 @@ from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
-from cases.files import DAMAGED, another_kind, read_json
+from cases.files import DAMAGED, another_kind, read_json, sha256_of
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
+from identification.formats.reading import files_of
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
-from identification.recording import Recording, files_of, read
+from identification.recording import Recording, read
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
@@ -29,7 +29,7 @@ from planner.noise import PoseErrors, expected_noise, mean_information, of_estim
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
-from planner.runs.recorded import standing_of
+from planner.runs.identifying import standing_of
 from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]
@@ -203,7 +203,7 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
         str(path), Level.EXECUTED, Conditions(case, noise.sensors, _mounted(about), _machine(about)),
-        Sources(_fingerprints(path), about.get("plan_hash")), model.number,
+        Sources(frozenset(map(sha256_of, files_of([path]))), about.get("plan_hash")), model.number,
         str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
@@ -238,14 +238,6 @@ def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Ar
     run = moving_run(recording, case, model, found=checks)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
     return run.regressors(0.0), struts, run.samples
-
-
-def _fingerprints(path: Path) -> frozenset[str]:
-    hashes = set()
-    for file in files_of([path]):
-        with file.open("rb") as stream:
-            hashes.add(hashlib.file_digest(stream, "sha256").hexdigest())
-    return frozenset(hashes)
 
 
 def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:

@@ -1,1 +1,184 @@
-"""Families of excitations: what the unknowns of an optimisation mean as a motion from rest to rest."""
+"""What every family of excitations offers to the optimiser: unknowns -> motion, with CasADi's exact derivatives.
+
+Families whose coordinates are linear in their unknowns (Fourier series, B-splines) share `linear_layout`.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from identification.motion import Trajectory
+from planner.search.rows import LinearRows, Rows
+from planner.search.states import Peak, States, linear_states
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A family's motion as functions of its unknowns."""
+
+    states: States  # states over which information is averaged, with their shares of the duration
+    critical: States  # states at which non-linear limits (struts, joints) are constrained
+    peaks: Mapping[Peak, NDArray[np.bool_]]  # peaks at which of these, of each kind, shape (B, S) each
+    rows: tuple[Rows, ...]  # limits of the coordinates, linear ones and those of the family
+    lower: Array  # bound of each unknown, shape (n,)
+    upper: Array  # bound of each unknown, shape (n,)
+    standing: States | None = None  # states besides, at which limits of poses are constrained
+
+
+class Family(Protocol):
+    """A family of motions from rest to rest."""
+
+    @property
+    def name(self) -> str:
+        """As the command line calls it."""
+        ...
+
+    @property
+    def shipped(self) -> str:
+        """Name of the motion that comes with hexcite from which a search begins."""
+        ...
+
+    @property
+    def iterations(self) -> int:
+        """Largest number of the solver's that explore from a start."""
+        ...
+
+    @property
+    def mending(self) -> int:
+        """The same where a refined motion is solved again more tightly."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Of the excitation [s]."""
+        ...
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What was chosen beforehand, for `plan.json`."""
+        ...
+
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion as functions of the unknowns; margin: share of each limit that is left free."""
+        ...
+
+    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
+        """Random unknowns well inside the limits, shape (n,).
+
+        Args:
+            worst: largest share of any limit that is used, of unknowns.
+        """
+        ...
+
+    def like(self, table: Array) -> Array | None:
+        """Unknowns like those of another machine's motion, limits apart; None where it does not fit."""
+        ...
+
+    def table(self, unknowns: Array) -> Array:
+        """Unknowns in units that do not depend on the machine."""
+        ...
+
+    def motion(self, unknowns: Array) -> Trajectory:
+        """The motion of unknowns of shape (n,)."""
+        ...
+
+    def shrunk(self, unknowns: Array, share: float) -> Array:
+        """Unknowns of the same motion drawn towards the middle of the box: all ways times share, at equal times."""
+        ...
+
+    def refined(self, unknowns: Array) -> Self:
+        """The family with choices made that were open: the first result is improved in it."""
+        ...
+
+
+def box_middle(case: Case) -> tuple[Array, Array]:
+    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
+    home, limits = case.need_motion("planning")
+    low, high = limits.pose
+    return home + (low + high) / 2, np.asarray((high - low) / 2)
+
+
+class Maps(Protocol):
+    """Linear maps of a family; unknowns of shape (q n,), row by row, in half widths of the box around its middle."""
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of each coordinate, q."""
+        ...
+
+    def maps(self) -> tuple[Array, Array, Array, Array]:
+        """Matrices (K, q) from unknowns to value, rate, acceleration and jerk at the samples of information."""
+        ...
+
+    def weights(self) -> Array:
+        """Share of the duration that each sample of `maps` stands for, shape (K,); they add up to 1."""
+        ...
+
+    def critical_maps(self) -> tuple[Array, Array, Array]:
+        """Matrices (C, q) to value, rate and acceleration where non-linear limits are constrained."""
+        ...
+
+    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
+        """At which of these, of each kind, shape (B, S) each."""
+        ...
+
+    @property
+    def blocks(self) -> int:
+        """Number B of blocks of equally many successive samples that depend on few unknowns each."""
+        ...
+
+    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
+        """Matrices (L, q) whose rows, kept within the limits, keep the motion within them."""
+        ...
+
+    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
+        """Which rows of each of the `limit_maps` an optimisation begins with, shapes (L,)."""
+        ...
+
+    def slips(self) -> tuple[Array, Array]:
+        """What values and rates may pass their rows by between two of them, in half widths, shapes (n,)."""
+        ...
+
+    def growth(self) -> float:
+        """A bound g with max|x'| <= g max|x| for every motion of the family [1/s]; infinity where there is none."""
+        ...
+
+
+def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
+    """States and rows of a linear family.
+
+    Limits of a derivative that others prove to be satisfied (`growth`) are left out.
+    """
+    from scipy.sparse import csr_array, kron, vstack
+
+    middle, half = box_middle(case)
+    box = case.need_motion("planning")[1]
+    critical = family.critical_maps()
+    rows, first, orders = [], [], []
+    bounds = np.ones(len(half))  # what is known to bound the derivative before, in half widths
+    for order, (matrix, limit) in enumerate(
+        zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
+    ):
+        own = limit / half if order > 1 else limit / half - family.slips()[order]
+        needed = np.ones(len(half), dtype=bool) if order == 0 else family.growth() * bounds > own
+        bounds = own if order == 0 else np.minimum(family.growth() * bounds, own)
+        if needed.any():
+            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
+            first.append(np.repeat(family.first_rows()[order], needed.sum()))
+            orders.append(np.full(rows[-1].shape[0], order))
+    table, starts = csr_array(vstack(rows, format="csr")), np.concatenate(first)
+    free = np.full(family.unknowns * len(half), np.inf)
+    return Layout(
+        states=linear_states(family.maps(), middle, half, family.weights(), family.blocks),
+        critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), family.blocks),
+        peaks=family.peaks(),
+        rows=(LinearRows(table, np.concatenate(orders), starts, np.full(len(starts), 1.0 - margin)),),
+        lower=-free,
+        upper=free,
+    )

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
-from cases.manual_steps import Steps, load_poses, load_sequence
+from cases.poses import Steps, load_poses, load_sequence
 from cases.schema import Case
 from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory
-from identification.trajectories.circle import Plane, fastest_circle
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import Plane, StraightMove, fastest_circle
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,10 @@ from cases.parts import LARGEST
 from cases.schema import Case
 from identification.machines import machine_of
 from identification.motion import Joined, Measurement, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove, Plane
-from identification.trajectories.polynomial import Piece, PolynomialMotion
-from identification.trajectories.profile import Profile, StraightMove
-from planner.families.family import Array, Family
-from planner.families.fourier_motion import FourierMotion
+from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
+from identification.trajectories.moves import CircularMove, Plane, StraightMove
+from identification.trajectories.profile import Profile
+from planner.families import Array, Family
 from planner.families.ptp import unit_profile
 
 FILE = Path(__file__).with_name("shipped.json")

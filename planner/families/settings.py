@@ -8,12 +8,11 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.manual_steps import load_poses, load_sequence
+from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in
-from planner.families import ptp, spline
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 

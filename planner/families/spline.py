@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.trajectories.polynomial import Piece, PolynomialMotion
-from planner.families.family import Layout, box_middle, linear_layout
+from identification.trajectories.curves import Piece, PolynomialMotion
+from planner.families import Layout, box_middle, linear_layout
 from planner.search.states import Peak
 
 if TYPE_CHECKING:
@@ -75,6 +75,7 @@ class SplineFamily:
         return cls(intervals, duration, middle, half, slip)
 
     iterations: ClassVar[int] = 50
+    mending: ClassVar[int] = 10
 
     @property
     def name(self) -> str:

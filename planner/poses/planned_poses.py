@@ -13,10 +13,15 @@ from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses
-from planner.infeasible import remedy
 from planner.noise import sensor_noise, standing_model
 from planner.plans import Plan
-from planner.poses.continuous import approximate_design, continuous_bound
+from planner.poses.candidates import (
+    Candidates,
+    approximate_design,
+    continuous_bound,
+    grid_candidates,
+    sampled_candidates,
+)
 from planner.poses.pose_criteria import (
     POSE_CRITERIA,
     candidate_scaling,
@@ -25,9 +30,10 @@ from planner.poses.pose_criteria import (
     total_information,
 )
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
-from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
+from planner.poses.space import space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseMethod, PoseRequest
+from planner.search.inside import remedy
 from planner.worth import PoseWorth
 
 Array = NDArray[np.float64]

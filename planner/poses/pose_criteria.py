@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.evaluate import over_samples
 from identification.model import Model
+from identification.symbolic import over_samples
 
 Array = NDArray[np.float64]
 

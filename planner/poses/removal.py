@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.model import Model
-from planner.poses.joint_space import JointSpace
 from planner.poses.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
-from planner.poses.space import PoseSpace, space_of
-from planner.search.ipopt import solver_text
+from planner.poses.space import JointSpace, PoseSpace, space_of
+from planner.precision import solver_text
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,7 @@
-"""Candidate poses: the grid of the case, or quasi-random points of the space that the grid spans."""
+"""Poses to stand still at: the space that a case's grid spans, or the box of a chain's joints, and which are valid.
+
+A chain's poses are positions of joints in the box of `[limits.motion]`, clear of everything.
+"""
 
 from dataclasses import dataclass
 
@@ -7,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances
-from identification.limit_proof import prove
-from identification.machines import machine_of
+from identification.limit import TOLERANCE
+from identification.limit_proof import everything, shares_at
+from identification.machines import Machine, machine_of
 from identification.motion import StandingPoses
-from identification.pose import rotation, rpy
-from planner.poses.joint_space import JointSpace
+from identification.symbolic import over_samples, rotation, rpy
+from planner.search.problem import standing_limits
 
 Array = NDArray[np.float64]
+
 
 SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model depends on it
 
@@ -125,6 +128,70 @@ class PoseSpace:
         return valid_poses(self.case, poses)
 
 
+@dataclass(frozen=True, slots=True)
+class JointSpace:
+    """The joints' part of the motion box among which refinement searches; a `PoseSpace` of chains."""
+
+    case: Case  # case with a chain
+    machine: Machine  # its kinematics
+    middle: Array  # of the box, shape (n,) [m or rad]
+    half: Array  # half of its sides, shape (n,) [m or rad]
+
+    @classmethod
+    def of(cls, case: Case) -> "JointSpace":
+        """The space of a case; raises CaseError where it has no chain or no limits."""
+        chain, limits = case.need_chain("pose candidates")
+        return cls(case, machine_of(case), chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
+
+    @property
+    def size(self) -> int:
+        """Number of joints n."""
+        return len(self.middle)
+
+    def bounds(self) -> Array:
+        """Lower and upper bound of each coordinate, shape (2, n)."""
+        return np.vstack([-np.ones(self.size), np.ones(self.size)])
+
+    def shares(self, poses: Array) -> Array:
+        """Coordinates of poses, shape (k, n)."""
+        return np.asarray((poses - self.middle) / self.half)
+
+    def project(self, shares: Array) -> Array:
+        """The nearest shares that lie in the box, shape (k, n)."""
+        return np.clip(shares, -1.0, 1.0)
+
+    def poses(self, shares: Array, like: Array) -> Array:
+        """Poses of coordinates, shape (k, n) [m or rad]; `like` is not needed."""
+        del like
+        return np.asarray(self.middle + self.half * shares)
+
+    def expression(self, share: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Position and R of one pose, shapes (3,) and (3, 3)."""
+        still = ca.SX.zeros(self.size)
+        frame = self.machine.frame(self._pose(share), still, still)
+        return frame.position, frame.rotation
+
+    def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
+        """What must not be below 0: clearances, torques and sensor forces at rest; `like` is not needed."""
+        del like
+        return 1 - ca.fabs(standing_limits(self.case)(self._pose(share)))
+
+    def valid(self, poses: Array) -> NDArray[np.bool_]:
+        """Whether the machine can stand at each pose, by the proof of limits, shape (k,)."""
+        if not len(poses):
+            return np.zeros(0, dtype=bool)
+        shares = shares_at(StandingPoses(poses), self.case, np.arange(len(poses), dtype=float), True, everything)
+        return np.asarray(shares.max(axis=1) <= 1.0 + TOLERANCE)
+
+    def _pose(self, share: ca.SX) -> ca.SX:
+        return ca.DM(self.middle) + ca.DM(self.half) * share
+
+
+def space_of(case: Case) -> PoseSpace | JointSpace:
+    """The poses among which refinement searches; raises CaseError where the case lacks machine or poses."""
+    return PoseSpace.of(case) if case.chain is None else JointSpace.of(case)
+
+
 ROUNDING = 1e-9  # poses on the very edge of the workspace are valid
 REASONS = (
     *(f"strut {k} too short" for k in range(1, 7)),
@@ -193,138 +260,7 @@ def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
     return np.asarray(inside & (keep_out_distances(case, poses) >= 0.0))
 
 
-def space_of(case: Case) -> PoseSpace | JointSpace:
-    """The poses among which refinement searches; raises CaseError where the case lacks machine or poses."""
-    return PoseSpace.of(case) if case.chain is None else JointSpace.of(case)
-
-
 def places(case: Case, poses: Array) -> Array:
     """Where {P} is at coordinates of a case's machine: poses (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad]."""
     machine = machine_of(case)
     return poses if machine.of_pose else machine.kinematics(poses, 0.0 * poses, 0.0 * poses).pose
-
-
-MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more have never told more
-JOINT_CANDIDATES = 2048  # of a chain, where no other number is asked for
-# What one candidate costs at most, measured on 20 000: for the estimate in the refusal only.
-BYTES_EACH = 12_000
-SECONDS_SQUARED = 5e-8
-
-
-@dataclass(frozen=True, slots=True)
-class Candidates:
-    """Valid poses to choose from."""
-
-    poses: Array  # shape (n, 6), R = Rz(yaw) Ry(pitch) Rx(roll) [m, rad]
-    considered: int  # poses that were looked at, valid or not
-    origin: str  # one phrase that says where they come from
-
-
-def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -> Array:
-    """Poses from tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth), shape (n, 6) [m, rad].
-
-    Args:
-        position: origin of {P} in {B}, shape (n, 3) [m].
-        tilt: shape (n,) [rad].
-        azimuth: direction of the tilt, shape (n,) [rad].
-        torsion: shape (n,) [rad].
-    """
-    turn = Rotation.from_euler("ZYZ", np.column_stack([azimuth, tilt, torsion - azimuth]))
-    return np.column_stack([position, turn.as_euler("xyz")])
-
-
-def grid_candidates(case: Case) -> Candidates:
-    """The case's grid, valid poses only, in the order of Algorithm 1 (x, y, z, tilt, azimuth, torsion).
-
-    Of a chain, which has no grid, quasi-random poses of the motion box.
-
-    Raises:
-        HexciteError: the grid is too fine; the message says what it would need.
-        InfeasiblePlan: no pose is valid; the message says what stands in the way.
-        CaseError: the case lacks machine or poses.
-    """
-    if case.chain is not None:
-        return sampled_candidates(case, JOINT_CANDIDATES, 0)
-    grid = case.need_poses("pose candidates")
-    if grid.grid_size > MOST:
-        raise HexciteError(_too_many(grid.grid_size, "the grid of the case"))
-    machine, _, _ = case.need_machine("pose candidates")
-    axes = np.meshgrid(*grid.lengths, *grid.angles, indexing="ij")
-    x, y, z, tilt, azimuth, torsion = (a.ravel() for a in axes)
-    radius = np.hypot(x, y)
-    ring = (radius >= grid.radius[0] - ROUNDING) & (radius <= grid.radius[1] + ROUNDING)
-    position = machine.home.vector[:3] + np.column_stack([x, y, z])
-    poses = pose_of_tilt(position, tilt, azimuth, torsion)[ring]
-    return _valid(case, poses, "grid")
-
-
-def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
-    """Quasi-random poses (scrambled Sobol points) of the space that the grid spans, valid ones only.
-
-    The space of a chain is its motion box. Of a hexapod it is the XY range inside the largest radius, every tilt up to
-    the largest, every azimuth, and the ranges of z and torsion: the grid leaves out its middle, where poses tell
-    little, the space does not.
-
-    Args:
-        count: points that are looked at.
-
-    Raises:
-        HexciteError: too many, too few, or a negative seed.
-        InfeasiblePlan: no pose is valid.
-        CaseError: the case lacks machine or poses.
-    """
-    if not count >= 1:
-        raise HexciteError(f"{count} candidates; sample at least as many as poses are wanted")
-    if count > MOST:
-        raise HexciteError(_too_many(count, "a sample"))
-    if seed < 0:
-        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
-    from scipy.stats import qmc  # a second to import, for this alone
-
-    if case.chain is not None:
-        joints = JointSpace.of(case)
-        points = qmc.Sobol(joints.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-        every = joints.poses(2.0 * points - 1.0, points)
-        if not (valid := joints.valid(every)).any():
-            worst = prove(StandingPoses(every), case, 1.0).violations[0].sentence(timed=False)
-            raise InfeasiblePlan(f"none of {count} poses is valid: {worst}; narrow limits.motion.joints or move home")
-        return Candidates(every[valid], count, f"{count} quasi-random points")
-    machine, _, _ = case.need_machine("pose candidates")
-    grid = case.need_poses("pose candidates")
-    share = qmc.Sobol(6, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-    low, high = (np.array([values[k] for values in grid.lengths]) for k in (0, -1))
-    radius, azimuth = grid.radius[1] * np.sqrt(share[:, 0]), 2 * np.pi * share[:, 1]
-    position = np.column_stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.zeros(count)])
-    position[:, 2] = low[2] + share[:, 2] * (high[2] - low[2])
-    inside = np.all((position >= low - ROUNDING) & (position <= high + ROUNDING), axis=1)
-    tilt, torsion = grid.angles[0][-1] * np.sqrt(share[:, 3]), grid.angles[2]
-    angles = torsion[0] + share[:, 5] * (torsion[-1] - torsion[0])
-    poses = pose_of_tilt(machine.home.vector[:3] + position, tilt, 2 * np.pi * share[:, 4], angles)
-    return _valid(case, poses[inside], f"{count} quasi-random points")
-
-
-def _valid(case: Case, poses: Array, origin: str) -> Candidates:
-    if not len(poses):
-        raise InfeasiblePlan("no pose lies inside poses.radius_mm and the XY range; widen one of them")
-    margins = margins_of(case, poses)
-    valid = valid_poses(case, poses)
-    if not valid.any():
-        if not (margins < -ROUNDING).any(axis=1).all():
-            raise InfeasiblePlan(
-                f"none of {len(poses)} poses is valid: all within reach lie in workspace.keep_out; narrow it"
-            )
-        worst = int(np.argmax((margins < -ROUNDING).sum(axis=0)))
-        share = float((margins[:, worst] < -ROUNDING).mean())
-        raise InfeasiblePlan(
-            f"none of {len(poses)} poses is valid: {REASONS[worst]} at {100 * share:.0f} % of them; widen the "
-            "workspace or narrow the ranges of [poses]"
-        )
-    return Candidates(poses[valid], len(poses), origin)
-
-
-def _too_many(count: int, name: str) -> str:
-    gigabytes, hours = count * BYTES_EACH / 1e9, count**2 * SECONDS_SQUARED / 3600
-    return (
-        f"{name} has {count} poses, at most {MOST} are searched: it would need about {gigabytes:.3g} GB and "
-        f"{hours:.3g} h; take larger steps in [poses], or sample with --candidates 20000"
-    )

@@ -13,7 +13,8 @@ from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limit_proof import MARGIN, loads_of, slowed_for_forces
 from identification.machines import kinetic
-from identification.trajectories.profile import Profile, StraightMove, fastest_profile
+from identification.trajectories.moves import StraightMove
+from identification.trajectories.profile import Profile, fastest_profile
 from planner.poses.space import space_of
 from postprocessors.execute.virtual import RuckigLaw
 

@@ -13,10 +13,11 @@ from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_items
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
+from planner.reports.machine import pictured
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
-from planner.reports.plan import pictured, starts_items
+from planner.reports.plan import starts_items
 from planner.runs.running import RunOutcome
-from postprocessors.program_file import Program
+from postprocessors.dialects import Program
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks

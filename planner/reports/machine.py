@@ -1,4 +1,4 @@
-"""The hexapod along a motion, as data for the page's 3-D picture."""
+"""The machine along a motion: its picture in 3-D, its struts, the forces of its sensors, the information gathered."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -8,9 +8,18 @@ from numpy.typing import NDArray
 
 from cases.machine import KeepOut, Tool
 from cases.schema import Case
-from cases.units import MM
-from identification.motion import Trajectory, sample
-from planner.reports.page import MachineItem
+from cases.units import MM, payload_words
+from identification.criteria import analyse, reference_scaling
+from identification.limit_proof import load_shares
+from identification.limited_quantities import strut_motion
+from identification.model import RIGID, Model, identification_model
+from identification.motion import Motion, Trajectory, sample
+from identification.overload import SHARE
+from identification.parameters import nominal_parameters
+from identification.symbolic import over_samples
+from planner.reports.charts import Chart, plain, thinned
+from planner.reports.figures import COLOURS, GREY, identifiability_items
+from planner.reports.page import Item, MachineItem, Note, Plot, Section, Table
 
 Array = NDArray[np.float64]
 
@@ -22,6 +31,15 @@ _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
 FRAMES_A_SECOND = 50.0
 MOST_FRAMES = 3000
 SECONDS_A_POSE = 0.5  # of a pose set, when played
+INFORMATION_RATE = 100.0  # [1/s] of the figures of information: its mean needs no more
+
+
+def pictured(case: Case, motion: Trajectory) -> tuple[Section, ...]:
+    """The machine along a motion; of a chain there is no picture yet."""
+    if case.hexapod is None:
+        return ()
+    picture = moving_machine(case, motion, "Drag to turn, wheel to zoom.")
+    return (Section("The machine along the plan", (picture,)),)
 
 
 def moving_machine(case: Case, trajectory: Trajectory, note: str) -> MachineItem:
@@ -109,3 +127,114 @@ def tool_outlines(tools: Iterable[Tool]) -> list[Array]:
         lines += [start + ring, end + ring]
         lines += list(np.stack([start + ring, end + ring], axis=1)[:AROUND:4])
     return lines
+
+
+def strut_items(case: Case, motion: Motion) -> tuple[Item, ...]:
+    """Lengths, velocities and accelerations of struts, with their limits."""
+    machine, workspace, limits = case.need_machine("the page of a plan")
+    box = limits.motion
+    length, velocity, acceleration = strut_motion(motion, machine)
+    low = max(box.strut_length[0], workspace.strut_length[0]) / MM
+    high = min(box.strut_length[1], workspace.strut_length[1]) / MM
+    v, a = box.strut_velocity_m_s, box.strut_acceleration_m_s2
+    names = [f"strut {k}" for k in range(1, 7)]
+    panels = (
+        ("strut-lengths", length / MM, "length [mm]", (low, high)),
+        ("strut-velocities", velocity, "velocity [m/s]", (-v, v)),
+        ("strut-accelerations", acceleration, "acceleration [m/s²]", (-a, a)),
+    )
+    return tuple(
+        Plot(
+            n,
+            _lines(motion.t, values, names, unit, of, 280),
+            f"Strut {unit.split(' [')[0]} over time; dashed: its limits.",
+        )
+        for n, values, unit, of in panels
+    )
+
+
+def force_items(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
+    """Forces with what is mounted, and how much of the range each number of payloads would use."""
+    model = identification_model(case, RIGID)
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    forces = matrices @ nominal_parameters(model, case.body(payload))
+    of = case.sensors.range_N
+    limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
+    columns = case.sensor_frame.channels
+    unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
+    words = f"With {payload_words(payload)}, offsets and compensation apart."
+    plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
+    shares = load_shares(motion, case)
+    if of is None or not len(shares):
+        return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
+    rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
+    ends = f"{of:g} N" if (moments := case.sensors.range_Nm) is None else f"{of:g} N and {moments:g} N m"
+    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {ends}"), rows, left=0)
+    return (plot, table)
+
+
+def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> Chart:
+    """Six lines over time, with the limits that they share."""
+    figure = Chart()
+    for k, name in enumerate(names):
+        thin_x, thin_y = thinned(x, values[:, k])
+        figure.add_scatter(x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
+    for limit in limits:
+        figure.add_hline(y=limit, line={"color": GREY, "dash": "dash", "width": 1})
+    figure.update_xaxes(title="time [s]")
+    figure.update_yaxes(title=unit)
+    return figure.update_layout(height=height)
+
+
+def information_items(case: Case, motion: Trajectory, model: Model) -> tuple[Item, ...]:
+    """What each parameter costs, its deviation if all others were known and as one of all, and what is determined."""
+    matrices = _matrices(case, motion, model)
+    stacked = matrices.reshape(-1, matrices.shape[2])
+    information = stacked.T @ stacked / len(matrices)
+    alone = 1.0 / np.sqrt(np.diag(information))
+    together = np.sqrt(np.diag(np.linalg.inv(information)))
+    names = [plain(name) for name in model.names]
+    figure = Chart()
+    figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
+    figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
+    figure.update_xaxes(tickangle=-60)
+    figure.update_yaxes(title="std of one sample, scaled")
+    words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
+    costs = Plot("information", figure.update_layout(height=360, barmode="group"), words)
+    return (costs, _progress(motion, matrices), *identifiability_items(analyse(matrices, model.names)))
+
+
+def _matrices(case: Case, trajectory: Trajectory, model: Model) -> Array:
+    """Scaled regressors along the motion, shape (n, 6, u)."""
+    motion = trajectory.at(_instants(trajectory))
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    return np.asarray(matrices * reference_scaling(case, model))
+
+
+def _instants(motion: Trajectory) -> Array:
+    count = max(200, int(motion.duration * INFORMATION_RATE))
+    return (np.arange(count) + 0.5) * motion.duration / count
+
+
+def _progress(motion: Trajectory, matrices: Array) -> Plot:
+    """How the information grows while the motion runs: the D-criterion of what was gathered so far."""
+    per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
+    steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
+    gathered = np.cumsum(per_sample, axis=0)[steps]
+    sign, logdet = np.linalg.slogdet(gathered)
+    whole = logdet[-1]
+    share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
+    t = _instants(motion)[steps]
+    figure = Chart()
+    figure.add_scatter(x=t, y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered")
+    figure.add_scatter(
+        x=[0.0, motion.duration],
+        y=[0.0, 100.0],
+        line={"color": GREY, "dash": "dash", "width": 1},
+        name="at an even pace",
+    )
+    figure.update_traces(mode="lines")
+    figure.update_xaxes(title="time [s]", range=[0.0, motion.duration])
+    figure.update_yaxes(title="information gathered [%]", range=[0, 105])
+    words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
+    return Plot("progress", figure.update_layout(height=300), words)

@@ -26,8 +26,8 @@ from planner.reports.charts import Chart, script_json
 if TYPE_CHECKING:
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
+    from planner.comparison.validation import Validation
     from planner.plans import Plan
-    from planner.validation.validation import Validation
 
     Shown = Plan | Result | Comparison | Validation
 
@@ -187,14 +187,10 @@ def report(value: "Shown", file: Path | str) -> None:
 def page(value: Any) -> Page:
     """The page of a value."""
     match type(value).__name__:  # to import the types of all takes a second
-        case "Plan" if len(value.poses):
-            from planner.reports.poses import poses_page
-
-            return poses_page(value)
         case "Plan":
-            from planner.reports.plan import plan_page
+            from planner.reports.plan import plan_page, poses_page
 
-            return plan_page(value)
+            return poses_page(value) if len(value.poses) else plan_page(value)
         case "Result":
             from planner.reports.identify import identify_page
 

@@ -1,4 +1,4 @@
-"""The page of a plan: what it promises, the machine along it, how close it comes to each limit, what it tells when."""
+"""The pages of a plan: of a motion, how close it comes to its limits and what it tells; of poses, where they are."""
 
 from typing import Any
 
@@ -6,32 +6,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.files import provenance
-from cases.schema import Case
-from cases.units import MM, payload_words
-from identification.criteria import analyse, reference_scaling
+from identification.criteria import analyse
 from identification.estimation.fit import PoseField
-from identification.evaluate import over_samples
 from identification.limit import Status
-from identification.limit_proof import load_shares
-from identification.limited_quantities import strut_motion
-from identification.model import RIGID, Model, identification_model
-from identification.motion import Motion, Trajectory, sample
-from identification.overload import SHARE
-from identification.parameters import nominal_parameters, physical_form
+from identification.model import Model, identification_model
+from identification.motion import sample
+from identification.parameters import physical_form
 from planner.deviations import Beside, beside_manual
-from planner.found import bound_by
+from planner.noise import standing_model
 from planner.plans import Plan
-from planner.precision import legible, parameter_words, std_text
-from planner.reports.charts import Chart, plain, thinned
+from planner.poses.planned_poses import candidates_of
+from planner.poses.pose_criteria import pose_regressors
+from planner.poses.space import places
+from planner.precision import legible, parameter_words, solver_text, std_text
+from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_items
-from planner.reports.machine import moving_machine
+from planner.reports.machine import force_items, information_items, pictured, posing_machine, strut_items
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
-from planner.search.ipopt import solver_text
+from planner.request import PoseRequest
+from planner.worth import bound_by
 
 Array = NDArray[np.float64]
 
 DRAWN_RATE = 500.0  # [1/s]
-INFORMATION_RATE = 100.0  # [1/s] of the figures of information: its mean needs no more
 
 
 def plan_page(plan: Plan) -> Page:
@@ -73,9 +70,9 @@ def plan_page(plan: Plan) -> Page:
             *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits), _bound_by(plan))),
             Section("The motion and its limits", motion_items(case, motion)),
-            *([Section("Struts", _struts(case, motion))] if case.hexapod is not None else []),
-            Section("Predicted sensor forces", _forces(case, motion, request.payload)),
-            Section("Information of the motion", _information(plan, model)),
+            *([Section("Struts", strut_items(case, motion))] if case.hexapod is not None else []),
+            Section("Predicted sensor forces", force_items(case, motion, request.payload)),
+            Section("Information of the motion", information_items(plan.case, plan.motion, model)),
             Section("How the plan was found", starts_items(plan.to_json())),
         ),
     )
@@ -178,124 +175,6 @@ def _bound_by(plan: Plan) -> Note:
     return Note(f"What shapes the motion: {', '.join(names)}." if names else "No limit is used up.")
 
 
-def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> Chart:
-    """Six lines over time, with the limits that they share."""
-    figure = Chart()
-    for k, name in enumerate(names):
-        thin_x, thin_y = thinned(x, values[:, k])
-        figure.add_scatter(x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
-    for limit in limits:
-        figure.add_hline(y=limit, line={"color": GREY, "dash": "dash", "width": 1})
-    figure.update_xaxes(title="time [s]")
-    figure.update_yaxes(title=unit)
-    return figure.update_layout(height=height)
-
-
-def pictured(case: Case, motion: Trajectory) -> tuple[Section, ...]:
-    """The machine along a motion; of a chain there is no picture yet."""
-    if case.hexapod is None:
-        return ()
-    picture = moving_machine(case, motion, "Drag to turn, wheel to zoom.")
-    return (Section("The machine along the plan", (picture,)),)
-
-
-def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
-    machine, workspace, limits = case.need_machine("the page of a plan")
-    box = limits.motion
-    length, velocity, acceleration = strut_motion(motion, machine)
-    low = max(box.strut_length[0], workspace.strut_length[0]) / MM
-    high = min(box.strut_length[1], workspace.strut_length[1]) / MM
-    v, a = box.strut_velocity_m_s, box.strut_acceleration_m_s2
-    names = [f"strut {k}" for k in range(1, 7)]
-    panels = (
-        ("strut-lengths", length / MM, "length [mm]", (low, high)),
-        ("strut-velocities", velocity, "velocity [m/s]", (-v, v)),
-        ("strut-accelerations", acceleration, "acceleration [m/s²]", (-a, a)),
-    )
-    return tuple(
-        Plot(
-            n,
-            _lines(motion.t, values, names, unit, of, 280),
-            f"Strut {unit.split(' [')[0]} over time; dashed: its limits.",
-        )
-        for n, values, unit, of in panels
-    )
-
-
-def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
-    """Forces with what is mounted, and how much of the range each number of payloads would use."""
-    model = identification_model(case, RIGID)
-    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
-    forces = matrices @ nominal_parameters(model, case.body(payload))
-    of = case.sensors.range_N
-    limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
-    columns = case.sensor_frame.channels
-    unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
-    words = f"With {payload_words(payload)}, offsets and compensation apart."
-    plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
-    shares = load_shares(motion, case)
-    if of is None or not len(shares):
-        return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
-    rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
-    ends = f"{of:g} N" if (moments := case.sensors.range_Nm) is None else f"{of:g} N and {moments:g} N m"
-    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {ends}"), rows, left=0)
-    return (plot, table)
-
-
-def _matrices(plan: Plan, model: Model) -> Array:
-    """Scaled regressors along the motion, shape (n, 6, u)."""
-    motion = plan.motion.at(_instants(plan.motion))
-    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
-    return np.asarray(matrices * reference_scaling(plan.case, model))
-
-
-def _instants(motion: Trajectory) -> Array:
-    count = max(200, int(motion.duration * INFORMATION_RATE))
-    return (np.arange(count) + 0.5) * motion.duration / count
-
-
-def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
-    """What each parameter costs, its deviation if all others were known and as one of all, and what is determined."""
-    matrices = _matrices(plan, model)
-    stacked = matrices.reshape(-1, matrices.shape[2])
-    information = stacked.T @ stacked / len(matrices)
-    alone = 1.0 / np.sqrt(np.diag(information))
-    together = np.sqrt(np.diag(np.linalg.inv(information)))
-    names = [plain(name) for name in model.names]
-    figure = Chart()
-    figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
-    figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
-    figure.update_xaxes(tickangle=-60)
-    figure.update_yaxes(title="std of one sample, scaled")
-    words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
-    costs = Plot("information", figure.update_layout(height=360, barmode="group"), words)
-    return (costs, _progress(plan, matrices), *identifiability_items(analyse(matrices, model.names)))
-
-
-def _progress(plan: Plan, matrices: Array) -> Plot:
-    """How the information grows while the motion runs: the D-criterion of what was gathered so far."""
-    per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
-    steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
-    gathered = np.cumsum(per_sample, axis=0)[steps]
-    sign, logdet = np.linalg.slogdet(gathered)
-    whole = logdet[-1]
-    share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
-    t = _instants(plan.motion)[steps]
-    figure = Chart()
-    figure.add_scatter(x=t, y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered")
-    figure.add_scatter(
-        x=[0.0, plan.motion.duration],
-        y=[0.0, 100.0],
-        line={"color": GREY, "dash": "dash", "width": 1},
-        name="at an even pace",
-    )
-    figure.update_traces(mode="lines")
-    figure.update_xaxes(title="time [s]", range=[0.0, plan.motion.duration])
-    figure.update_yaxes(title="information gathered [%]", range=[0, 105])
-    words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
-    return Plot("progress", figure.update_layout(height=300), words)
-
-
 def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
     """Starts of a search, and the bound that its result is measured by; of the JSON of a plan."""
     bound = plan["bound"]
@@ -317,3 +196,62 @@ def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
 
 def _logdet(value: float | None) -> str:
     return "singular" if value is None else f"{value:.3f}"
+
+
+def poses_page(plan: Plan) -> Page:
+    """The page of `hexcite poses`."""
+    model = standing_model(plan.case, plan.model)
+    found = analyse(pose_regressors(model, plan.poses), model.names)
+    about = plan.to_json()
+    case, settings = plan.case, about["settings"]
+    tiles = (
+        (str(about["count"]), f"poses of {about['candidates']} candidates"),
+        (f"{about['duration_s']:.1f} s", f"measuring time, of it {about['travel_s']:.1f} s of travel"),
+        (f"{about['efficiency']:.3f}", "D-efficiency of the best design over the candidates (lower bound)"),
+        (f"{about['condition']:.3g}", "condition in reference scaling"),
+    )
+    words = (
+        f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {about['remark']}."
+    )
+    inputs = [("case", f"{case.name} (hash {case.hash})"), *((k, str(v)) for k, v in settings.items())]
+    return Page(
+        title=f"Poses: {case.title}",
+        lead=f"{about['count']} poses {words}",
+        inputs=(*inputs, *provenance([])["versions"].items()),
+        warnings=(),
+        sections=(
+            Section("What the set promises", (Tiles(tiles), *_pose_deviations(plan))),
+            *_pictures(plan),
+            Section("Where the poses are", (_places(plan),)),
+            Section("What the poses determine", identifiability_items(found)),
+        ),
+    )
+
+
+def _pictures(plan: Plan) -> tuple[Section, ...]:
+    """The machine in each pose; of a chain there is no picture yet."""
+    if plan.case.chain is not None:
+        return ()
+    return (Section("The machine in each pose", (posing_machine(plan.case, plan.poses, "In the order of visit."),)),)
+
+
+def _pose_deviations(plan: Plan) -> tuple[Item, ...]:
+    note = Note(
+        f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."
+    )
+    return (Table(("parameter", "predicted std", "unit"), plan.deviation_rows()), note)
+
+
+def _places(plan: Plan) -> Plot:
+    assert isinstance(plan.request, PoseRequest)
+    figure = Chart()
+    for poses, name, size, colour in (
+        (candidates_of(plan.request, plan.case, plan.poses).poses, "candidates", 5, GREY),
+        (plan.poses, "chosen", 10, COLOURS[1]),
+    ):
+        at = places(plan.case, poses)
+        marker = {"size": size, "color": colour}
+        figure.add_scatter(x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
+    figure.update_xaxes(title="x [mm]", constrain="domain")
+    figure.update_yaxes(title="y [mm]", scaleanchor="x", constrain="domain")
+    return Plot("places", figure.update_layout(height=460), "Seen from above; several orientations share a place.")

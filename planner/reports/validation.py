@@ -8,14 +8,14 @@ import numpy as np
 from cases.files import provenance
 from cases.schema import Case
 from identification.result import Estimate
+from planner.comparison.experiment import TABLE_3
+from planner.comparison.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
+from planner.comparison.validation import Validation
+from planner.comparison.verdict import OFF_COLUMNS, off_rows
 from planner.precision import legible, parameter_words, with_deviation
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
-from planner.validation.experiment import TABLE_3
-from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
-from planner.validation.validation import Validation
-from planner.validation.verdict import OFF_COLUMNS, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first step is its own theory

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from cases.schema import Case
 from identification.machines import kinetic
 from identification.motion import Motion, Trajectory
-from planner.search.ipopt import last_words
+from planner.precision import last_words
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -17,10 +17,9 @@ from cases.schema import Case
 from identification.limit import TOLERANCE, LimitKind
 from identification.limit_proof import kinetic_shares, prove
 from identification.motion import TimedPoints, Trajectory
-from identification.trajectories.polynomial import Piece, PolynomialMotion
-from planner.infeasible import remedy
+from identification.trajectories.curves import Piece, PolynomialMotion
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
-from planner.search.inside import MARGIN
+from planner.search.inside import MARGIN, remedy
 
 Array = NDArray[np.float64]
 

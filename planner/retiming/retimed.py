@@ -22,14 +22,12 @@ from identification.limit import LimitReport
 from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
-from identification.trajectories.profile import Profile, StraightMove
+from identification.trajectories.moves import CircularMove, StraightMove, online_move
+from identification.trajectories.profile import OnlineProfile, Profile, UntimedMove, online_profile
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
-from planner.found import Found
+from planner.found import Found, rated
 from planner.noise import mean_information
-from planner.planning import rated
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.retiming.path_pace import retimed_path

@@ -1,30 +1,41 @@
-"""From a recording to a result: standstills averaged where a run holds them, parameters, what speaks against them."""
+"""From a recording to a result: its case, standstills averaged where a run holds them, parameters, and what is odd."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cases.basis import KEPT, result_basis
-from cases.errors import IdentificationError, RecordingError
-from cases.files import provenance
+from cases.basis import KEPT, Artefact, recording_basis, result_basis
+from cases.errors import FileProblem, HexciteError, IdentificationError, RecordingError
+from cases.files import another_kind, provenance
+from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
 from identification.estimation.estimators import Method
-from identification.finding import Kind, warning
+from identification.findings import Finding, Kind, warning
 from identification.fitting import GAUSS_MARKOV
-from identification.hexapod import StrutsDoNotClose
+from identification.formats.reading import files_of
+from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
-from identification.recording import Recording, files_of, read
+from identification.recording import Recording
+from identification.recording import record_of as about_recording
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
+from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.samples import USUAL, Conditioning
+from identification.saved_result import load_result
+from planner.plan_folder import load_plan
 from planner.plans import Plan
-from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_than_planned, standing_of
+
+Array = NDArray[np.float64]
+
+SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
+RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +46,8 @@ class Wish:
     how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV  # estimator, and what is known beforehand, for a model
     terms: tuple[str, ...] = ()  # forms of the error compensation instead of the model's: K1 to K5
     conditioning: Conditioning = USUAL
-    still: StandstillWish = UNSAID  # what is known of standstills in a run with a clock
+    poses: Array | None = None  # poses whose standstills a run with a clock holds, shape (n, k) [m or rad]
+    standstills: bool = False  # average standstills without knowing the poses
 
 
 def identify(
@@ -68,14 +80,14 @@ def identify(
         case = recording.case
     if case is None:
         raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
-    still = UNSAID if poses is None else StandstillWish(poses.poses)
-    return identified(recording, case, Wish(model, lambda _: how, tuple(terms), conditioning, still))
+    stood = None if poses is None else poses.poses
+    return identified(recording, case, Wish(model, lambda _: how, tuple(terms), conditioning, stood))
 
 
 def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
     """`identify` for what is asked as one value."""
     whole = on_one_clock(recording, case)
-    run, standing = standing_of(whole, case, wish.still)
+    run, standing = standing_of(whole, case, wish.poses, wish.standstills)
     number = default_model(run, case) if wish.model is None else wish.model
     method = wish.how(identification_model(case, number, wish.terms))
     try:
@@ -118,6 +130,138 @@ def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]
     return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
 
 
-def identified_file(paths: Sequence[Path], case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
-    """`identified` for the files of one run."""
-    return identified(read(paths, case), case, wish, stale)
+def case_of(
+    path: Path, case: str | None, stale: bool = False, result: Path | None = None
+) -> tuple[Case, tuple[str, ...]]:
+    """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
+
+    Args:
+        case: named case, which is taken as it is now; None where the folder knows.
+        result: folder of a result, whose case is taken where the recording names none.
+
+    Raises:
+        RecordingError: no recording, or nothing says which machine it is from.
+        FileProblem: its case has changed, and `stale` is not set.
+        CaseError: the case cannot be read.
+    """
+    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
+    if not recorded and (other := another_kind(path, "recording.json")):
+        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
+    if case is not None:
+        return load_case(case), ()
+    about = about_recording(path)
+    if not about:
+        if result is not None:
+            return load_result(result).artefact.case(), ()
+        raise RecordingError(path, "does not say which machine it is from", "name it with --case")
+    artefact = Artefact(path / "recording.json", about, "run the program again")
+    loaded = artefact.case()
+    return loaded, artefact.require_unchanged(recording_basis(loaded), loaded, stale)
+
+
+def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
+    """A case whose machine has a pose with such strut lengths: built in, or in a folder beside this one's, or here.
+
+    Args:
+        lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
+        case: case that was tried.
+        name: its name, if it has one.
+    """
+    own = None if name is None or name in built_in_cases() else find_case(name)
+    places = [Path.cwd()] if own is None else [own.resolve().parent.parent, Path.cwd()]
+    around = dict.fromkeys(file for place in places for file in sorted(place.glob(f"*/{CASE_FILE}")))
+    for candidate in (*built_in_cases(), *map(str, around)):
+        try:
+            other = load_case(candidate)
+            if other.machine == case.machine or other.machine is None or other.workspace is None:
+                continue
+            low, high = other.workspace.strut_length
+            if np.all((lengths >= low) & (lengths <= high)):
+                Hexapod.of(other).poses(lengths[None])
+                return candidate
+        except HexciteError:
+            continue
+    return None
+
+
+def poses_of_plan(folder: Path, case: Case) -> Array:
+    """Poses of a plan in the order of visit, shape (n, k) [m or rad].
+
+    Raises:
+        FileProblem: no plan there, or damaged.
+        HexciteError: no plan of poses.
+    """
+    plan = load_plan(folder, case, stale=True)  # of a plan of poses only these are wanted
+    if not len(plan.poses):
+        raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
+    return plan.poses
+
+
+def standing_of(
+    recording: Recording, case: Case, poses: Array | None = None, asked: bool = False
+) -> tuple[Recording, dict[str, Any] | None]:
+    """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
+
+    A run of hexcite knows the poses of its program.
+
+    Args:
+        poses: other poses whose standstills the run holds, shape (n, k) [m or rad].
+        asked: average standstills without knowing the poses.
+
+    Raises:
+        StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
+        RecordingError: no standstills, though there should be some.
+    """
+    expected = poses if poses is not None else poses_of_record(recording.record, len(case.drive_columns))
+    if recording.t is None:
+        if poses is None and not asked:
+            return recording, None
+        raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
+    if expected is None and not asked and not stands_only(recording):
+        return recording, None
+    settle = case.poses.settle_s if case.poses is not None else 0.5
+    standing = average(recording, find_standstills(recording, settle))
+    if expected is not None:
+        standing = match(standing, case, expected, recording.source)
+    entries = {
+        "count": len(standing.windows),
+        "matched_to_poses": expected is not None,
+        "found_by": "trigger" if delimited(recording.trigger) else "motion",
+        "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
+    }
+    return standing.averages, entries
+
+
+def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
+    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
+
+    Raises:
+        FileProblem: the entry is damaged.
+    """
+    entry = record.get("poses_m_rad")
+    if not entry:
+        return None
+    try:
+        poses = np.array(entry, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
+    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
+        raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
+    return poses
+
+
+def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
+    """A trigger that was on for less than the program lasts, at the feed that was recorded, of a run of hexcite."""
+    planned = recording.record.get("planned_s")
+    if recording.record.get("poses_m_rad"):  # there it is on in the dwells only
+        return ()
+    if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
+        return ()
+    feed = 1.0 if recording.override is None else recording.override[recording.trigger]
+    duration = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
+    if duration >= planned - max(SHORTER_BY, SHORTER * planned):
+        return ()
+    sentence = (
+        f"the trigger is on for {duration:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
+    )
+    return (warning(Kind.WINDOW, f"{sentence}off; what the plan promises is not of this run"),)

@@ -13,24 +13,22 @@ from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.limit import LimitKind
-from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.machines import machine_of
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
-from identification.simulate import simulate_recording
-from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
+from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
+from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information
-from planner.runs.recorded import stood, way_of
 from planner.runs.written import of_another, plan_of_program, read_for, written_for_another
-from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
+from postprocessors.dialects import Program
+from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.program_file import Program
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.homing import planned_excitation
+from postprocessors.proving.homing import planned_excitation, way_of
 from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
@@ -163,7 +161,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
         remark = f"{remark}; {surplus}" if remark else surplus
-    execution = DriveExecution.of_log(machine_of(case), log.period, log.drives)
+    execution = Execution.of_log(machine_of(case), log.period, log.drives)
     on = windows(log.trigger, log.period)
     measured = on if at_poses else moving_windows(log.trigger, log.drives, log.period)
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)

@@ -14,9 +14,8 @@ from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan
 from planner.request import Request
-from postprocessors.dialects import Dialect, dialect_of_file
+from postprocessors.dialects import Dialect, Program, dialect_of_file, read_program
 from postprocessors.dialects import dialect as dialect_named
-from postprocessors.program_file import Program, read_program
 from postprocessors.writing import proven_program
 
 LONGER = 1.001  # times its duration, from which a program that takes longer than its plan says so

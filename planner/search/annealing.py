@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.model import Model
+from identification.symbolic import over_samples
 from planner.families.ptp import PointToPointFamily, states_of_move
-from planner.search.state_limits import near_limits
+from planner.search.problem import near_limits
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]

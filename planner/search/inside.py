@@ -1,5 +1,9 @@
-"""What a motion is worth, and the motion drawn back inside every limit: computed anew, whatever a solver says."""
+"""Inside every limit: a motion drawn back, and requests that cannot be met refused, with the keys to change.
 
+What a motion is worth and whether it is inside every limit is computed anew, whatever a solver says.
+"""
+
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -7,13 +11,16 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
-from identification.criteria import CRITERIA, singular_values
-from identification.limit import TOLERANCE, LimitReport
+from identification.criteria import CRITERIA, singular_values, uniform_states
+from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
-from identification.model import Model
-from planner.families.family import Family
-from planner.infeasible import remedy
+from identification.machines import machine_of
+from identification.model import Model, identification_model
+from identification.motion import Standstill
+from identification.symbolic import over_samples
+from planner.families import Family, box_middle
 from planner.noise import PoseErrors, information_of
+from planner.request import Request, parse_targets
 
 Array = NDArray[np.float64]
 
@@ -82,3 +89,120 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Ins
         else:
             best = better
     return best
+
+
+_BOX, _WORKSPACE = "limits.motion", "workspace"
+_KEYS = {
+    LimitKind.POSITION: f"{_BOX}.x_mm, y_mm, z_mm",
+    LimitKind.ANGLE: f"{_BOX}.a_deg, b_deg, c_deg",
+    LimitKind.WORKSPACE_POSITION: f"{_WORKSPACE}.x_mm, y_mm",
+    LimitKind.VELOCITY: f"{_BOX}.velocity_mm_s",
+    LimitKind.ANGULAR_VELOCITY: f"{_BOX}.angular_velocity_deg_s",
+    LimitKind.ACCELERATION: f"{_BOX}.acceleration_m_s2",
+    LimitKind.ANGULAR_ACCELERATION: f"{_BOX}.angular_acceleration_rad_s2",
+    LimitKind.JERK: f"{_BOX}.jerk_m_s3",
+    LimitKind.ANGULAR_JERK: f"{_BOX}.angular_jerk_rad_s3",
+    LimitKind.STRUT_LENGTH: f"{_BOX}.strut_length_mm and {_WORKSPACE}.strut_length_mm",
+    LimitKind.STRUT_VELOCITY: f"{_BOX}.strut_velocity_m_s",
+    LimitKind.STRUT_ACCELERATION: f"{_BOX}.strut_acceleration_m_s2",
+    LimitKind.BASE_JOINT_ANGLE: f"{_WORKSPACE}.base_joint_angle_deg",
+    LimitKind.PLATFORM_JOINT_ANGLE: f"{_WORKSPACE}.platform_joint_angle_deg",
+}
+
+
+_JOINTS = f"{_BOX}.joints"
+_OF_JOINTS = {
+    LimitKind.POSITION: f"position_mm of {_JOINTS}",
+    LimitKind.ANGLE: f"position_deg of {_JOINTS}",
+    LimitKind.JOINT_POSITION: "position_mm of machine.chain.joints",
+    LimitKind.JOINT_ANGLE: "position_deg of machine.chain.joints",
+    LimitKind.VELOCITY: f"velocity_mm_s of {_JOINTS}",
+    LimitKind.ANGULAR_VELOCITY: f"velocity_deg_s of {_JOINTS}",
+    LimitKind.ACCELERATION: f"acceleration_m_s2 of {_JOINTS}",
+    LimitKind.ANGULAR_ACCELERATION: f"acceleration_rad_s2 of {_JOINTS}",
+    LimitKind.JERK: f"jerk_m_s3 of {_JOINTS}",
+    LimitKind.ANGULAR_JERK: f"jerk_rad_s3 of {_JOINTS}",
+}
+
+
+def remedy(check: LimitCheck, case: Case) -> str:
+    """What to change where a limit of a case lets nothing move."""
+    match check.kind:
+        case LimitKind.DISTANCE_FROM_BOX:
+            return f"make that box of {'workspace' if machine_of(case).of_pose else 'machine.chain'}.keep_out smaller"
+        case LimitKind.DISTANCE_BETWEEN_LINKS:
+            return f"narrow position_deg of {_JOINTS}, correct the bodies in machine.chain"
+        case LimitKind.JOINT_TORQUE:
+            return f"lower the accelerations of {_JOINTS}, correct torque_Nm or nominal"
+        case LimitKind.JOINT_FORCE:
+            return f"lower the accelerations of {_JOINTS}, correct force_N or nominal"
+        case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
+            return "take weights out of [payloads], correct sensors.range_N or range_Nm"
+        case LimitKind.SINGULARITY:
+            return f"narrow the poses of {_BOX}"
+        case kind:
+            return f"widen {(_KEYS if machine_of(case).of_pose else _OF_JOINTS)[kind]}"
+
+
+def require_rest(case: Case) -> None:
+    """Standing still in the middle of the box must be possible: every family can shrink to that.
+
+    Raises:
+        InfeasiblePlan: it is not; the message names the limit.
+    """
+    report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
+    if not report.kept:
+        worst = report.violations[0]
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence(timed=False)}; {remedy(worst, case)} or move home")
+
+
+STATES, SEED = 400, 0  # of the box, at which the regressor is looked at
+HIDDEN = 1e-9  # of a column, below which a direction counts as unseen
+
+
+def require_plannable(request: Request, case: Case) -> None:
+    """Refuses what no search can mend.
+
+    Raises:
+        CaseError: the case has no machine, limits, controller or payload of this number.
+        IdentificationError: an unknown model, or one that no motion of the machine determines.
+        HexciteError: targets that cannot be read, a duration too short for the machine.
+        InfeasiblePlan: standing still in the middle of the motion box passes a limit.
+        FileProblem: the sequence cannot be used.
+    """
+    case.need_motion("planning")
+    require_identifiable(case, identification_model(case, request.model))
+    case.body(request.payload)
+    parse_targets(request.targets, case, request.model)
+    request.family.require_plannable(case, request.duration)
+    require_rest(case)
+
+
+def require_identifiable(case: Case, model: Model) -> None:
+    """Refuses a machine that cannot move its load in all the ways that a model needs, whatever the motion.
+
+    Raises:
+        IdentificationError: the message names the parameters that stay unknown, and what of them is known together.
+    """
+    matrices = over_samples(model.coordinate_regressor, *uniform_states(case, STATES, SEED))[0]
+    columns = matrices.reshape(-1, len(model.parameters))
+    size = np.linalg.norm(columns, axis=0)
+    if np.linalg.matrix_rank(columns / np.where(size > 0.0, size, 1.0), tol=HIDDEN * len(columns) ** 0.5) == len(size):
+        return
+    from identification.criteria import analyse  # SciPy, for the few who need it
+
+    analysis = analyse(matrices.reshape(STATES, -1, len(size)), model.names)
+    words = []
+    for group in analysis.groups:
+        text = " and ".join(_sum(combination) for combination in group.combinations)
+        words.append(f"{', '.join(group.parameters)}{f' (only {text})' if text else ''}")
+    raise IdentificationError(
+        f"case {case.name}, limits.motion: no motion in this box determines {'; '.join(words)}: the machine does not "
+        f"turn or accelerate its load about enough axes; widen the box, or choose a smaller model than {model.number}"
+    )
+
+
+def _sum(combination: Mapping[str, float]) -> str:
+    return " + ".join(
+        name if factor == 1.0 else f"{factor:.3g} {name}" for name, factor in combination.items()
+    ).replace("+ -", "- ")

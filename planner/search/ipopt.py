@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -23,13 +23,8 @@ class Reached:
     iterations: int  # taken
 
 
-class Watch(Protocol):
-    """Is told of every iteration; says whether to stop."""
-
-    def __call__(self, objective: float) -> bool:
-        """Takes the objective of the iteration; true stops the solver."""
-        ...
-
+Watch = Callable[[float], bool]
+"""Is told the objective of every iteration; true stops the solver."""
 
 INSIDE = 1e-4  # of a limit, by which an iterate may exceed it and still count
 GAIN, PATIENCE = 2e-4, 8  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time
@@ -206,21 +201,3 @@ class _Told(ca.Callback):  # type: ignore[misc]
         self.latest = [*self.latest[-PATIENCE:], float(value[0]) if outside < INSIDE else np.inf]
         self.settled = len(self.latest) > PATIENCE and max(self.latest) < min(self.latest) + GAIN
         return [float(self.watch(float(value[0])) or self.settled)]
-
-
-def last_words(status: object) -> str:
-    """A solver's return status in plain words."""
-    return str(status).replace("_", " ").lower()
-
-
-def solver_text(words: str) -> str:
-    """A solver's last words as people are shown them: to stop at the iterations that a stage has is not a failure."""
-    plain = last_words(words)
-    return _SHOWN.get(plain, plain)
-
-
-_SHOWN = {
-    "maximum iterations exceeded": "at its iteration limit",
-    "user requested stop": "stopped by the time limit or by Ctrl-C",
-    "solve succeeded": "converged",
-}

@@ -1,7 +1,7 @@
 """The optimal excitation problem as a non-linear program with exact first and second derivatives.
 
 The criterion couples all unknowns, so that its second derivative is full; yet it is a sum of two parts that are cheap
-(`planner.search.criterion`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
+(`planner.search.objective`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
 """
 
 from dataclasses import dataclass, replace
@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.model import Model
-from planner.search.by_pose import Felt, FieldByStates
-from planner.search.criterion import Local, criterion_at
+from planner.search.objective import Felt, FieldByStates, Local, criterion_at
 from planner.search.rows import Blocks, Rows, pulled_back
 from planner.search.states import SHARE, Kernel, States, state_size
 
@@ -57,7 +56,7 @@ class NonlinearProgram:
     lower: Array  # lower limit of each unknown, shape (n,)
     upper: Array  # upper limit of each unknown, shape (n,)
     letter: str = "D"  # letter of the criterion, Table 4
-    halvings: int = 0  # see `planner.search.criterion`
+    halvings: int = 0  # see `planner.search.objective`
     # whether second derivatives leave out what bends the information itself. That part is negative nearly everywhere:
     # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
     # more of them

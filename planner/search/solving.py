@@ -17,12 +17,11 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.families.family import Family
+from planner.families import Family
 from planner.families.ptp import PointToPointFamily
-from planner.infeasible import require_rest
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
+from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
 
@@ -38,7 +37,6 @@ TIGHTER = 2  # times at most that limits are constrained at more instants, and t
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
 REFINE, GLANCE = 25, 25  # iterations at most of refinements, and of a glance at another family than moves
-MENDING = 10  # of what is solved again more tightly: 25 took a fifth more time for 0.6 % of an efficiency
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
@@ -102,7 +100,7 @@ class _Stage(NamedTuple):
     """One run of the solver."""
 
     letter: str  # letter of the criterion
-    halvings: int  # see `planner.search.criterion`
+    halvings: int  # see `planner.search.objective`
     convex: bool  # see `planner.search.program.Program`
     iterations: int  # at most
     options: dict[str, object]  # options of the solver
@@ -250,7 +248,7 @@ class _Run:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
         self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN + SLIPPED))
-        again = stage._replace(convex=False, iterations=MENDING, options=_AT_HAND)
+        again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
             slips = self.problem.slips(self.family.motion(unknowns))
             kept = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
@@ -295,8 +293,3 @@ def run_safely(task: Task, watch: Watch) -> Start | Failed:
         return run_start(task, watch)
     except HexciteError as error:
         return Failed(task.seed, error.typed)
-
-
-def seeds_of(seed: int, starts: int) -> list[int]:
-    """Seeds of the starts, reproducible from one seed; more starts extend the list."""
-    return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]

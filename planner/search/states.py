@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.evaluate import over_samples
+from identification.symbolic import over_samples
 
 Array = NDArray[np.float64]
 

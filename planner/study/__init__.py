@@ -1,1 +1,291 @@
-"""Studies: grids of plans, runs and identifications on a Dask cluster, resumable."""
+"""A study: what its file asks for, cell by cell, and its folder with a Parquet file for each finished cell.
+
+A file has a row for the cell's plan and one for each seed of the noise.
+"""
+
+import itertools
+import json
+import math
+import tomllib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field, ValidationError
+
+from cases.basis import KEPT, Artefact, study_hash
+from cases.errors import FileProblem, HexciteError
+from cases.files import atomic_file, json_text, read_json, write_text
+from cases.parts import Part, Positive
+from cases.schema import Case, fingerprint
+from planner.families.settings import family_class
+from planner.request import Request
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+
+MOST_CELLS = 1_000_000
+
+T = TypeVar("T")
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list) else [value]
+
+
+Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
+Whole = Annotated[int, Field(strict=True)]
+
+
+class Grid(Part):
+    """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets.
+
+    A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
+    """
+
+    family: Values[str] = ("fourier",)
+    criterion: Values[str] = ("D",)
+    model: Values[Whole | None] = (None,)
+    duration_s: Values[Positive] = (12.0,)
+    order: Values[Whole] = (5,)
+    period_s: Values[Positive | None] = (None,)
+    moves: Values[Whole | None] = (None,)
+    knots: Values[Whole | None] = (None,)
+    payload: Values[Whole] = (0,)
+    seed: Values[Whole] = (0,)
+
+
+class ExecutionSpec(Part):
+    """What to do with each plan: run it, and identify it with several seeds of the sensors' noise."""
+
+    on: Literal["virtual"] = "virtual"
+    disturbed: bool = False
+    noise_seeds: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
+
+
+class Cells(Part):
+    """What a cell may take."""
+
+    time_limit_s: Positive = 600.0
+    memory_GB: Positive = 2.0
+
+
+class Spec(Part):
+    """A study."""
+
+    schema_version: Literal[1]
+    name: str = Field(pattern=r"^[A-Za-z0-9_-]{1,60}$")
+    grid: Grid = Grid()
+    execute: ExecutionSpec | None = None
+    cells: Cells = Cells()
+
+    @property
+    def size(self) -> int:
+        """Number of combinations of the grid."""
+        return math.prod(len(getattr(self.grid, name)) for name in Grid.model_fields)
+
+
+# Settings that mean something in one family only; elsewhere they do not make another cell.
+_ONLY = {"order": "fourier", "period_s": "fourier", "moves": "ptp", "knots": "spline"}
+BUILT_IN = Path(__file__).parent / "specs"
+
+
+def load_spec(name: str) -> Spec:
+    """Reads a study by its built-in name or its file.
+
+    Raises:
+        FileProblem: no such file, not TOML, unknown settings, or values that cannot be: key, value and remedy.
+    """
+    files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
+    path = files.get(name, Path(name))
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileProblem(
+            name,
+            f"cannot be read ({error.strerror})",
+            f"built-in studies are {', '.join(files)}, else name a TOML file",
+        ) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FileProblem(path, f"is not TOML ({error})", "correct that line") from error
+    try:
+        return Spec.model_validate(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        key = ".".join(str(part) for part in first["loc"])
+        if first["type"] == "extra_forbidden":
+            tables: dict[str, type[Part]] = {"grid": Grid, "execute": ExecutionSpec, "cells": Cells}
+            table = tables.get(str(first["loc"][0]), Spec) if len(first["loc"]) > 1 else Spec
+            problem = f"unknown setting; known here are {', '.join(table.model_fields)}"
+        else:
+            problem = f"{first['input']!r}: {first['msg']}; correct the value"
+        raise FileProblem(path, f"{key}: {problem}") from error
+
+
+def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
+    """The settings of every cell, each once, in the order of the grid.
+
+    Raises:
+        HexciteError: more cells than a study can hold; the message tells what it would take.
+    """
+    if spec.size > MOST_CELLS:
+        hours = spec.size * 5.0 / 3600.0
+        raise HexciteError(
+            f"study {spec.name}: the grid has {spec.size} cells, at most {MOST_CELLS}; at 5 s a cell they would take "
+            f"{hours:.0f} hours of one core: list fewer values"
+        )
+    names = list(Grid.model_fields)
+    texts: set[str] = set()
+    for values in itertools.product(*(getattr(spec.grid, name) for name in names)):
+        settings = dict(zip(names, values, strict=True))
+        family = settings["family"]
+        settings = {k: v for k, v in settings.items() if v is not None and _ONLY.get(k, family) == family}
+        text = json.dumps(settings, sort_keys=True)
+        if text not in texts:
+            texts.add(text)
+            yield settings
+
+
+def request_of(settings: dict[str, Any]) -> Request:
+    """What a cell plans, from one start.
+
+    Raises:
+        HexciteError: settings that cannot be planned.
+    """
+    ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
+    kind = family_class(ours.pop("family"))
+    own = {name: ours.pop(name) for name in ("order", "period", "moves", "knots") if name in ours}
+    return Request(kind(**own), starts=1, **ours)
+
+
+def cell_key(settings: dict[str, Any], execute: ExecutionSpec | None, case: Case, version: str) -> str:
+    """What a cell's rows are known by: 16 hexadecimal digits of settings, execution, version and case.
+
+    Of the case only what it uses counts; the settings of the controller where it runs the plans.
+    """
+    executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
+    content = [settings, executed, study_hash(case), version]
+    return fingerprint(content)
+
+
+def command_of(settings: dict[str, Any], case: str) -> str:
+    """The command line that plans a cell anew, from eight starts."""
+    options = {"duration_s": "duration", "period_s": "period"}
+    words = [f"--{options.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
+    return " ".join(["hexcite plan", case, *words])
+
+
+SETTINGS = tuple(Grid.model_fields)
+PLANNED = -1  # noise seed of the row that holds the plan itself
+
+DONE, FAILED = "done", "failed"
+
+
+def schema() -> "pa.Schema":
+    """Columns of the rows and their types."""
+    import pyarrow as pa
+
+    text, whole, number = pa.string(), pa.int64(), pa.float64()
+    columns = {
+        text: "cell case_hash version family criterion status reason",
+        whole: "noise_seed model order moves knots payload seed iterations parameters inside_95",
+        number: "duration_s period_s seconds score logdet d_efficiency worst_error_in_std mass_error_kg mass_std_kg",
+        pa.bool_(): "converged",
+    }
+    return pa.schema([(name, kind) for kind, names in columns.items() for name in names.split()])
+
+
+def completed(row: dict[str, Any]) -> dict[str, Any]:
+    """The row with every column; what is not known is null."""
+    columns = schema().names
+    unknown = set(row) - set(columns)
+    if unknown:
+        raise ValueError(f"no such columns: {', '.join(sorted(unknown))}")
+    return {name: row.get(name) for name in columns}
+
+
+ABOUT = "study.json"
+ROWS = "rows"
+
+
+def open_study(folder: Path, about: dict[str, Any]) -> None:
+    """Makes a study folder, or finds that an older one is of the same study.
+
+    Args:
+        about: what study.json holds; `name` and what was used of the case must be those of the study there.
+
+    Raises:
+        FileProblem: another study's or somebody else's folder, or no place to write.
+    """
+    check_study(folder, about)
+    try:
+        (folder / ROWS).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileProblem(folder, f"cannot be written ({error.strerror})", "choose another place with -o") from error
+    write_text(folder / ABOUT, json_text(about))
+
+
+def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
+    """Writes the rows of one cell to a file of their own, `rows/NAME.parquet`: all of them or, if killed here, none.
+
+    Raises:
+        FileProblem: the disk is full or gone.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    with atomic_file(folder / ROWS / f"{name}.parquet") as part:
+        pq.write_table(pa.Table.from_pylist([completed(row) for row in rows], schema()), part)
+
+
+def check_study(folder: Path, about: dict[str, Any]) -> None:
+    """Says before the work starts what would keep a study from its folder.
+
+    Args:
+        folder: folder of the study; need not exist.
+
+    Raises:
+        FileProblem: another study's folder, or somebody else's.
+    """
+    try:
+        names = {entry.name for entry in folder.iterdir()} if folder.exists() else set()
+    except OSError as error:
+        raise FileProblem(folder, f"cannot be read ({error.strerror})", "choose another place with -o") from error
+    if ABOUT not in names:
+        if names:
+            first = sorted(names)[0]
+            raise FileProblem(folder, f"is not a study of hexcite's (it holds {first})", "choose another with -o")
+        return
+    record = read_json(folder / ABOUT, "hexcite study")
+    if record.get("name") != about["name"]:
+        raise FileProblem(
+            folder, f"holds another study ({record.get('name')}, not {about['name']})", "choose another place with -o"
+        )
+    if changes := Artefact(folder / ABOUT, record, "").changes(about[KEPT], about["case_hash"]):
+        raise FileProblem(
+            folder,
+            f"holds a study of case {record.get('case')} before {changes[0]}",
+            "choose another place with -o, or restore the case",
+        )
+
+
+def read_rows(folder: Path) -> "pa.Table":
+    """All rows of a study, each once.
+
+    Raises:
+        FileProblem: a file is damaged.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    tables = [schema().empty_table()]
+    for file in sorted((folder / ROWS).glob("*.parquet")):
+        try:
+            tables.append(pq.read_table(file, schema=schema(), partitioning=None))
+        except (OSError, pa.ArrowException) as error:
+            raise FileProblem(file, f"is damaged ({error})", "delete it, its cells are then computed again") from error
+    table = pa.concat_tables(tables)
+    number = table.append_column("row", pa.array(range(len(table))))
+    last = number.group_by(["cell", "noise_seed"]).aggregate([("row", "max")])["row_max"]
+    return table.take(last.sort()) if len(table) else table

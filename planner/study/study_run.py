@@ -15,14 +15,24 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import full_model
 from planner.request import Request
+from planner.study import (
+    DONE,
+    FAILED,
+    PLANNED,
+    Spec,
+    cell_key,
+    keep,
+    open_study,
+    read_rows,
+    request_of,
+    settings_of,
+)
 from planner.study.cluster import TaskEnd, run_tasks
-from planner.study.spec import Spec, cell_key, request_of, settings_of
-from planner.study.store import DONE, FAILED, PLANNED, keep, open_study, read_rows
 
 if TYPE_CHECKING:
     from distributed import Client
 
-    from identification.loaded import Circumstances
+    from identification.simulate import Circumstances
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +88,7 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     from identification.identify import identify
     from identification.limit import KINETIC
-    from identification.loaded import circumstances
-    from identification.simulate import simulate_recording, truth_rows
+    from identification.simulate import circumstances, simulate_recording, truth_rows
     from planner.runs.running import execute
     from planner.runs.written import write
 
@@ -114,7 +123,7 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
 
 def _loaded_case(case: Case, around: "Circumstances") -> Case:
     """The case whose true parameters include what is mounted."""
-    from identification.loaded import loaded_truth
+    from identification.simulate import loaded_truth
 
     simulation = case.need_simulation("a study that executes its plans")
     truth = loaded_truth(simulation.parameters, around.weights)

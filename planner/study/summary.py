@@ -7,8 +7,7 @@ import numpy as np
 
 from planner.reports.charts import Chart
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
-from planner.study.spec import command_of
-from planner.study.store import DONE, FAILED, PLANNED, SETTINGS
+from planner.study import DONE, FAILED, PLANNED, SETTINGS, command_of
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -1,1 +1,176 @@
-"""Runs programs: the built-in virtual controller, or a real LinuxCNC."""
+"""A run of a program on a controller, whichever it was: what moved, and when the trigger was on."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import ExecutionError
+from postprocessors.proving.stretches import Timed, stretches
+from postprocessors.reading import Reading
+
+if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
+    from identification.trajectories.executed import Execution
+
+Array = NDArray[np.float64]
+
+STILL = 1e-9  # [m] a cycle: 1 um/s
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedRun:
+    """A run."""
+
+    controller: str  # name and version
+    execution: "Execution"  # the motion, continuous in time
+    trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
+    real: bool  # whether a real controller ran it (the machine is simulated in any case)
+    remark: str = ""  # what to know about this run; empty where there is nothing
+
+    @property
+    def excitation(self) -> float:
+        """Time with the trigger on [s]."""
+        return float(np.sum(self.trigger[:, 1] - self.trigger[:, 0]))
+
+
+def windows(on: NDArray[np.bool_], period: float) -> Array:
+    """Start and end of each run of ones, shape (k, 2) [s]."""
+    edges = np.diff(np.r_[False, on, False].astype(int))
+    return np.asarray(np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)]) * period, dtype=float)
+
+
+def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array:
+    """Windows of the trigger from the first movement in them to the last, shape (k, 2) [s].
+
+    Before and after a movement the trigger waits for the controller's program, and with it for the computer's load. A
+    window without movement stays as it is; of a program that measures standing still `windows` are wanted.
+
+    Args:
+        on: the trigger, shape (n,).
+        struts: lengths, shape (n, 6) [m].
+        period: period of both [s].
+    """
+    moves = np.append(np.any(np.abs(np.diff(struts, axis=0)) > STILL, axis=1), False)
+    trimmed = []
+    for start, end in windows(on, period):
+        rows = slice(round(start / period), round(end / period))
+        moving = np.flatnonzero(moves[rows])
+        first = rows.start
+        trimmed.append((first + moving[0], first + moving[-1] + 1) if len(moving) else (rows.start, rows.stop))
+    return np.array(trimmed, dtype=float).reshape(-1, 2) * period
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerLog:
+    """What a controller did, one row a cycle. Arrays are copied and read-only.
+
+    Raises:
+        ValueError: a shape is wrong, a value is not finite, or the log is empty.
+    """
+
+    controller: str  # name and version of the controller, as it gave them itself
+    period: float  # duration of a cycle [s]
+    drives: Array  # commanded positions of struts or joints, shape (n, k) [m or rad]
+    poses: Array  # commanded coordinates, shape (n, k) [m or rad]
+    trigger: NDArray[np.bool_]  # the recording output, shape (n,)
+    # the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the controller reports
+    # it so (LinuxCNC), shape (n,)
+    lines: NDArray[np.int64]
+    left_out: int = 0  # cycles of standstill that are not in it, because only the computer's clock made them
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.period) and self.period > 0.0):
+            raise ValueError(f"controller log: period is {self.period} s, must be positive")
+        count = len(self.lines)
+        if count == 0:
+            raise ValueError("controller log: holds no cycle")
+        for name in ("drives", "poses"):
+            values = np.array(getattr(self, name), dtype=np.float64)
+            self._freeze(name, values, (count, *np.shape(self.poses)[1:]))
+        self._freeze("trigger", np.array(self.trigger, dtype=np.bool_), (count,))
+        self._freeze("lines", np.array(self.lines, dtype=np.int64), (count,))
+
+    def _freeze(self, name: str, values: NDArray[np.generic], shape: tuple[int, ...]) -> None:
+        if values.shape != shape:
+            raise ValueError(f"controller log: {name} has shape {values.shape}, expected {shape}")
+        if not np.isfinite(values).all():
+            row = int(np.argmin(np.isfinite(values).reshape(len(values), -1).all(axis=1)))
+            raise ValueError(f"controller log: {name} is not finite in row {row + 1}")
+        values.setflags(write=False)
+        object.__setattr__(self, name, values)
+
+    @property
+    def time(self) -> Array:
+        """Time since the first row, shape (n,) [s]."""
+        return np.arange(len(self.lines), dtype=np.float64) * np.float64(self.period)
+
+
+TIME_TOLERANCE = 0.005
+"""Share of a path's duration by which it may be late; measured on an idle computer 0.002 with 10 ms blocks."""
+
+CYCLES = 30
+"""And these many cycles, which starting and stopping cost: blending ends some blocks late."""
+
+
+class PathTime(NamedTuple):
+    """A timed path and how long it took."""
+
+    line: int  # line of the program at which it ends
+    planned: float  # duration in the program [s]
+    taken: float  # time that the controller took [s]
+
+    def sentence(self) -> str:
+        """One phrase for people."""
+        return f"the timed path that ends in line {self.line} took {self.taken:.3f} s instead of {self.planned:.3f} s"
+
+
+def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
+    """The timed path that was most late, None where all were in time.
+
+    Args:
+        reading: the program that was run.
+    """
+    worst: PathTime | None = None
+    for part in stretches(reading):
+        if not isinstance(part, Timed):
+            continue
+        rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
+        path = PathTime(part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period)
+        delay = path.taken - path.planned
+        if delay > TIME_TOLERANCE * path.planned + CYCLES * log.period and (
+            worst is None or delay > worst.taken - worst.planned
+        ):
+            worst = path
+    return worst
+
+
+STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles
+
+
+def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
+    """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, k) [m].
+
+    Raises:
+        ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
+    """
+    if len(run.trigger) != len(poses):
+        raise ExecutionError(
+            program,
+            f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}",
+            "report this",
+        )
+    for k, (start, end) in enumerate(run.trigger, 1):
+        within = run.execution.struts(np.arange(start, end, 1e-3))
+        if (way := float(np.ptp(within, axis=0).max())) > STANDS:
+            raise ExecutionError(
+                program,
+                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
+                "run again",
+            )
+    actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
+    t = np.arange(0.0, run.execution.duration, 1e-3)
+    moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
+    off = float(np.linalg.norm(actual[:, :3] - run.execution.machine.positions(poses), axis=1).max())
+    return float(t[moving[-1] + 1] - t[moving[0]]), off

@@ -13,14 +13,14 @@ from cases.schema import Case
 from identification.limited_quantities import Box
 from identification.machines import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import Execution
 from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
 from identification.trajectories.profile import TimeLaw
-from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Still, Stretch, Timed, measures_at_poses, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     t = np.minimum(np.arange(1 + np.ceil(motion.duration / cycle - 1e-9)) * cycle, motion.duration)
     blocks = np.array_split(t, 1 + len(t) // BLOCK)
     drives = np.vstack([machine.drives(motion.at(block).pose) for block in blocks])
-    return ExecutedRun(NAME, DriveExecution.of_set_points(machine, cycle, drives), trigger, real=False)
+    return ExecutedRun(NAME, Execution.of_set_points(machine, cycle, drives), trigger, real=False)
 
 
 def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joined, Array]:

@@ -21,7 +21,6 @@ from identification.outcome import Result
 from identification.parameters import physical_form
 from identification.result import Value
 from identification.saved_result import SavedResult, load_result
-from postprocessors.export.instructions import number
 
 Array = NDArray[np.float64]
 
@@ -190,3 +189,12 @@ def shared_values(calibration: Calibration) -> dict[str, Any]:
             {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"} for p, v, s in rows
         ],
     }
+
+
+def number(value: float) -> str:
+    """A literal that reads back as the same float64, with a decimal point."""
+    text = repr(float(value))
+    mantissa, _, exponent = text.partition("e")
+    if "." not in mantissa:
+        mantissa += ".0"
+    return f"{mantissa}E{exponent}" if exponent else mantissa

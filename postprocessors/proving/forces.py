@@ -18,8 +18,8 @@ from identification.limit_proof import load_motion, loaded_forces, loads_of
 from identification.limited_quantities import Box, rotation_motion
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads, StrutLoads
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.profile import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, StraightMove
+from identification.trajectories.profile import limits_along
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
 PATH_SAMPLES = 1000  # of a timed path

@@ -11,12 +11,12 @@ from cases.units import DEG, MM
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.limited_quantities import Box
 from identification.motion import Array
-from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
-from postprocessors.polynomials import Pieces, path_speed_deviation
+from postprocessors.blocks import Pieces, path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading.words import Polynomial, Reading
+from postprocessors.reading import Polynomial, Reading
 
 Law = Callable[[float, float, float], TimeLaw]
 """How a controller covers a straight way from rest to rest.

@@ -18,13 +18,13 @@ from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import prove
 from identification.limited_quantities import Box
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.profile import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, StraightMove
+from identification.trajectories.profile import limits_along
 from postprocessors.proving.guarantees import Answering, Guarantees
-from postprocessors.proving.stretches import Timed, Untimed, stretches
+from postprocessors.proving.stretches import Stretch, Timed, Untimed, stretches
 
 if TYPE_CHECKING:
-    from postprocessors.program_file import Program
+    from postprocessors.dialects import Program
 
 Array = NDArray[np.float64]
 
@@ -207,3 +207,21 @@ def _feed_to_home(feed: float, safe: float, kind: LimitKind, clock: float) -> Li
     """The programmed feed against the safe one [SI], in the unit of a kind of velocity."""
     values = feed * kind.scale, safe * kind.scale, kind.unit
     return LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, feed / safe, clock, Status.PROVEN)
+
+
+def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
+    """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
+    home, limits = case.need_motion("a run")
+    last_pose, way = home, list[Trajectory]()
+    for part in parts:
+        motion: Trajectory | None
+        if isinstance(part, Timed):
+            motion = part.points
+        elif isinstance(part, Untimed):
+            motion = predicted(part, limits, guarantees)
+        else:
+            motion = Standstill(last_pose, part.duration) if part.duration > 0.0 else None
+        if motion is not None:
+            way.append(motion)
+            last_pose = motion.at([motion.duration]).pose[0]
+    return Joined(tuple(way))

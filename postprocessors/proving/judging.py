@@ -22,9 +22,8 @@ from identification.limit_proof import (
 )
 from identification.limited_quantities import Box
 from identification.motion import Array, Standstill, Trajectory
-from identification.trajectories.circle import CircularMove
-from identification.trajectories.polynomial import PolynomialMotion, Tabulated
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import PolynomialMotion, Tabulated
+from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.forces import Steady
 from postprocessors.proving.guarantees import Answering
 from postprocessors.proving.homing import predicted, way_home

@@ -15,7 +15,7 @@ from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.proving.judging import judge
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches
-from postprocessors.reading.words import Reading, Stand, Switch
+from postprocessors.reading import Reading, Stand, Switch
 
 MOST_TIMES = 10.0  # times a limit above which nobody needs the number
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from cases.errors import ProgramError
 from identification.motion import TimedPoints
-from identification.trajectories.polynomial import Piece, PolynomialMotion, Tabulated
-from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Timing, Turn
+from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
+from postprocessors.reading import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Timing, Turn
 
 Array = NDArray[np.float64]
 

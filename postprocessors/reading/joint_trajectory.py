@@ -13,7 +13,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.reading.words import Event, Pause, Polynomial, Reading, Stand, Switch, program_lines
+from postprocessors.reading import Event, Pause, Polynomial, Reading, Stand, Switch, program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096

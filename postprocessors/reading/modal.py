@@ -9,8 +9,8 @@ import numpy as np
 
 from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
-from identification.trajectories.circle import Plane
-from postprocessors.reading.words import Array, Event, Move, Reading, Timing, Turn
+from identification.trajectories.moves import Plane
+from postprocessors.reading import Array, Event, Move, Reading, Timing, Turn
 
 ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
 STILL = 1e-7  # [mm] between places that are the same

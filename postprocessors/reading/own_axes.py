@@ -12,10 +12,10 @@ import numpy as np
 from cases.controller import SinumerikAxes, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
+from postprocessors.reading import Pause, Reading, Switch, Timing, axis_letters, program_lines
 from postprocessors.reading import sinumerik_words as siemens
 from postprocessors.reading import twincat_words as isg
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
-from postprocessors.reading.words import Pause, Reading, Switch, Timing, axis_letters, program_lines
 
 SAME_RADIUS = 1e-5  # [mm] of FGREF
 MM_A_DEGREE = 180.0 / np.pi

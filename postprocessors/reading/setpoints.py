@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited_quantities import strut_motion
 from identification.motion import Array, Motion
-from postprocessors.reading.words import Event, Pause, Reading, Stand, Switch, TableRows
+from postprocessors.reading import Event, Pause, Reading, Stand, Switch, TableRows
 
 FORMAT = "hexcite setpoints 1"
 _STRUT_NAMES = tuple(f"l{k}" for k in range(1, 7))

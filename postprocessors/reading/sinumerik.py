@@ -12,6 +12,7 @@ import numpy as np
 from cases.controller import SINUMERIK_NAME, Sinumerik
 from cases.schema import Case
 from cases.units import DEG, MM
+from postprocessors.reading import Event, Pause, Reading, Switch, Timing, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
@@ -22,7 +23,6 @@ from postprocessors.reading.sinumerik_words import (
     polynomial,
     sinumerik_words,
 )
-from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
     "SINUMERIK", GROUPS, last="M30", rapid="G0", straight="G1",

@@ -8,8 +8,8 @@ import numpy as np
 from cases.controller import Sinumerik
 from cases.errors import ProgramError
 from cases.units import MINUTE
+from postprocessors.reading import Polynomial, each_word
 from postprocessors.reading.modal import LARGEST, ModalState, Word
-from postprocessors.reading.words import Polynomial, each_word
 
 LONGEST_LINE = 512
 

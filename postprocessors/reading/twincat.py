@@ -11,6 +11,7 @@ import numpy as np
 from cases.controller import TWINCAT_NAME, TwinCat
 from cases.schema import Case
 from cases.units import DEG, MM
+from postprocessors.reading import Pause, Reading, Switch, Timing, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
@@ -21,7 +22,6 @@ from postprocessors.reading.twincat_words import (
     PointPath,
     twincat_words,
 )
-from postprocessors.reading.words import Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
     "TwinCAT", GROUPS, last="M30", rapid="G00", straight="G01",

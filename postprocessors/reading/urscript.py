@@ -14,7 +14,7 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading.words import Event, Move, Pause, Reading, Switch, Timing, program_lines
+from postprocessors.reading import Event, Move, Pause, Reading, Switch, Timing, program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers

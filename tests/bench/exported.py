@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from identification.hexapod import Hexapod
-from postprocessors.export.c99 import c_sources
+from postprocessors.export.code import c_sources
 from tests.helpers import Harmonic
 from tests.postprocessors.export.calibrations import calibration
 from tests.postprocessors.export.compiled import STRICT

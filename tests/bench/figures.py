@@ -18,8 +18,8 @@ from identification.recording import read, write_recording
 from identification.simulate import simulate_recording
 from planner.cli.console import print_table
 from planner.runs.running import execute
+from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
-from postprocessors.program_file import read_program
 from tests.bench.anytime import anytime
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised

@@ -1,7 +1,7 @@
 """How small a condition number can be: the K-optimal design among those that a motion from rest to rest can have.
 
 Maximise t with t 1 <= F <= 1, F the sum of w_i A_i^T A_i over states i of the motion box, w >= 0 and the moment
-constraints of `planner.bounds.moments`, which do not depend on the scale of w: K is then t^-1/2. Convex over given
+constraints of `planner.bounds.features`, which do not depend on the scale of w: K is then t^-1/2. Convex over given
 states (Clarabel). With Y and Z the multipliers of both bounds on F, a state has something to give where
 trace((Y - Z) A_i^T A_i) less the multipliers of the moments is positive: the largest of these come in, round by round.
 
@@ -19,8 +19,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.certificate import TightDerivative
-from planner.bounds.features import Features, box_features
-from planner.bounds.moments import Moments, Multipliers, combined, motion_moments
+from planner.bounds.features import Features, Moments, Multipliers, box_features, combined, motion_moments
 from planner.bounds.tight import climb
 
 Array = NDArray[np.float64]

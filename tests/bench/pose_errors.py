@@ -16,11 +16,11 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.loading import find_case, load_case
-from identification.evaluate import over_samples
-from identification.loaded import pose_covariance
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
+from identification.simulate import pose_covariance
+from identification.symbolic import over_samples
 from planner.cli.console import print_table
 from planner.plan_folder import load_plan
 

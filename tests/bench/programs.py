@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cases.loading import load_case
+from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
-from postprocessors.program_file import read_program
 from tests.bench.long_programs import long_programs
 
 Command = Callable[..., tuple[float, str]]  # words of a command -> seconds, what it printed

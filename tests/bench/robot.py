@@ -13,9 +13,9 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.criteria import reference_scaling
-from identification.evaluate import over_samples
 from identification.model import identification_model
 from identification.simulate import truth_rows
+from identification.symbolic import over_samples
 from planner.bounds.kept import box_bound
 from planner.deviations import predicted_std
 from planner.families.ptp import PointToPointFamily

@@ -6,9 +6,9 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.identify import identify
+from planner.comparison.experiment import METHODS, Excitation
 from planner.runs.running import carried_out
-from planner.validation.experiment import METHODS, Excitation
-from postprocessors.program_file import read_program
+from postprocessors.dialects import read_program
 
 MACHINES = 12  # of so many a scatter is uncertain by a fifth, of twenty parameters the extremes by more
 METHODS_SHOWN = ("D9M", "D9N", "ptp", "spline")

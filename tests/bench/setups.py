@@ -21,11 +21,11 @@ import hexcite as hx
 from cases.loading import load_case
 from cases.schema import Case
 from cases.sensors import SensorFrame, Transducer
-from identification.evaluate import over_samples
-from identification.loaded import joined_body
 from identification.model import RIGID, identification_model
 from identification.motion import sample
 from identification.parameters import body_parameters, physical_form
+from identification.simulate import joined_body
+from identification.symbolic import over_samples
 from planner.cli.console import print_table
 
 Array = NDArray[np.float64]

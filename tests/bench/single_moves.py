@@ -27,8 +27,9 @@ from identification.model import Model, identification_model
 from planner.bounds.design import improved_weights
 from planner.bounds.kept import box_bound
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move
-from planner.search.solving import Task, run_start, seeds_of
-from planner.search.state_limits import state_limits
+from planner.planning import seeds_of
+from planner.search.problem import state_limits
+from planner.search.solving import Task, run_start
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,8 @@ import numpy as np
 import pyarrow as pa
 
 from cases.loading import load_case
+from planner.study import DONE, PLANNED, Cells, Grid, Spec, completed, keep, open_study, read_rows
 from planner.study.cluster import local_client, run_tasks
-from planner.study.spec import Cells, Grid, Spec
-from planner.study.store import DONE, PLANNED, completed, keep, open_study, read_rows
 from planner.study.study_run import about_study, run_study
 from planner.study.summary import study_page
 

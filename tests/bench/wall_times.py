@@ -11,9 +11,8 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.loaded import circumstances
 from identification.recording import write_recording
-from identification.simulate import simulate_recording
+from identification.simulate import circumstances, simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
 

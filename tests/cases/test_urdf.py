@@ -13,8 +13,8 @@ from cases.errors import CaseError, FileProblem
 from cases.loading import load_case
 from cases.scaffold import new_arm
 from cases.urdf import read_urdf
-from identification.evaluate import over_samples
 from identification.serial_chain import SerialChain
+from identification.symbolic import over_samples
 from tests.helpers import one_line
 from tests.robots import MIMIC, panda, ur10, urdf
 

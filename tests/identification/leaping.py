@@ -4,12 +4,12 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import Execution
 
 CASE = load_case("hexapod")
 
 
-def moves_without_jerk_limit(seed: int) -> DriveExecution:
+def moves_without_jerk_limit(seed: int) -> Execution:
     """Point-to-point moves as LinuxCNC times them: accelerations step, and where moves meet leap for a single cycle."""
     draw, step = np.random.default_rng(seed), 1e-3
     accelerations = [np.zeros((300, 6))]
@@ -21,4 +21,4 @@ def moves_without_jerk_limit(seed: int) -> DriveExecution:
     accelerations.append(np.zeros((300, 6)))
     way = np.cumsum(np.cumsum(np.vstack(accelerations), axis=0), axis=0) * step**2
     hexapod = Hexapod.of(CASE)
-    return DriveExecution.of_log(hexapod, step, hexapod.strut_lengths(CASE.machine.home.vector + way))
+    return Execution.of_log(hexapod, step, hexapod.strut_lengths(CASE.machine.home.vector + way))

@@ -7,12 +7,12 @@ from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain
 from cases.sensors import RigidBody
-from identification.evaluate import over_samples
 from identification.limited_chain import joint_efforts
 from identification.model import MODELS, WRENCH_OFFSETS, Model
 from identification.motion import Motion
 from identification.parameters import body_parameters
 from identification.serial_chain import SerialChain
+from identification.symbolic import over_samples
 from tests.helpers import taylor_slope
 from tests.plant import Plant
 from tests.robots import chain, joint, odd, planar, weighing

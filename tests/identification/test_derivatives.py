@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import Joined, Motion, TimedPoints
 from identification.parameters import physical_form
-from identification.pose import rotation
+from identification.symbolic import over_samples, rotation
 from tests.helpers import Harmonic, taylor_slope
 from tests.simulated_machine import kinematics_of_coordinates
 

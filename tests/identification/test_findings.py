@@ -20,7 +20,7 @@ from identification.motion import Joined
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from tests.helpers import HOME, Harmonic, few, one_line, simulated
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL

@@ -11,10 +11,10 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
+from identification.estimation import pose_noise
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.noise import pose_noise
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording

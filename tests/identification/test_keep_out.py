@@ -14,9 +14,9 @@ from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.machine_limits import CLEARANCE, ROUNDING, VICINITY
 from identification.motion import Standstill
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.poses.space import valid_poses
-from planner.search.state_limits import state_limits
+from planner.search.problem import state_limits
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed
 

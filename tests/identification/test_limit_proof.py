@@ -9,12 +9,12 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from cases.machine import MotionLimits
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.motion import Motion, Standstill, TimedPoints, Trajectory, sample
-from identification.trajectories.profile import StraightMove
+from identification.symbolic import over_samples
+from identification.trajectories.moves import StraightMove
 from tests.helpers import HOME, Harmonic
 
 CASE = load_case("hexapod")

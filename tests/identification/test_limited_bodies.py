@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain, ChainFrame
 from cases.machine import KeepOut, Tool
-from identification.evaluate import over_samples
 from identification.limited_chain import body_clearances
 from identification.motion import Motion
 from identification.serial_chain import SerialChain
+from identification.symbolic import over_samples
 from tests.chains import ROBOT
 from tests.robots import odd
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification import samples
+from identification import signals
 from identification.hexapod import Hexapod
 from identification.identify import identifiability, identify
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.samples import STRETCHES, fair_part
+from identification.signals import STRETCHES, fair_part
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
@@ -25,7 +25,7 @@ FEW = 400  # of some 1400 evaluated samples
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(samples, "PART", FEW)
+    monkeypatch.setattr(signals, "FAIR_PART", FEW)
 
 
 @pytest.mark.parametrize("count", [1, 399, 400, 401, 5000, 100_003])
@@ -41,7 +41,7 @@ def test_a_fair_part_is_all_of_few_and_even_stretches_of_many(count: int, few: N
 def estimates(recording: Recording, monkeypatch: pytest.MonkeyPatch) -> tuple[Estimate, Estimate]:
     """Of the whole run at once, and begun from a part."""
     whole = identify(recording, CASE)
-    monkeypatch.setattr(samples, "PART", FEW)
+    monkeypatch.setattr(signals, "FAIR_PART", FEW)
     return whole, identify(recording, CASE)
 
 

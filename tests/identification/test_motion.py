@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from identification.motion import Joined, Motion, Standstill, TimedPoints, sample
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from tests.helpers import HOME, Harmonic, jerked
 
 gaps = st.lists(st.floats(0.05, 2.0), min_size=1, max_size=12)

@@ -8,13 +8,13 @@ import pytest
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import RigidBody, together
-from identification.evaluate import over_samples
 from identification.limit_proof import prove
 from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Standstill
 from identification.overload import Loads, sensor_forces
 from identification.parameters import body_parameters
+from identification.symbolic import over_samples
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed
 

@@ -7,8 +7,8 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.limit_proof import prove
 from identification.motion import Joined, Standstill
-from identification.trajectories.executed import DriveExecution, coordinate_rates, executed_peaks
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.executed import Execution, coordinate_rates, executed_peaks
+from identification.trajectories.moves import StraightMove
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 
 
@@ -44,9 +44,9 @@ def test_a_jolt_of_one_cycle_outside_the_excitation_is_seen_at_its_peak(move: Jo
     hexapod = Hexapod.of(hexapod_case)
     t = np.arange(0.0, move.duration, 1e-3)
     lengths = hexapod.strut_lengths(move.at(t).pose)
-    before = executed_peaks(DriveExecution.of_log(hexapod, 1e-3, lengths), hexapod_case)
+    before = executed_peaks(Execution.of_log(hexapod, 1e-3, lengths), hexapod_case)
     lengths[30:, 2] += 1e-5
-    after = executed_peaks(DriveExecution.of_log(hexapod, 1e-3, lengths), hexapod_case)
+    after = executed_peaks(Execution.of_log(hexapod, 1e-3, lengths), hexapod_case)
     assert before["strut acceleration"] < 1.2
     limit = hexapod_case.limits.motion.strut_acceleration_m_s2
     assert after["strut acceleration"] == pytest.approx(1e-5 / 1e-6 * (3 * (np.sqrt(3) - 1)) / limit, rel=0.01)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.formats.stream import Recording
 from identification.identify import identify
+from identification.recording import Recording
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import Execution
 from tests.plant import Plant
 from tests.postprocessors.joint_walks import walk
 
@@ -26,7 +26,7 @@ def run() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     motion = walk(CASE, moves=14, seed=4)
     grid = np.arange(0.0, motion.duration + 2 * REST, 1e-3)
     path = motion.at(np.clip(grid - REST, 0.0, motion.duration)).pose
-    execution = DriveExecution.of_set_points(SerialChain.of(CASE), 1e-3, path)
+    execution = Execution.of_set_points(SerialChain.of(CASE), 1e-3, path)
     t = np.arange(0.0, grid[-1], 1.0 / RATE)
     felt = np.clip(t - DELAY, 0.0, None)
     plant = Plant(CASE.chain, SETTINGS.parameters.body, tuple(CASE.gravity))

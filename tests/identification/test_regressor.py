@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.loading import load_case
-from identification.evaluate import over_samples
 from identification.model import identification_model, regressors
 from identification.motion import Standstill, Trajectory
+from identification.symbolic import over_samples
 from tests.helpers import HOME, Harmonic
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 from tests.simulated_machine import kinematics_of_coordinates

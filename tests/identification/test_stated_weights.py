@@ -7,10 +7,10 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import method
+from identification.estimation.stated_noise import StatedNoise, acceleration_to_force, components_of
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.noise.stated import StatedNoise, acceleration_to_force, components_of
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording

@@ -5,17 +5,17 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.limit import LimitKind
 from identification.limit_proof import load_shares, prove, prove_at
 from identification.model import identification_model
 from identification.motion import Motion, Standstill
 from identification.overload import SHARE, StrutLoads
 from identification.parameters import nominal_parameters
-from identification.trajectories.profile import StraightMove
+from identification.symbolic import over_samples
+from identification.trajectories.moves import StraightMove
 from planner.families.ptp import PointToPointFamily
+from planner.search.problem import near_limits, state_limits
 from planner.search.solving import Task, run_start
-from planner.search.state_limits import near_limits, state_limits
 from planner.search.states import state_size
 from postprocessors.proving.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic

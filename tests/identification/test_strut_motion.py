@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
+from identification.symbolic import over_samples
 from tests.helpers import HOME, Harmonic
 from tests.simulated_machine import kinematics_of_coordinates
 

@@ -10,10 +10,9 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.loaded import loaded_truth
 from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters
-from identification.simulate import simulate_recording
+from identification.simulate import loaded_truth, simulate_recording
 from tests.helpers import HOME, Harmonic
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 from tests.strut_plant import StrutPlant, Struts

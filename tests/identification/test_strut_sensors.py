@@ -7,8 +7,8 @@ import pytest
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, State
-from identification.pose import rotation, twist, twist_rate
 from identification.strut_sensors import rods, structure, strut_blocks
+from identification.symbolic import rotation, twist, twist_rate
 
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)

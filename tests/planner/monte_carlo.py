@@ -7,10 +7,10 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.criteria import reference_scaling
-from identification.evaluate import over_samples
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import physical_form
+from identification.symbolic import over_samples
 from planner.deviations import predicted_std, predicted_std_of
 from planner.noise import expected_noise, mean_information
 from tests.identification.point_masses import PointMasses, wrench_of_bars

@@ -10,15 +10,15 @@ from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
 from cases.recording_format import WRENCH
 from cases.schema import Case
-from identification.evaluate import over_samples
 from identification.limit_proof import prove
 from identification.limited_chain import frame_motion
 from identification.model import identification_model
 from identification.motion import Motion, StandingPoses
 from identification.parameters import linear_parameters
-from identification.recording import load_recording, read
+from identification.recording import Recording, read
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
+from identification.symbolic import over_samples
 from planner.bounds.kept import compute_bound
 from planner.demonstration import demo
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
@@ -162,7 +162,7 @@ def test_recordings_of_joints_are_read_back(runs: Runs, tmp_path: Path):
     head = (tmp_path / "run" / "recording.csv").read_text().split("\n", 1)[0]
     joints = [f"q{k}_deg" for k in range(1, 7)]
     assert head.replace('"', "").split(",") == ["t_s", *joints, *WRENCH, "trigger"]
-    again = load_recording(tmp_path / "run")
+    again = Recording.load(tmp_path / "run")
     np.testing.assert_allclose(again.struts, recording.struts, atol=1e-9)
     np.testing.assert_allclose(again.forces, recording.forces, atol=1e-6)
 

@@ -13,8 +13,7 @@ from cases.loading import built_in_cases
 from cases.schema import Case
 from identification.findings.sample_checks import cut_off
 from identification.hexapod import Hexapod
-from planner.runs.identifying import identify
-from planner.runs.recorded import fitting_case, shorter_than_planned
+from planner.runs.identifying import fitting_case, identify, shorter_than_planned
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
 

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from identification.limit import LimitKind
-from planner.cli.run import exceeded_sentence
+from planner.cli.programs import exceeded_sentence
 from postprocessors.proving.guarantees import twincat_guarantees
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from postprocessors.setpoints import write_csv, write_parquet
 from tests.planner.command_line import call, refused
 from tests.postprocessors.other_dialects import BOTH, SINUMERIK, TWINCAT, Typed, smooth_points

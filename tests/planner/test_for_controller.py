@@ -15,8 +15,8 @@ from cases.schema import Case
 from identification.limit import Status
 from identification.limit_proof import prove
 from identification.motion import Joined
-from identification.trajectories.polynomial import polynomials_of
-from identification.trajectories.profile import StraightMove, has_steps
+from identification.trajectories.curves import polynomials_of
+from identification.trajectories.moves import StraightMove, has_steps
 from planner.controlled import controlled
 from planner.families.saved import motion_entries, motion_of_entries
 from planner.families.settings import PointToPoint, Spline

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.families.fourier import DENSITY, FourierFamily, resting_basis
-from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries, motion_of_entries
 from tests.helpers import HOME, taylor_slope
 

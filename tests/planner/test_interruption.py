@@ -13,8 +13,7 @@ from planner.families.settings import family_class
 from planner.interruption import Interrupted, ctrl_c_raises
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.parallel import SILENT, Listener, Outcome
-from planner.search.patience import Patience
+from planner.search.parallel import SILENT, Listener, Outcome, Patience
 from tests.planner.command_line import call
 
 

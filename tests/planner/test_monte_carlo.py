@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from planner.families.family import box_middle
+from identification.trajectories.curves import FourierMotion
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
-from planner.families.fourier_motion import FourierMotion
 from planner.search.inside import keep_limits
 from tests.planner.monte_carlo import monte_carlo
 

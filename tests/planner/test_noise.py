@@ -11,9 +11,9 @@ from cases.loading import built_in_cases
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
-from planner.families.family import box_middle
+from identification.trajectories.curves import FourierMotion
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
-from planner.families.fourier_motion import FourierMotion
 from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
 from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import build_problem

@@ -9,12 +9,12 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.evaluate import over_samples
 from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.model import identification_model
+from identification.symbolic import over_samples
+from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily
-from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import Spline
 from planner.found import Found, notes
 from planner.noise import mean_information

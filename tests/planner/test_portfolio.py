@@ -10,10 +10,10 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import PointToPoint
-from planner.infeasible import require_rest
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
+from planner.search.inside import require_rest
 from planner.search.parallel import SILENT, run_here
 from tests.bench.machines.description import case_of, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED

@@ -14,7 +14,7 @@ from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from planner.deviations import predicted_std_at_poses, predicted_std_of
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily

@@ -13,16 +13,15 @@ from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, sensor_forces
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
 from planner.found import Found, notes
 from planner.request import Request
-from planner.search.problem import build_problem
+from planner.search.problem import build_problem, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
-from planner.search.state_limits import near_limits, state_limits
 from planner.search.states import state_size
 from tests.postprocessors.changed_case import changed
 

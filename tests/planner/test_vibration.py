@@ -11,17 +11,17 @@ from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
 from identification.motion import Joined
-from identification.trajectories.profile import StraightMove, has_steps
+from identification.trajectories.curves import FourierMotion
+from identification.trajectories.moves import StraightMove, has_steps
+from planner.comparison.experiment import Excitation, steps
+from planner.comparison.step import MODE
 from planner.deviations import predicted_std_of
-from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise
 from planner.planning import make
 from planner.plans import Plan
 from planner.request import Request
 from planner.search.parallel import SILENT, Listener, run_here
-from planner.validation.experiment import Excitation, steps
-from planner.validation.step import MODE
 from planner.vibration import both_laws, vibration, with_other_law
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual

@@ -8,7 +8,7 @@ import pytest
 
 from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
-from planner.families.family import box_middle
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.found import FULL, RIVALS, Found, weaknesses

@@ -8,7 +8,7 @@ import numpy as np
 
 from identification.limit_proof import prove
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program

@@ -8,7 +8,7 @@ from cases.controller import UrScript
 from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Joined
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 
 ROBOT = load_case("ur10_wrist")
 

@@ -23,7 +23,7 @@ from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Stretch, Timed, stretches
-from postprocessors.reading.words import Move, Pause, Reading, Switch
+from postprocessors.reading import Move, Pause, Reading, Switch
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HEAD
 

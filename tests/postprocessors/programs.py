@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.loading import load_case
 from cases.schema import Case
 from identification.limit_proof import prove
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees

@@ -16,7 +16,7 @@ from cases.loading import load_case
 from identification.limit_proof import prove
 from identification.limited_quantities import strut_motion
 from identification.motion import Joined, Motion, Standstill
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program

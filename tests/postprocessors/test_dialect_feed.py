@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from cases.errors import ProgramError
 from cases.units import DEG, MM
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from postprocessors.blocks import ExactStopMove, NeutralProgram, SplinePath, TimedPath, ToHome
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches

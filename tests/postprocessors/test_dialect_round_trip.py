@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import TimedPoints
-from identification.trajectories.circle import Plane, fastest_circle
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import Plane, StraightMove, fastest_circle
 from postprocessors.blocks import Arc, Dwell, ExactStopMove, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
+from postprocessors.reading import Pause, Switch
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
-from postprocessors.reading.words import Pause, Switch
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
     CASE,

@@ -9,8 +9,8 @@ from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.proving.stretches import Timed, Untimed
+from postprocessors.reading import Move, Timing
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.reading.words import Move, Timing
 from tests.postprocessors.programs import HEAD, parts, proof, there_and_back, timed, typed
 
 CASE = load_case("hexapod")

@@ -13,8 +13,8 @@ import pytest
 from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Joined
-from identification.trajectories.profile import StraightMove
-from planner.families.fourier_motion import FourierMotion
+from identification.trajectories.curves import FourierMotion
+from identification.trajectories.moves import StraightMove
 from planner.families.ptp import unit_profile
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.linuxcnc import prepare_linuxcnc

@@ -13,7 +13,7 @@ from scipy.interpolate import BPoly
 from cases.errors import CaseError, ProgramError
 from cases.loading import load_case
 from identification.motion import Joined, Motion
-from identification.trajectories.polynomial import polynomials_of
+from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Timed, stretches

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from cases.errors import ProgramError
+from postprocessors.reading import Move, Pause, Switch, Timing
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.reading.words import Move, Pause, Switch, Timing
 from tests.helpers import one_line
 from tests.postprocessors.programs import typed
 

@@ -11,15 +11,14 @@ from cases.errors import ProgramError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Joined, Trajectory
-from identification.trajectories.circle import CircularMove, Plane, fastest_circle
-from identification.trajectories.polynomial import Piece, PolynomialMotion
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
+from postprocessors.reading import Turn
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.reading.words import Turn
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text

@@ -8,7 +8,7 @@ import pytest
 
 from cases.errors import HexciteError, ProgramError
 from cases.loading import load_case
-from identification.trajectories.polynomial import polynomials_of
+from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.proving.homing import predicted

@@ -9,8 +9,8 @@ from cases.errors import HexciteError, ProgramError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Joined, Measurement
-from identification.trajectories.polynomial import polynomials_of
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import polynomials_of
+from identification.trajectories.moves import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program

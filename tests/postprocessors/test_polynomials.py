@@ -7,11 +7,20 @@ import pytest
 
 from cases.errors import CaseError
 from identification.motion import Joined, Standstill
-from identification.trajectories.polynomial import Piece, PolynomialMotion, polynomials_of
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
+from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import NeutralProgram, SplinePath, TimedPath, ToHome
-from postprocessors.polynomials import TooCoarse, even_deviation, knots, path_speed_deviation, pieces
+from postprocessors.blocks import (
+    NeutralProgram,
+    SplinePath,
+    TimedPath,
+    ToHome,
+    TooCoarse,
+    even_deviation,
+    knots,
+    path_speed_deviation,
+    pieces,
+)
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.writing import excitation_program, proven_program
 from tests.postprocessors.changed_case import changed

@@ -8,8 +8,8 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.stretches import Still, Timed, stretches
+from postprocessors.reading import Move, Pause, Switch, Timing
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
-from postprocessors.reading.words import Move, Pause, Switch, Timing
 from postprocessors.writing import excitation_program
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs
 

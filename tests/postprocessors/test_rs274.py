@@ -11,8 +11,8 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import NeutralProgram
+from postprocessors.reading import Move, Pause, Switch, Timing
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.reading.words import Move, Pause, Switch, Timing
 from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, small_excitation, typed
 
 pytestmark = pytest.mark.linuxcnc

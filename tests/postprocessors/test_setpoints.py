@@ -13,7 +13,7 @@ from cases.errors import CaseError, ProgramError
 from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from postprocessors.blocks import Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual

@@ -10,9 +10,9 @@ from cases.schema import Case
 from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.motion import Trajectory
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import FourierMotion
+from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from planner.families.fourier_motion import FourierMotion
 from postprocessors.blocks import TimedPath
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.proving.stretches import Timed, stretches

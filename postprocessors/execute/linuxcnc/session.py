@@ -17,7 +17,7 @@ import numpy as np
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
 from identification.machines import machine_of
-from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session

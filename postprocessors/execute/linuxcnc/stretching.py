@@ -22,7 +22,7 @@ from identification.trajectories.profile import Profile, TimeLaw, fastest_profil
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading.words import Move, Reading, Timing
+from postprocessors.reading import Move, Reading, Timing
 
 ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5
 """Shares of the acceleration limit that its planner spends along an arc (measured) and on turning."""

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.errors import ExecutionError
-from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc.isolation import words
 
 ATTEMPTS = 3

@@ -11,12 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.leftovers import leftovers
 from cases.loading import built_in_cases, load_case
 from cases.scaffold import readiness
 from identification.hexapod import Hexapod
-from planner.reports.case_figures import case_figures, has_motion_box, reach_figures
-from postprocessors.program_file import read_program
+from planner.reports.case_figures import case_figures, has_motion_box, leftovers, reach_figures
+from postprocessors.dialects import read_program
 from postprocessors.proving.proof import prove_program
 from tests.bench.reliability.programs import ROUNDED
 from tests.bench.reliability.recordings import file_of, simulated, stained
@@ -56,7 +55,7 @@ def tally_of_cases(seeds: range, folder: Path) -> Tally:
             return
         figures, case, reach, *_ = found
         json.dumps(figures, allow_nan=False)
-        if has_motion_box(case):
+        if has_motion_box(case) and case.hexapod is not None:
             home = case.machine.home.vector
             again = Hexapod.of(case).poses(Hexapod.of(case).strut_lengths(home[None]))[0]
             if not np.allclose(again, home, rtol=0.0, atol=1e-6):

@@ -16,7 +16,7 @@ from cases.schema import Case
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading import Reading
 from tests.bench.reliability.tables import damaged_table
 from tests.bench.reliability.tally import Tally, tallied
 from tests.postprocessors.canonical import interpreted_share, missing_interpreter

@@ -9,10 +9,10 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from cases.errors import IdentificationError
-from identification.estimation import consistent as module
-from identification.estimation.consistent import consistent, pseudo_inertia
+from identification.estimation import robust as module
 from identification.estimation.estimator import gauss_markov, per_channel
 from identification.estimation.fit import Filtered, Fit
+from identification.estimation.robust import consistent, pseudo_inertia
 from identification.estimation.selection import estimate_selected, select
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, ONES, A, U, forces, truth_with

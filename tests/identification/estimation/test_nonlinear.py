@@ -5,12 +5,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from identification.estimation import nonlinear as solver
+from identification.estimation import selection as solver
 from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered
-from identification.estimation.nonlinear import linear_map, nonlinear
-from identification.estimation.selection import estimate_selected, select
+from identification.estimation.selection import estimate_selected, linear_map, nonlinear, select
 from identification.model import identification_model
 from identification.parameters import physical_form
 from tests.helpers import one_line, paper_poses, taylor_slope

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import nonlinear as solver
+from identification.estimation import selection as solver
 from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered, Fit

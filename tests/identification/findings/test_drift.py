@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from cases.files import json_text
 from cases.schema import Case
 from identification.external import external_force, tare
-from identification.finding import Kind
+from identification.findings import Kind
 from identification.identify import identify
 from identification.recording import Recording, read, write_recording
 from identification.result import Estimate

@@ -10,12 +10,11 @@ from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.loaded import Circumstances
 from identification.motion import Motion
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.samples import Conditioning
-from identification.simulate import simulate_recording
+from identification.simulate import Circumstances, simulate_recording
 from tests.helpers import Harmonic, simulated
 from tests.simulated_machine import PoseExecution, simulate_standstills
 

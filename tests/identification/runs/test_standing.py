@@ -13,7 +13,7 @@ from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording
 from identification.runs.standstills import average, find_standstills, match, stands_only
 from identification.simulate import simulate_recording
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from tests.helpers import one_line
 from tests.simulated_machine import PoseExecution
 

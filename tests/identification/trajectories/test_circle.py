@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from identification.motion import Trajectory
-from identification.trajectories.circle import CircularMove, Plane, fastest_circle
-from identification.trajectories.polynomial import Piece, PolynomialMotion
+from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.moves import CircularMove, Plane, fastest_circle
 from identification.trajectories.profile import fastest_profile
 
 START = np.array([0.1, -0.05, 0.9, 0.05, -0.1, 0.2])

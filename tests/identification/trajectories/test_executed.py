@@ -8,7 +8,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import Execution
 from tests.helpers import HOME, Harmonic, ideal, simulated
 from tests.simulated_machine import PoseExecution, true_forces
 
@@ -18,9 +18,9 @@ BY_POSE = PoseExecution(HEXAPOD, Harmonic(seed=2))
 INNER = np.linspace(0.1, 2.9, 300)  # [s] away from the ends, where a spline knows only one side
 
 
-def by_struts(period: float) -> DriveExecution:
+def by_struts(period: float) -> Execution:
     t = np.arange(round(3.0 / period) + 1) * period
-    return DriveExecution.of_log(HEXAPOD, period, BY_POSE.struts(t))
+    return Execution.of_log(HEXAPOD, period, BY_POSE.struts(t))
 
 
 def test_logged_struts_tell_the_motion_of_the_platform() -> None:

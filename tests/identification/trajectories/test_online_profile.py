@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from identification.trajectories.online_profile import UntimedMove, online_move, online_profile
-from identification.trajectories.profile import StraightMove, fastest_profile
+from identification.trajectories.moves import StraightMove, online_move
+from identification.trajectories.profile import UntimedMove, fastest_profile, online_profile
 
 RATE = np.array([0.6, 0.6, 0.6, 1.0, 1.0, 1.0])
 ACCELERATION = np.array([6.0, 6.0, 6.0, 10.0, 10.0, 10.0])

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from cases.errors import CaseError
 from cases.loading import load_case
 from identification.criteria import reference_scaling, uniform_states
-from identification.evaluate import over_samples
 from identification.limit_proof import prove
 from identification.model import identification_model
+from identification.symbolic import over_samples
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features

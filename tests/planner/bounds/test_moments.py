@@ -12,10 +12,9 @@ from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion
-from identification.trajectories.circle import CircularMove, Plane
-from identification.trajectories.profile import StraightMove, fastest_profile
-from planner.bounds.features import box_features
-from planner.bounds.moments import Moments, combined, mean_square_share, mixed, motion_moments
+from identification.trajectories.moves import CircularMove, Plane, StraightMove
+from identification.trajectories.profile import fastest_profile
+from planner.bounds.features import Moments, box_features, combined, mean_square_share, mixed, motion_moments
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)

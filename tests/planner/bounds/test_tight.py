@@ -14,11 +14,10 @@ from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from planner.bounds.certificate import TightDerivative, first_tight_cells
-from planner.bounds.features import box_features
+from planner.bounds.features import box_features, combined, motion_moments
 from planner.bounds.kept import box_bound, compute_bound
-from planner.bounds.moments import combined, motion_moments
 from planner.bounds.tight import TightDesign, climb, tight_design
-from planner.families.family import box_middle
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily

@@ -8,15 +8,14 @@ from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.moves import StraightMove
 from planner.controlled import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
 from planner.search.inside import MARGIN, keep_limits
-from planner.search.problem import Problem, build_problem
+from planner.search.problem import Problem, build_problem, pose_shares
 from planner.search.rows import BlockRows, StateRows
 from planner.search.solving import Start, Task, run_start
-from planner.search.state_limits import pose_shares
 
 MOVES = 9
 

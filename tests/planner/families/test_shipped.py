@@ -12,7 +12,7 @@ from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
-from planner.families.family import Family
+from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.saved import FILE, shipped_start
 from planner.families.settings import family_class

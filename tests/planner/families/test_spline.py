@@ -9,9 +9,8 @@ from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import sample
 from planner.families.spline import CRITICAL, SplineFamily
-from planner.search.problem import Problem, build_problem
+from planner.search.problem import Problem, build_problem, state_limits
 from planner.search.rows import LinearRows
-from planner.search.state_limits import state_limits
 from planner.search.states import Peak, state_size
 
 

@@ -11,7 +11,8 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.limit_proof import prove_at
 from identification.motion import Standstill
-from planner.poses.space import PoseSpace, grid_candidates, margins_of, sampled_candidates
+from planner.poses.candidates import grid_candidates, sampled_candidates
+from planner.poses.space import PoseSpace, margins_of
 from tests.helpers import one_line, paper_poses
 from tests.planner.poses.conftest import Setting
 

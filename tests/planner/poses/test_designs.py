@@ -4,7 +4,7 @@ import cvxpy as cp
 import numpy as np
 import pytest
 
-from planner.poses.continuous import approximate_design, continuous_bound
+from planner.poses.candidates import approximate_design, continuous_bound
 from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import margins_of

@@ -76,7 +76,7 @@ def test_every_dialect_measures_at_each_pose_with_the_trigger_on_and_moves_with_
     folder: Path, quick: Path, planned: dict[str, Any], dialect: str, suffix: str
 ) -> None:
     from cases.loading import load_case
-    from postprocessors.program_file import read_program
+    from postprocessors.dialects import read_program
 
     program = folder / f"dialect{suffix}"
     accept = ("--accept", "jerk,strut-acceleration") if dialect == "linuxcnc" else ()

@@ -7,7 +7,7 @@ import pytest
 
 from cases.schema import Case
 from planner.reach import StaticLimits, reach
-from planner.reports.case_plots import case_figure
+from planner.reports.plots import case_figure
 from tests.planner.command_line import call, refused
 
 

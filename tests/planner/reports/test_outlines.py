@@ -6,8 +6,8 @@ import pytest
 from cases.machine import KeepOut, Tool
 from identification.keep_out import distance_of_points
 from planner.reach import StaticLimits, reach
-from planner.reports.case_plots import case_figure
 from planner.reports.machine import box_outlines, room, tool_outlines
+from planner.reports.plots import case_figure
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed
 

@@ -1,7 +1,7 @@
 """The page of a validation: models side by side say what their methods can tell."""
 
 from planner.reports.validation import models_table
-from tests.planner.validation.excitations import CASE, disturbed
+from tests.planner.comparison.excitations import CASE, disturbed
 
 
 def test_models_side_by_side_show_what_the_methods_tell():

@@ -8,8 +8,8 @@ import pytest
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Joined, TimedPoints
+from identification.trajectories.moves import StraightMove
 from identification.trajectories.path_timing import retime
-from identification.trajectories.profile import StraightMove
 from planner.retiming.path_pace import retimed_path
 from planner.retiming.retimed import RetimingMethod, retimed
 from tests.chains import chain_case

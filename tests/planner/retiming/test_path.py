@@ -9,8 +9,8 @@ from cases.errors import InfeasiblePlan
 from cases.loading import load_case
 from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Joined, TimedPoints
+from identification.trajectories.moves import StraightMove
 from identification.trajectories.path_timing import retime
-from identification.trajectories.profile import StraightMove
 from planner.retiming import path_pace as module
 from planner.retiming.path_pace import retimed_path
 

@@ -6,7 +6,7 @@ import pytest
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
-from planner.families.family import Family, box_middle
+from planner.families import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from cases.schema import Case
 from identification.criteria import uniform_states
-from identification.evaluate import over_samples
 from identification.model import Model, identification_model
-from planner.families.family import box_middle
+from identification.symbolic import over_samples
+from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
 from planner.poses.removal import log_determinant

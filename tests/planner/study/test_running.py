@@ -14,10 +14,20 @@ import pytest
 
 from cases.basis import KEPT
 from cases.schema import Case
-from planner.study import cluster, study_run
+from planner.study import (
+    DONE,
+    FAILED,
+    PLANNED,
+    ExecutionSpec,
+    Grid,
+    Spec,
+    cluster,
+    completed,
+    open_study,
+    read_rows,
+    study_run,
+)
 from planner.study.cluster import TaskEnd
-from planner.study.spec import ExecutionSpec, Grid, Spec
-from planner.study.store import DONE, FAILED, PLANNED, completed, open_study, read_rows
 from planner.study.study_run import Job, cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
 from tests.planner.command_line import PROGRAM, call, refused
@@ -188,7 +198,7 @@ def _holds(environment: Path, entry: str) -> bool:
 
 @pytest.mark.slow
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
-    from planner.study.spec import request_of
+    from planner.study import request_of
     from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
@@ -218,7 +228,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, mo
 @pytest.mark.slow
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
     """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
-    from planner.study.spec import request_of
+    from planner.study import request_of
     from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})

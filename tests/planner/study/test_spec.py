@@ -10,7 +10,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from planner.families.settings import FAMILIES
 from planner.request import Request
-from planner.study.spec import (
+from planner.study import (
     ExecutionSpec,
     Grid,
     Spec,

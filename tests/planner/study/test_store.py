@@ -11,7 +11,7 @@ import pytest
 
 from cases.basis import KEPT
 from cases.errors import FileProblem
-from planner.study.store import ABOUT, ROWS, keep, open_study, read_rows, schema
+from planner.study import ABOUT, ROWS, keep, open_study, read_rows, schema
 from tests.helpers import one_line
 
 MINE = {"name": "mine", "case": "hexapod", "case_hash": "0123", KEPT: {"nominal.mass_kg": 33.0}}
@@ -41,7 +41,7 @@ WRITER = """
 import os, signal, sys
 from pathlib import Path
 import pyarrow.parquet as pq
-from planner.study.store import keep
+from planner.study import keep
 for k in range(5):
     keep(Path(sys.argv[1]), str(k), [{"cell": str(k), "noise_seed": -1, "score": 1.0}])
 write = pq.write_table

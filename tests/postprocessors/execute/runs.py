@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute import ControllerLog
 
 PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94
 (G4 P99 in a comment is not a dwell)

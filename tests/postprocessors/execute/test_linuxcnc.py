@@ -11,7 +11,7 @@ import pytest
 from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.execute.runs import PROGRAM

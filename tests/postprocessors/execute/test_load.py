@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from postprocessors.execute.executed_run import windows
+from postprocessors.execute import windows
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.execute.stuttering import stuttering
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute import ControllerLog
 from tests.postprocessors.execute.runs import log_of
 
 

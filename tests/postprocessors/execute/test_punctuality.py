@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from postprocessors.execute.executed_run import ControllerLog, moving_windows, slowest_path
+from postprocessors.execute import ControllerLog, moving_windows, slowest_path
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.programs import FIRST, there_and_back, timed, typed
 

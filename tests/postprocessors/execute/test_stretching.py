@@ -8,8 +8,8 @@ import pytest
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import TimedPoints
-from identification.trajectories.polynomial import polynomials_of
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.curves import polynomials_of
+from identification.trajectories.moves import StraightMove
 from planner.families.ptp import unit_profile
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.session import run_linuxcnc

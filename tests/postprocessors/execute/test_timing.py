@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import ExecutionError
-from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import timing
 from tests.postprocessors.execute.runs import PROGRAM, log_of
 

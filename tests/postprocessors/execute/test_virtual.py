@@ -11,7 +11,7 @@ from identification.limit_proof import prove
 from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import path_error
-from postprocessors.execute.executed_run import ExecutedRun, windows
+from postprocessors.execute import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import REST, commanded, run_virtual
 from postprocessors.proving.stretches import Timed

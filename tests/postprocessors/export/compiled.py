@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocessors.export.c99 import RING, c_sources
 from postprocessors.export.calibration import Calibration
+from postprocessors.export.code import RING, c_sources
 
 Array = NDArray[np.float64]
 Six = ctypes.c_double * 6

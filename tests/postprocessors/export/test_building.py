@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from postprocessors.export.c99 import c_sources
+from postprocessors.export.code import c_sources
 from tests.postprocessors.export.calibrations import calibration
 
 DRIVER = r"""

@@ -13,8 +13,8 @@ from identification.hexapod import Hexapod, Kinematics
 from identification.model import expected_forces
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
-from postprocessors.export.c99 import RING, c_sources, half_window
 from postprocessors.export.calibration import MOST_STEPS
+from postprocessors.export.code import RING, c_sources, half_window
 from tests.helpers import HOME, Harmonic, few, simulated
 from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.compiled import BAD_INPUT, FILLING, NOT_CLOSED, OK, Chain, Compiled

@@ -17,7 +17,7 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
-from postprocessors.export.c99 import half_window, linuxcnc_component
+from postprocessors.export.code import half_window, linuxcnc_component
 from tests.helpers import few
 from tests.postprocessors.export.calibrations import calibration
 from tests.postprocessors.export.compiled import SYSTEM_PATH, build_component

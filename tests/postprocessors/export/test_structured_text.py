@@ -13,7 +13,7 @@ from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
 from postprocessors.export.calibration import MOST_STEPS, Calibration
-from postprocessors.export.targets import structured_text
+from postprocessors.export.code import structured_text
 from tests.helpers import HOME
 from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.physics import external, states

@@ -7,8 +7,8 @@ from cases.loading import load_case
 from identification.limited_quantities import rotation_motion
 from identification.motion import Motion
 from identification.overload import sensor_forces
-from identification.trajectories.circle import CircularMove, Plane
-from identification.trajectories.profile import StraightMove, fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove
+from identification.trajectories.profile import fastest_profile
 from postprocessors.proving.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed

@@ -1,0 +1,233 @@
+"""What s0 of a moving run consists of, and how noise of the accelerations attenuates the parameters.
+
+Errors e of the strut lengths reach the regressor almost only by their second derivative: behind the filter lengths and
+velocities err by less than a hundredth of what matters. A is affine in the accelerations, so that dA/dq'' is exact.
+With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is drawn by
+-((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
+Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
+or the platform vibrates; only the former draws the estimate, so that the bias told is the largest there can be.
+
+How noise of the accelerations changes the regressor: exactly, for A is affine in them.
+
+What noise of the struts does to the regressor of a periodic run, whose acceleration is a Fourier series.
+
+With dA = G(t) e''(t), G periodic and e'' of harmonics up to H + B, the harmonics up to H of dA hold those of e'' that G
+shifts there: sum_t dA^T W dA has the mean (2 H + 1) sum_m G_m^* W G_m sum_h s_h over |h| <= H + B and |h + m| <= H, G_m
+being the Fourier coefficients of G and s_h the power of e'' at the harmonic h.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import fft
+
+from cases.sensors import Sensors
+from identification.estimation.fit import Fit
+from identification.findings import Finding, Kind, warning
+from identification.hexapod import Hexapod, Kinematics
+from identification.machines import Machine
+from identification.model import Model, regressors
+from identification.parameters import PhysicalForm
+from identification.runs.averaging import PeriodicRun
+from identification.runs.evaluation import Run
+from identification.symbolic import over_samples
+
+Array = NDArray[np.float64]
+
+MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
+EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic
+GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and only rounding is left
+
+
+class Attenuation(NamedTuple):
+    """By how much noise of the accelerations draws a parameter; estimated, and not taken out of its value."""
+
+    bias: float  # expected estimate less the true value [SI]
+    relative: float | None  # bias over the value; None where that is zero
+    of_std: float | None  # bias over the standard deviation that is reported; None for what is given
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseSources:
+    """Shares of s0^2; estimates, since s0 is one."""
+
+    force_sensors: float | None  # share of the stated noise of the forces; None where none is stated
+    # share of what the stated noise of struts and accelerations does to the forces; None where none is stated
+    accelerations: float | None
+    # standard deviation of a strut acceleration behind the filter [m/s^2]; None where no noise of struts is stated
+    acceleration_std: float | None
+    # white noise of the recorded forces that leaves as large residuals as that of the accelerations, in units of s0;
+    # None where none is stated. Errors of struts reach the accelerations mostly near the cut-off, where the motion
+    # tells nothing: they scatter the parameters far less than such white noise, which is what `std_robust` beside (28)
+    # shows
+    equivalent_force_noise: float | None
+    # bias of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes up half
+    # of what the run tells of a parameter
+    bias: Array | None
+
+    @property
+    def explained(self) -> float:
+        """Share of s0^2 that stated noise explains; above 1 where more is stated than there is."""
+        return (self.force_sensors or 0.0) + (self.accelerations or 0.0)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What speaks against the statement of the case."""
+        sentences = []
+        if self.accelerations is not None and self.bias is None:
+            sentences.append(
+                "the stated noise of struts or accelerations would make up half or more of the information about a "
+                "parameter, whose attenuation is not reported: check sensors.encoder_resolution_um, strut_noise_um and "
+                "acceleration_noise_m_s2"
+            )
+        if self.explained > EXCESS:
+            sentences.append(
+                f"the noise that the case states explains {100 * self.explained:.0f} % of s0^2: there is less of it; "
+                "check sensors.force_noise_N, encoder_resolution_um, strut_noise_um and acceleration_noise_m_s2"
+            )
+        return [warning(Kind.NOISE, sentence) for sentence in sentences]
+
+    def to_json(self) -> dict[str, Any]:
+        """All but the bias, which is told for physical parameters."""
+        return {
+            "force_sensors": self.force_sensors,
+            "accelerations": self.accelerations,
+            "unexplained": 1.0 - self.explained,
+            "strut_acceleration_std_m_s2": self.acceleration_std,
+            "equivalent_force_noise": self.equivalent_force_noise,
+        }
+
+
+def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
+    """Compares what a case states about its noise with what a Gauss-Markov fit left.
+
+    Args:
+        run: run that was fitted.
+        fit: its values begin with u; its covariance is (28).
+        w: W for one sample, shape (6, 6).
+        delay: delay of the forces [s].
+        sensors: sensors with noise of forces, of struts or both.
+    """
+    squared = max(fit.s0**2, np.finfo(float).tiny)
+    averaged = 1.0 if run.recording.averaged is None else run.recording.averaged.ratio
+    force_share = None
+    if sensors.force_noise is not None:  # of the recorded samples, of which some were averaged for one of the fit
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / averaged / squared
+    if sensors.strut_variance is None and sensors.acceleration_noise is None:
+        return NoiseSources(force_share, None, None, None, None)
+    moment, samples, variance = regressor_noise(run.excerpt(), w, delay, sensors)
+    if isinstance(run, Run):  # of which the excerpt is a fair choice
+        moment, samples = moment * (len(run.rows) / samples), len(run.rows)
+    unknowns = len(moment)
+    estimated = fit.values[:unknowns]
+    inverse = fit.covariance[:unknowns, :unknowns] * run.filtered.stride / squared  # F^-1; singular: some are given
+    lost = inverse @ moment
+    bias: Array | None = None
+    if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
+        bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
+    true = estimated if bias is None else estimated - bias
+    # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
+    equivalent = float(true @ moment @ estimated) / (6 * samples * run.filtered.gain)
+    return NoiseSources(
+        force_share,
+        equivalent / squared,
+        float(np.sqrt(variance)) if variance else None,
+        float(np.sqrt(max(equivalent, 0.0))),
+        bias,
+    )
+
+
+def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> tuple[Array, int, float]:
+    """What stated noise of struts and accelerations does to the regressors of a run.
+
+    D, the expected sum of dA^T W dA, shape (u, u), over so many samples, and the variance of the accelerations of a
+    strut by noise of the struts [m^2/s^4].
+
+    Args:
+        w: W for one sample, shape (6, 6).
+        delay: delay of the forces [s].
+        sensors: sensors with noise of struts, of accelerations or both.
+    """
+    unknowns = len(run.model.parameters)
+    moment = np.zeros((unknowns, unknowns))
+    motion = run.kinematics(delay)
+    variance = 0.0
+    if isinstance(run, PeriodicRun):
+        if sensors.strut_variance is not None:
+            moment, variance = strut_noise_moment(run, run.fine_kinematics(delay), sensors, w)
+    elif sensors.strut_variance is not None:
+        variance = sensors.strut_variance * run.filter.acceleration_noise_gain
+        for change in acceleration_effects(run.machine, run.model, motion):
+            moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    if sensors.acceleration_noise is not None:
+        variances = sensors.acceleration_noise**2 * run.filtered.gain
+        for change, size in zip(twist_rate_effects(run.model, motion), variances, strict=True):
+            moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    return moment, len(motion.pose), variance
+
+
+def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, Attenuation]:
+    """The bias of u as that of physical parameters.
+
+    Args:
+        u: estimated parameters, shape (u,).
+        bias: bias of it, shape (u,).
+        std: standard deviation of the physical parameters as reported, shape (parameters,).
+    """
+    nothing = np.zeros((len(u), len(u)))
+    values = form.of(u, nothing)[0]
+    reference = values - form.of(u - bias, nothing)[0]
+    return {
+        p.name: Attenuation(float(b), float(b / v) if v != 0.0 else None, float(b / s) if s > GIVEN * abs(v) else None)
+        for p, v, b, s in zip(form.parameters, values, reference, std, strict=True)
+    }
+
+
+def acceleration_effects(machine: Machine, model: Model, motion: Kinematics) -> list[Array]:
+    """dA/dq''_s for each strut s, shape (n, 6, u) [per m/s^2]."""
+    assert isinstance(machine, Hexapod)  # only of struts a case states noise
+    to_twist_rate = np.linalg.inv(over_samples(machine.inverse_jacobian, motion.pose)[1])
+    return _effects(model, motion, to_twist_rate.astype(np.float64))
+
+
+def twist_rate_effects(model: Model, motion: Kinematics) -> list[Array]:
+    """The same for each component of the twist rate [per m/s^2, rad/s^2]."""
+    return _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
+
+
+def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
+    """What a step of the twist rate along each column of `directions`, shape (n, 6, 6), changes A by."""
+    matrices = regressors(model, motion)
+    return [
+        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - matrices
+        for k in range(6)
+    ]
+
+
+SAME_STEP = 0.2  # of an encoder's step, by which struts of periods differ if their steps are the same; else 0.4 or more
+
+
+def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w: Array) -> tuple[Array, float]:
+    """Expected sum of dA^T W dA over the evaluated instants, shape (u, u), and the variance of e'' [m^2/s^4].
+
+    Steps of encoders are averaged over periods like noise where the struts do not repeat to a part of a step; where
+    they do, the steps repeat with them.
+
+    Args:
+        w: W for one sample, shape (6, 6).
+    """
+    periods = len(run.scatter.series) if run.scatter is not None else 1
+    repeats = periods if run.part.misfit < SAME_STEP * sensors.strut_step else 1
+    recorded = (sensors.strut_variance or 0.0) + (repeats - 1) * sensors.strut_step**2 / 12.0
+    orders = np.arange(-run.struts.harmonics, run.struts.harmonics + 1)
+    power = recorded / run.samples * (orders * run.struts.omega) ** 4.0
+    shifts = np.arange(-run.harmonics - run.struts.harmonics, run.harmonics + run.struts.harmonics + 1)
+    passband = np.abs(orders + shifts[:, None]) <= run.harmonics
+    root = np.linalg.cholesky(w).T
+    moment = np.zeros((len(run.model.parameters),) * 2)
+    for change in acceleration_effects(run.hexapod, run.model, motion):
+        spectra = fft(root @ change, axis=0)[shifts] / len(change)
+        moment += np.einsum("m,mku,mkv->uv", passband @ power, spectra.conj(), spectra, optimize=True).real
+    return run.points * moment, float(power.sum())

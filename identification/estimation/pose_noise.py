@@ -1,0 +1,272 @@
+"""How sure an estimate is where errors come back with the pose: those of encoders, joints, frame and geometry.
+
+Noise that is stationary in time says nothing of them: where a motion returns to a place they are the same again, and
+where it stays they do not average out. They are described as a random field over the struts' lengths, as in kriging
+with a trend (Cressie 1993, Statistics for Spatial Data, section 3.4), beside noise with memory: its correlation of
+Matern's form with smoothness 3/2 (Stein 1999, Interpolation of Spatial Data), its size and length by restricted
+likelihood. Akaike's criterion says whether there is such a field at all; without one, nothing here counts.
+
+Struts are one unit for places and turns, and say what encoders, screws and joints do. A field that changes over half
+of the run's reach, or more, looks like a parameter, and nothing in the run can tell it.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import minimize, nnls
+from scipy.special import gammaincinv, ndtri
+
+from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
+from identification.estimation.fit import PoseField, matern, squared_distances
+from identification.findings import Finding, Kind, note
+
+Array = NDArray[np.float64]
+
+UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding
+JITTER = 1e-9  # white noise beside all others, as a share of their variance
+SETTLED = 1e-6  # relative change of the likelihood: thousandths, and what is decided is a difference of two
+MOST_STEPS = 100
+
+Family = Callable[[Array], tuple[Array, Callable[[Array], Array]]]
+"""Logarithms of parameters, shape (p,) -> V, shape (m, m), and what turns dL/dV into dL/d(logarithms), shape (p,)."""
+
+
+class Left(NamedTuple):
+    """What a fit left of some samples, in channels with independent noise."""
+
+    noise: Array  # residuals, shape (m, s)
+    taken: Array  # columns, without dependent ones, that the fit may have taken any multiple of, shape (m, s, r)
+
+    @classmethod
+    def of(cls, noise: Array, taken: Array) -> "Left":
+        """Of residuals, shape (m, s), and columns of the fit, shape (m, s, u), that may depend on one another."""
+        basis, size, _ = np.linalg.svd(taken.reshape(noise.size, -1), full_matrices=False)
+        directions = basis[:, size > UNSEEN * size[0]]
+        return cls(noise, directions.reshape(*noise.shape, -1))
+
+
+class _Solved(NamedTuple):
+    """P = V^-1 - H H^T over all channels, applied."""
+
+    inverse: Array  # V^-1, shape (m, m)
+    spanned: Array  # H, shape (m, s, r)
+    answer: Array  # P applied to the residuals, shape (m, s)
+    half_logdet: float  # log of the determinants' root
+
+
+def _solved(data: Left, covariance: Array) -> _Solved:
+    count, channels = data.noise.shape
+    jittered = covariance + JITTER * np.trace(covariance) / count * np.eye(count)
+    factor, lower = cho_factor(jittered, lower=True)
+    inverse = cho_solve((factor, lower), np.eye(count))
+    columns = (inverse @ data.taken.reshape(count, -1)).reshape(data.taken.shape)
+    inner = np.linalg.cholesky(np.tensordot(data.taken, columns, ((0, 1), (0, 1))))
+    spanned = solve_triangular(inner, columns.reshape(-1, len(inner)).T, lower=True).T.reshape(columns.shape)
+    rest = np.tensordot(spanned, data.noise, ((0, 1), (0, 1)))
+    solution = inverse @ data.noise
+    logdet = channels * np.log(np.diag(factor)).sum() + np.log(np.diag(inner)).sum()
+    return _Solved(inverse, spanned, solution - spanned @ rest, float(logdet))
+
+
+def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
+    """Parameters that make what is left likeliest, shape (p,), and minus the logarithm of that likelihood.
+
+    Args:
+        start: parameters to begin with, shape (p,).
+        bounds: least and most of each, shape (p, 2).
+    """
+
+    def value(logarithms: Array) -> tuple[float, Array]:
+        covariance, gradient = family(logarithms)
+        solution = _solved(left, covariance)
+        flat = solution.spanned.reshape(len(covariance), -1)
+        slope = left.noise.shape[1] * solution.inverse - flat @ flat.T - solution.answer @ solution.answer.T
+        return solution.half_logdet + float(np.sum(left.noise * solution.answer)) / 2.0, gradient(slope / 2.0)
+
+    best = minimize(
+        value,
+        np.log(start),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=np.log(bounds),
+        options={"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20},
+    )
+    return np.exp(best.x), float(best.fun)
+
+
+def mixtures(kernels: Array) -> Family:
+    """Covariances that are sums of given ones, shape (c, m, m), with shares of their own."""
+    count = kernels.shape[1]
+    flat = kernels.reshape(len(kernels), -1)
+
+    def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
+        shares = np.exp(logarithms)
+        return (shares @ flat).reshape(count, count), lambda slope: shares * (flat @ slope.ravel())
+
+    return family
+
+
+def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
+    """Shares of noises in each channel, shape (s, c).
+
+    Args:
+        kernels: covariances of the noises, shape (c, m, m).
+        shares: shares that are the likeliest for all channels alike, shape (c,).
+    """
+    solution = _solved(left, np.tensordot(shares, kernels, 1))
+    channels, count = left.noise.shape[1], len(kernels)
+    inverse, spanned, answer = solution.inverse, solution.spanned, solution.answer
+    weighed = inverse @ kernels
+    power = np.einsum("ms,cms->sc", answer, np.tensordot(kernels, answer, 1))
+    products = np.tensordot(kernels, spanned, 1)  # K_c H, shape (c, m, s, r)
+    within = np.einsum("msu,cmsv->scuv", spanned, products, optimize=True)
+    information = np.einsum("kcuv,ldvu->kcld", within, within, optimize=True)
+    whole = np.einsum("aij,bji->ab", weighed, weighed, optimize=True)
+    for k in range(channels):
+        through = inverse @ products[:, :, k]
+        cross_terms = np.tensordot(products[:, :, k], through, ((1, 2), (1, 2)))
+        information[k, :, k, :] += whole - 2.0 * cross_terms
+    square = information.reshape(channels * count, -1)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(square), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh((square + square.T) / 2.0 * np.outer(scale, scale))
+    significant = values > UNSEEN * values[-1]
+    root = np.sqrt(values[significant])
+    found_shares, _ = nnls(
+        (vectors[:, significant] * root).T, vectors[:, significant].T @ (scale * power.ravel()) / root
+    )
+    return np.asarray((found_shares * scale).reshape(channels, count))
+
+
+INSTANTS = 150  # of the run, at which the field is looked for; more cost time by their cube and tell the same
+WAVES = 256  # of which a field is made where it is felt
+COUNTED = 1e-5  # share of a channel's variance, below which a noise is none
+SHARES = (1e-8, 1e3)  # of a channel's variance: the fit may leave a thousandth
+LENGTHS = (0.005, 0.5)  # of the median distance between instants
+BEGIN = (0.5, 0.01, 0.5, 0.1)  # shares of near and slow noise and of the field, and its length, to begin with
+UNKNOWNS = 2  # of a field: Akaike's price
+FREEDOM = 3  # degrees of freedom of the Student t that is the spectrum of Matern's 3/2
+
+
+class ByPose(NamedTuple):
+    """A field of errors over the pose."""
+
+    covariance: Array  # covariance of u, with noise that has memory, shape (u, u)
+    share: float  # variance of the field over that of the residuals; more than 1 where the fit took some
+    length: float  # distance in the space of the struts' lengths at which errors are half alike [m]
+
+    def field(self, residuals: Array) -> PoseField:
+        """The field of a channel, where residuals, shape (n, 6), are those of forces [N]."""
+        return PoseField(float(np.sqrt(self.share * np.mean(residuals**2))), self.length)
+
+    @property
+    def finding(self) -> Finding:
+        """For the user."""
+        return note(
+            Kind.NOISE,
+            f"errors depend on the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the parameters "
+            "take a part of them: std_robust allows for them",
+        )
+
+
+def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
+    """Covariance of u for errors of the pose and noise with memory; None where nothing speaks for errors of the pose.
+
+    Args:
+        found: residuals, in turned channels.
+        struts: lengths at their samples, shape (n, 6) [m].
+    """
+    samples = len(found.noise)
+    if samples < LEAST_SAMPLES:
+        return None
+    rows = np.arange(samples)[(samples - 1) % -(-samples // INSTANTS) // 2 :: -(-samples // INSTANTS)]
+    squared = squared_distances(struts[rows], struts[rows])
+    reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
+    if reach == 0.0:
+        return None
+    data = Left.of(found.noise[rows], found.taken[rows])
+    memories = [_near(found), *slow_noises(found.length)]
+    lags = np.abs(found.places[rows][:, None] - found.places[rows])
+    kernels = np.array([m[lags] for m in memories])
+    begin = np.r_[BEGIN[0], np.full(len(memories) - 1, BEGIN[1]), BEGIN[2:]]
+    bounds = np.array([*[SHARES] * (len(memories) + 1), LENGTHS])
+    _, without = likeliest(data, mixtures(kernels), begin[:-2], bounds[:-2])
+    shares, value = likeliest(data, _with_field(kernels, squared / reach**2), begin, bounds)
+    if without - value <= UNKNOWNS:
+        return None
+    length = reach * float(shares[-1])
+    field = matern(np.sqrt(squared) / length)[0]
+    # Between channels slow noises differ as a whole: one by one a channel tells next to nothing of them.
+    memories = [memories[0], np.tensordot(shares[1:-2], memories[1:], 1)]
+    alike = np.array([memories[0][lags], memories[1][lags], field])
+    begin = np.array([shares[0], 1.0, shares[-2]])
+    by_channel = np.zeros((found.noise.shape[1], len(begin)))
+    counts = begin * alike[:, 0, 0] > COUNTED
+    by_channel[:, counts] = shares_by_channel(data, alike[counts], begin[counts])
+    meat = _felt_field(found, struts / length, by_channel[:, -1])
+    answer = found.series(found.answer)
+    for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
+        response = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
+        meat += found.share * np.tensordot(answer * share[:, None], response, ((0, 1), (0, 1)))
+    return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
+
+
+def _near(data: Turned) -> Array:
+    """Autocovariance of an autoregressive model, mean of the channels, shape (length,)."""
+    series, mask = data.series(data.noise), data.series(np.ones(len(data.noise)))
+    scale = len(data.noise) / data.freedom
+    return np.asarray(np.mean([autoregressive(channel, mask, scale) for channel in series.T], axis=0))
+
+
+def _with_field(kernels: Array, squared: Array) -> Family:
+    """Sums of kernels, shape (c, m, m), and of a field over places at squared distances, shape (m, m).
+
+    Parameters: the shares, the field's last, and its length.
+    """
+    mixture, distance = mixtures(kernels), np.sqrt(squared)
+
+    def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
+        memory, gradient = mixture(logarithms[:-2])
+        share = np.exp(logarithms[-2])
+        alike, longer = matern(distance * np.exp(-logarithms[-1]))
+
+        def pull(slope: Array) -> Array:
+            return np.asarray(np.r_[gradient(slope), share * np.sum(slope * alike), share * np.sum(slope * longer)])
+
+        return memory + share * alike, pull
+
+    return family
+
+
+def _felt_field(data: Turned, places: Array, shares: Array) -> Array:
+    """Covariance of half^-1 u by a field of variance `shares` in each channel, shape (u, u).
+
+    As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so that
+    the length of the run does not count.
+
+    Args:
+        places: places in lengths of the field, shape (n, 6).
+        shares: shape (6,).
+    """
+    offsets = places - places.mean(axis=0)
+    waves = spectrum_of(places.shape[1])
+    meat = np.zeros((data.answer.shape[2],) * 2)
+    for block in np.array_split(waves, 16):  # of a long run all would fill the memory
+        phase = offsets @ block.T
+        for part in (np.cos(phase), np.sin(phase)):
+            response = np.tensordot(data.answer, part, ((0,), (0,)))  # shape (6, u, waves)
+            meat += np.tensordot(response * shares[:, None, None], response, ((0, 2), (0, 2)))
+    return meat / len(waves)
+
+
+def spectrum_of(dimensions: int) -> Array:
+    """Wave vectors of Matern's 3/2, a Student t distribution, shape (WAVES, dimensions) [rad a length]."""
+    root = 2.0
+    for _ in range(60):  # the real root of x^(d + 2) = x + 1
+        root = (1.0 + root) ** (1.0 / (dimensions + 2))
+    steps = root ** -np.arange(1.0, dimensions + 2.0)
+    points = (0.5 + np.arange(1.0, WAVES + 1.0)[:, None] * steps) % 1.0
+    chi_squared = 2.0 * gammaincinv(FREEDOM / 2.0, points[:, -1])
+    return np.asarray(ndtri(points[:, :-1]) / np.sqrt(chi_squared / FREEDOM)[:, None])

@@ -1,0 +1,184 @@
+"""Noise of sensors and accelerations: how what a case states reaches the forces, and what residuals look like.
+
+A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = df/d(twist rate) holds the moved body:
+what vibrates is felt in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
+accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body.
+
+Errors of strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that
+at the few hertz of a motion they are below a hundredth of what is left near the cut-off, and W is about the former.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from cases.sensors import Sensors
+from identification.estimation.fit import Filtered, Fit
+from identification.findings import Finding, Kind, note
+from identification.model import Model
+
+if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
+    from identification.estimation.selection import Selection
+
+Array = NDArray[np.float64]
+
+TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
+
+
+@dataclass(frozen=True, slots=True)
+class StatedNoise:
+    """White noise of one recorded sample."""
+
+    model: Model  # model that turns accelerations into forces
+    force: Array  # standard deviation of each channel, shape (6,) [N, or N and N m]
+    acceleration: Array  # acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]
+
+    @classmethod
+    def of(cls, model: Model, sensors: Sensors) -> "StatedNoise":
+        """What a case states.
+
+        Raises:
+            IdentificationError: it states no noise of forces.
+        """
+        if sensors.force_noise is None:
+            raise IdentificationError(
+                "weights stated: the case states no noise; give sensors.force_noise_N and acceleration_noise_m_s2, or "
+                "choose the weights equal or per_channel"
+            )
+        acceleration = sensors.acceleration_noise
+        return cls(model, sensors.force_noise, np.zeros(6) if acceleration is None else acceleration)
+
+    def of_accelerations(self, values: Array) -> Array:
+        """Covariance of the forces that noise of the accelerations alone makes, shape (6, 6) [N^2, N^2 m ..].
+
+        Args:
+            values: u, shape (u,).
+        """
+        effects = acceleration_to_force(self.model, values) * self.acceleration
+        return np.asarray(effects @ effects.T)
+
+    def covariance(self, values: Array) -> Array:
+        """Covariance of a force sample, shape (6, 6) [N^2, N^2 m ..].
+
+        Args:
+            values: u, shape (u,).
+        """
+        return np.diag(self.force**2) + self.of_accelerations(values)
+
+    def whitening(self, values: Array) -> Array:
+        """What makes the noise of a force sample white and of variance 1, shape (6, 6): W is its square, (24)."""
+        return inverse_root(self.covariance(values))
+
+    def whitening_from(self, regressors: Array, forces: Array, selection: "Selection") -> Array:
+        """The same with u from the data themselves, in turns.
+
+        Args:
+            regressors: A_j, shape (n, 6, u).
+            forces: shape (n, 6) [N, or N and N m].
+        """
+        whitening = np.diag(1.0 / self.force)
+        for _ in range(TURNS):
+            target = (forces - regressors @ selection.offset) @ whitening.T
+            reduced = (whitening @ regressors @ selection.basis).reshape(-1, selection.basis.shape[1])
+            free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
+            whitening = self.whitening(selection.offset + selection.basis @ free)
+        return whitening
+
+
+def acceleration_to_force(model: Model, values: Array) -> Array:
+    """G = df/d(twist rate) where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in the twist rate.
+
+    Args:
+        values: u, shape (u,).
+    """
+    still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
+    matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
+    forces = matrices @ values
+    return np.asarray((forces[1:] - forces[0]).T)
+
+
+def inverse_root(covariance: Array) -> Array:
+    """C with C covariance C^T = 1, shape (6, 6), lower triangular; newtons and newton metres are scaled apart."""
+    std = np.sqrt(np.diag(covariance))
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance / np.outer(std, std))) / std)
+
+
+ROUNDS = 10  # of covariance and metric
+LEAST = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
+TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseComponents:
+    """Standard deviations of white noise of one recorded sample that would leave such residuals."""
+
+    force: float  # standard deviation of a force channel [N]
+    moment: float | None  # standard deviation of a moment channel of a force/torque sensor [N m]; None for bars
+    acceleration: float  # standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2]
+    angular: float  # standard deviation of the angular acceleration [rad/s^2]
+    share: float  # share of the residuals' variance, in units of the channels' own, that the accelerations explain
+
+    def finding(self, weights: str) -> Finding:
+        """What is to be told of it, `weights` being those of the identification; keys as in the case."""
+        moments = "" if self.moment is None else f" and {self.moment:.3g} N m"
+        sentence = (
+            f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
+            f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
+            "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
+            "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated; the vibration of a "
+            "structure looks alike, and identify --flexible estimates its mode"
+        )
+        entries = {
+            "force_noise_N": self.force,
+            **({} if self.moment is None else {"moment_noise_Nm": self.moment}),
+            "acceleration_noise_m_s2": self.acceleration,
+            "angular_acceleration_noise_rad_s2": self.angular,
+            "share_of_accelerations": self.share,
+        }
+        silent = self.share < TELLING or weights == "stated"
+        return note(Kind.NOISE, "" if silent else sentence, noise_components=entries)
+
+
+def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool) -> NoiseComponents | None:
+    """Takes the residuals of a run apart; None where they are too few.
+
+    Args:
+        fit: its values begin with u; its residuals are those of the forces behind the filter.
+        wrench: whether the channels are three forces and three moments.
+    """
+    freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
+    if freedom < LEAST:
+        return None
+    covariance = fit.residuals.T @ fit.residuals * filtered.stride / freedom
+    if np.linalg.matrix_rank(covariance) < len(covariance):
+        return None
+    return components_of(covariance, model, fit.values[: len(model.parameters)], wrench)
+
+
+def components_of(total: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
+    """The components of a covariance of the channels, shape (6, 6)."""
+    from scipy.optimize import nnls  # half a second, which those that simulate or weigh can do without
+
+    effects = acceleration_to_force(model, values)
+    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
+    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
+    covariance = total
+    theta = np.zeros(len(parts))
+    for _ in range(ROUNDS):
+        root = inverse_root(covariance)
+        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
+        size = np.linalg.norm(columns, axis=0)
+        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
+        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
+        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
+    remainder = np.diag(
+        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
+    )
+    std = np.sqrt(theta)
+    return NoiseComponents(
+        float(std[0]), float(std[1]) if wrench else None, float(std[-2]), float(std[-1]),
+        float(np.mean(remainder / np.diag(covariance))),
+    )  # fmt: skip

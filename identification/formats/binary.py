@@ -1,0 +1,256 @@
+"""Files that hold numbers as numbers: ROS 2 bags and Parquet.
+
+A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
+`sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
+host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
+Joints go by name, for their order differs between messages; messages of other joints on the topic are left out.
+
+Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
+"""
+
+import struct
+from array import array
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cases.errors import RecordingError
+from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
+from cases.schema import Case
+from identification.formats.delimited import select, unknown_columns
+from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+    from rosbags.highlevel import AnyReader
+
+STAMP = "header.stamp"
+AXES = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")
+KINDS = {"joints": "sensor_msgs/msg/JointState", "wrench": "geometry_msgs/msg/WrenchStamped"}
+
+
+def bag_format(case: Case) -> RecordingFormat:
+    """What the columns of a bag are called: joints as in the case, unless `recording.columns` has other names."""
+    stated = case.recording.columns
+    joints = {} if case.chain is None else dict(zip(case.chain.columns, case.chain.names, strict=True))
+    columns = {ours: stated.get(ours, name) for ours, name in joints.items()}
+    columns |= dict(zip(WRENCH, AXES, strict=True)) | {CLOCK: STAMP}
+    units = {"joints": "rad", "drives": "m"} | case.recording.units
+    clock = Clock(unit="ns", offset_s=case.recording.clock.offset_s)
+    return case.recording.model_copy(update={"format": "csv", "columns": columns, "units": units, "clock": clock})
+
+
+def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a bag: a table of each topic.
+
+    Args:
+        form: what its columns are called, see `bag_format`, and which topics to read.
+
+    Raises:
+        RecordingError: it cannot be read, or no topic, or more than one, has what is wanted.
+    """
+    with opened(bag) as reader:
+        topics = {what: topic_of(bag, reader, what, getattr(form.ros, what)) for what in KINDS}
+        theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
+        stamps, positions = joint_rows(bag, reader, topics["joints"], theirs)
+        yield _table(bag, topics["joints"], theirs, stamps, positions, form)
+        stamps, readings, _ = wrench_rows(bag, reader, topics["wrench"])
+        yield _table(bag, topics["wrench"], AXES, stamps, readings, form)
+
+
+@contextmanager
+def opened(bag: Path) -> "Iterator[AnyReader]":
+    """The bag, whose damages become one line each."""
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import Stores, get_typestore
+    except ModuleNotFoundError:
+        raise RecordingError(bag, "is a ROS bag, which rosbags reads", "pip install 'hexcite[ros]'") from None
+    import sqlite3
+
+    damaged = (AnyReaderError, OSError, EOFError, ValueError, LookupError, AttributeError, TypeError, AssertionError)
+    try:
+        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            yield reader
+    except (*damaged, ArithmeticError, MemoryError, struct.error, sqlite3.Error) as error:
+        if isinstance(error, RecordingError):
+            raise
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(bag, f"is a damaged bag ({reason})", "copy it again, or run ros2 bag reindex") from error
+
+
+def topics_of(reader: "AnyReader", what: str) -> list[str]:
+    """Topics that carry such messages, `joints` or `wrench`."""
+    return sorted({c.topic for c in reader.connections if c.msgtype == KINDS[what] and c.msgcount})
+
+
+def topic_of(bag: Path, reader: "AnyReader", what: str, stated: str | None) -> str:
+    """The topic that is stated, or the only one of its kind.
+
+    Raises:
+        RecordingError: there is none, or there are several and none is stated.
+    """
+    possible = topics_of(reader, what)
+    if stated in possible or (stated is None and len(possible) == 1):
+        return stated or possible[0]
+    kind = KINDS[what].rpartition("/")[2]
+    if not possible:
+        every = listed(sorted({f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in reader.connections}))
+        raise RecordingError(bag, f"has no messages {kind}; its topics are {every}", "record such a topic too")
+    reason = f"has no topic {stated} of {kind}" if stated else f"has several topics of {kind}: {listed(possible)}"
+    raise RecordingError(bag, reason, f'set recording.ros.{what} = "{shown(possible[0])}" in the case')
+
+
+def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]) -> tuple[Stamps, Array]:
+    """Stamps, shape (n,) [ns], and positions of some joints, shape (n, k) [rad or m].
+
+    Raises:
+        RecordingError: no message has all of these joints.
+    """
+    stamps, rows, others = array("q"), array("d"), dict[str, None]()
+    for message in _messages(reader, topic):
+        place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
+        others |= dict.fromkeys(message.name)
+        if all(joint in place for joint in joints):
+            stamps.append(_stamp(message))
+            rows.extend(message.position[place[joint]] for joint in joints)
+    if not stamps or not joints:
+        absent = ", ".join(joint for joint in joints if joint not in others) or "all joints at once"
+        raise RecordingError(
+            f"{bag}, {topic}",
+            f"no message has {absent}; its joints are {listed(others)}",
+            "map their names in [recording.columns] of the case, such as q1_deg",
+        )
+    return np.array(stamps), np.array(rows).reshape(-1, len(joints))
+
+
+def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Array, str]:
+    """Stamps, shape (n,) [ns], forces and moments, shape (n, 6) [N, N m], and the frame that they are in.
+
+    Raises:
+        RecordingError: the frame changes.
+    """
+    stamps, rows, frames = array("q"), array("d"), dict[str, None]()
+    for message in _messages(reader, topic):
+        stamps.append(_stamp(message))
+        force, torque = message.wrench.force, message.wrench.torque
+        rows.extend((force.x, force.y, force.z, torque.x, torque.y, torque.z))
+        frames[str(message.header.frame_id)] = None
+    if len(frames) > 1:
+        raise RecordingError(
+            f"{bag}, {topic}", f"is in several frames: {listed(frames)}", "record the sensor's own topic"
+        )
+    return np.array(stamps), np.array(rows).reshape(-1, 6), next(iter(frames), "")
+
+
+def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:
+    """The joints of the message of a topic that has most."""
+    return max((tuple(map(str, message.name)) for message in _messages(reader, topic)), key=len, default=())
+
+
+def _messages(reader: "AnyReader", topic: str) -> Iterator[Any]:
+    connections = [c for c in reader.connections if c.topic == topic]
+    for connection, _, raw in reader.messages(connections=connections):
+        yield reader.deserialize(raw, connection.msgtype)
+
+
+def _stamp(message: Any) -> int:
+    return int(message.header.stamp.sec) * 1_000_000_000 + int(message.header.stamp.nanosec)
+
+
+def _table(
+    bag: Path, topic: str, names: Sequence[str], stamps: Stamps, rows: Array, form: RecordingFormat
+) -> ColumnTable:
+    """The rows in the order of their stamps; what was recorded twice counts once."""
+    source = f"{bag}, {topic}"
+    order = np.argsort(stamps, kind="stable")
+    stamps, rows = stamps[order], rows[order]
+    again = np.r_[False, (np.diff(stamps) == 0) & np.all(rows[1:] == rows[:-1], axis=1)]
+    stamps, rows = stamps[~again], rows[~again]
+    if not stamps[-1]:
+        raise RecordingError(source, "its headers have no stamps", "use a driver that stamps its messages")
+    ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
+    values = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
+    table = ColumnTable(source, (STAMP, *names), values, stamps, form.tick, lines)
+    if len(stamps) < 2 or np.any(np.diff(stamps) <= 0):
+        return table  # the reader says why that is not a run
+    instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
+    return replace(table, stamps=stamps[0] + np.rint(instants / form.tick).astype(np.int64))
+
+
+_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a file, row group by row group.
+
+    Args:
+        form: what its columns are called and how its clock counts.
+
+    Raises:
+        RecordingError: it cannot be read, with the place and the remedy.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq  # costs 50 ms, and few need it
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            yield from _row_groups(file, parquet, form)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        if isinstance(error, RecordingError):
+            raise
+        if isinstance(error, OSError) and error.errno is not None:
+            raise unreadable(file, error) from error
+        reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
+        raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
+
+
+def _row_groups(file: Path, parquet: "pq.ParquetFile", form: RecordingFormat) -> Iterator[ColumnTable]:
+    names = tuple(parquet.schema_arrow.names)
+    selection = select(file, names, form)
+    if not selection.values:
+        raise RecordingError(file, unknown_columns(names, form))
+    clock = [] if selection.clock is None else [names[selection.clock]]
+    columns = [*(names[k] for k in selection.values.values()), *clock]
+    count = 0
+    for group in range(parquet.num_row_groups):
+        batch = parquet.read_row_group(group, columns=columns)
+        values = {ours: _numbers(file, names[k], batch) for ours, k in selection.values.items()}
+        stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
+        if stamps is None and form.clock.period is not None:
+            stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
+        yield ColumnTable(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
+        count += batch.num_rows
+    if not count:
+        raise RecordingError(file, "has columns but no rows", "record again")
+
+
+def _numbers(file: Path, name: str, batch: "pa.Table") -> Array:
+    import pyarrow as pa
+
+    column = batch.column(name)
+    kind = column.type
+    if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
+        raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
+
+
+def _stamps(file: Path, name: str, batch: "pa.Table", tick: float, above: int) -> tuple[Stamps, float]:
+    """Time stamps below so many rows, and the duration of one unit of them [s]."""
+    import pyarrow as pa
+
+    column = batch.column(name)
+    kind = column.type
+    if column.null_count:
+        row = int(np.argmin(column.is_valid().to_numpy()))
+        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {above + row + 1}", "remove the row")
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        return column.cast(pa.int64()).to_numpy(), _TICKS[kind.unit]
+    if pa.types.is_integer(kind):
+        return column.cast(pa.int64()).to_numpy(), tick
+    return _numbers(file, name, batch), tick

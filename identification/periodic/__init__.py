@@ -1,1 +1,0 @@
-"""Runs that repeat themselves: their period, its average, and derivatives without differences."""

@@ -1,0 +1,299 @@
+"""Runs that repeat themselves: averaged over their periods, differentiated and filtered as Fourier series.
+
+Struts become a Fourier series whose derivatives are analytic; forces and regressors are reduced to the same harmonics
+(Swevers, Ganseman, Tukel, De Schutter & Van Brussel 1997, IEEE Trans. Robotics and Automation 13:730). What is fitted
+are the 2 H + 1 values of that at equal steps of one period: the transform to them is orthogonal, so that white noise
+stays white. What differs between periods is noise whatever the model says, and gives the robust covariance.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, rfft
+from scipy.ndimage import binary_opening
+from scipy.special import fdtrc
+
+from cases.errors import IdentificationError, RecordingError
+from cases.schema import Case
+from identification.estimation.compressed import inverse_root
+from identification.estimation.fit import Filtered, Fit, Robust
+from identification.findings import Finding, Kind, note, warning
+from identification.findings.sample_checks import Scan, bridged
+from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.model import Model, regressors
+from identification.recording import Recording
+from identification.runs.evaluation import DELAY_STEP
+from identification.runs.periods import (
+    FEWEST,
+    PeriodScatter,
+    each_period,
+    kept_periods,
+    longest_window,
+    telling_harmonics,
+)
+from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+from identification.runs.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
+from identification.samples import Periodic
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+FINER = 6  # regressors are computed at so many times the instants that are kept: their harmonics must not fold back
+BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
+MODEL_ERROR = 1.5  # times the scatter of the periods, that residuals are to be told
+UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
+
+
+@dataclass(frozen=True)
+class PeriodicRun:
+    """A repeating run, ready to be evaluated at any delay between forces and motion."""
+
+    model: Model
+    hexapod: Hexapod
+    recording: Recording
+    part: RepeatingPart  # part that repeats
+    used: Rows  # recorded samples of the periods that are evaluated, shape (n of the recording,)
+    # their motion, with some harmonics more than the forces: oscillations mix in the regressor [m]
+    struts: FourierSeries
+    forces_series: FourierSeries  # Fourier series of the forces, of H harmonics [N, or N and N m]
+    scatter: PeriodScatter | None  # scatter of the periods' forces; None where there is one period
+    chosen: bool  # whether the number of harmonics was chosen here
+    limited: bool  # whether the filter's cut-off bounded it
+    window: tuple[Finding, ...] = ()
+
+    @property
+    def samples(self) -> int:
+        """Recorded samples that are evaluated."""
+        return int(self.used.sum())
+
+    @property
+    def points(self) -> int:
+        """Evaluated instants of the period, 2 H + 1."""
+        return 2 * self.harmonics + 1
+
+    @property
+    def harmonics(self) -> int:
+        """H, of forces and regressor."""
+        return self.forces_series.harmonics
+
+    @property
+    def t(self) -> Array:
+        """Evaluated instants, shape (2 H + 1,) [s]."""
+        return self._instants(self.points)
+
+    @property
+    def filtered(self) -> Filtered:
+        """What averaging did to white noise."""
+        return Filtered(self.points / self.samples, self.samples / self.points)
+
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise between evaluated instants: none."""
+        return 0.0
+
+    @cached_property
+    def forces(self) -> Array:
+        """At the evaluated instants, shape (2 H + 1, 6)."""
+        return self.forces_series.at(self.t)
+
+    def _instants(self, count: int) -> Array:
+        return np.asarray(self.struts.start + self.struts.period * np.arange(count) / count)
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants less the delay, reduced to the harmonics, shape (2 H + 1, 6, u)."""
+        fine = regressors(self.model, self.fine_kinematics(delay))
+        spectrum = rfft(fine, axis=0)[: self.harmonics + 1]
+        return np.asarray(irfft(spectrum, self.points, axis=0) / FINER)
+
+    def kinematics(self, delay: float) -> Kinematics:
+        """Motion of the platform at the evaluated instants less the delay."""
+        return self._kinematics(self.t, delay)
+
+    def fine_kinematics(self, delay: float) -> Kinematics:
+        """The same at so many instants that the regressor's harmonics do not fold back."""
+        return self._kinematics(self._instants(FINER * self.points), delay)
+
+    def _kinematics(self, t: Array, delay: float) -> Kinematics:
+        try:
+            return self.hexapod.kinematics(*(self.struts.at(t - delay, k) for k in range(3)))
+        except StrutsDoNotClose as error:
+            row = int(np.searchsorted(self._clock, t[error.sample]))
+            raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
+
+    @property
+    def _clock(self) -> Array:
+        assert self.recording.t is not None
+        return self.recording.t
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of what is estimated beside the model."""
+        return ("delay",)
+
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A, and how the expected forces A u change with the delay, shape (2 H + 1, 6, u + 1)."""
+        change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
+        return np.dstack([self.regressors(delay), change / (2.0 * DELAY_STEP)])
+
+    def excerpt(self, times: int = 1) -> "PeriodicRun":
+        """All of it: a period is short."""
+        del times
+        return self
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model behind the filter, at all samples of the periods, shape (samples, 6)."""
+        return np.asarray(self.recording.forces[self.used] - self.predicted(matrices @ values, self._clock[self.used]))
+
+    def predicted(self, expected: Array, t: Array) -> Array:
+        """Expected forces of the evaluated instants, shape (2 H + 1, 6), at any others, shape (n, 6)."""
+        return fit_series(self.t, expected, self.struts.period, self.struts.start, self.harmonics).at(t)
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Robust | None:
+        """Covariance of u from the scatter between periods, shape (u, u): right for stationary noise of any colour.
+
+        Args:
+            matrices: A, whitened where there is a whitening, shape (2 H + 1, 6, u).
+            residuals: not needed, for noise is what does not repeat.
+            weights: diagonal of W of these, shape (6,).
+            whitening: whitening of the forces, shape (6, 6).
+        """
+        if self.scatter is None:
+            return None
+        root = matrices * np.sqrt(weights)[:, None]
+        half = inverse_root(np.asarray(np.linalg.qr(root.reshape(-1, matrices.shape[2]), mode="r")))
+        response = rfft((matrices * weights[:, None]) @ half, axis=0) / len(matrices)
+        spectra = self.scatter.smoothed(self.harmonics, len(matrices))
+        if whitening is not None:
+            spectra = whitening @ spectra @ whitening.T
+        share = np.where(np.arange(len(spectra)) == 0, 1.0, 2.0)
+        meat = np.einsum("h,hki,hkl,hlj->ij", share, response.conj(), spectra, response).real
+        return Robust(np.asarray(half @ (meat + meat.T) / 2.0 @ half.T))
+
+    def without(self, left_out: Rows) -> "PeriodicRun":
+        """As it is: whole periods are left out before, see `kept_periods`."""
+        del left_out
+        return self
+
+    @property
+    def consecutive(self) -> bool:
+        """They are averages; periods that a contact makes strange are left out before."""
+        return False
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """What repeats, how it was evaluated, and what the model leaves beyond what does not repeat."""
+        p, series, scatter = self.part, self.struts, self.scatter
+        t = self._clock[self.used]
+        count = 1 if scatter is None else len(scatter.series)
+        repeats = (
+            f"struts repeat within {p.misfit * 1e3:.2g} mm rms, {100 * p.relative:.2g} % of their motion"
+            if p.periods > 1
+            else f"struts end within {p.misfit * 1e3:.2g} mm of where they began"
+        )
+        reason = "as given"
+        if self.chosen:
+            reason = "all below filter_cutoff_Hz" if self.limited else "as many as stand out of the struts' noise"
+        averaged = (
+            f"{count} periods of {series.period:.6g} s averaged" if count > 1 else f"1 period of {p.period:.6g} s"
+        )
+        entries = {
+            "period_s": series.period,
+            "periods": count,
+            "periods_found": p.periods,
+            "from_s": float(t[0]),
+            "to_s": float(t[-1]),
+            "harmonics": self.harmonics,
+            "harmonics_chosen": self.chosen,
+            "misfit_m": p.misfit,
+            "misfit_of_motion": p.relative,
+            "noise_between_periods": None
+            if scatter is None
+            else np.sqrt(np.diag(scatter.covariance(self.harmonics))).tolist(),
+        }
+        return (
+            *self.window,
+            note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=entries),
+            note(
+                Kind.WINDOW,
+                f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / series.period:.3g} Hz, "
+                f"{reason}; velocities and accelerations from the Fourier series of the struts",
+            ),
+            *self._beyond_noise(fit, w),
+        )
+
+    def _beyond_noise(self, fit: Fit, w: Array) -> list[Finding]:
+        if self.scatter is None:
+            return []
+        noise = float(np.trace(w @ self.scatter.covariance(self.harmonics))) / 6.0
+        ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
+        free = 6 * (len(self.scatter.series) - 1) * self.points
+        if ratio < MODEL_ERROR**2 or float(fdtrc(fit.freedom, free, ratio)) > UNLIKELY:
+            return []
+        return [
+            warning(
+                Kind.MODEL,
+                f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "
+                "repeats, so it is not noise but an error of the model, the geometry or the encoders",
+            )
+        ]
+
+
+def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic, found: Scan | None) -> PeriodicRun:
+    """The part of a moving run that repeats itself.
+
+    Args:
+        case: machine; its filter's cut-off bounds the harmonics.
+        wish: period and harmonics, where they are given.
+        found: samples that may not be used; longer stretches of them cost their periods.
+
+    Raises:
+        RecordingError: no struts, no uniform clock, no period, none without damage, or too many harmonics.
+        IdentificationError: the model needs what the recording does not have.
+    """
+    require_position(recording, model)
+    if recording.struts is None:
+        raise RecordingError(recording.source, "periodic evaluation needs struts", "leave --period out")
+    low_pass = checked_filter(recording, case)
+    gaps = np.flatnonzero(recording.lost)
+    if len(gaps):
+        raise RecordingError(
+            f"{recording.source}, {recording.lines.place(int(gaps[0]) + 1)}",
+            "samples are missing before this one, and periods are counted over the whole run",
+            "cut it there, or leave --period out",
+        )
+    bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
+    long = binary_opening(bad, np.ones(MOST_BRIDGED + 1))
+    struts = bridged(recording.struts, bad & ~long)
+    recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad & ~long))
+    t = recording.t
+    assert t is not None
+    window = longest_window(recording)
+    if np.ptp(struts[window], axis=0).max() < LEAST_TRAVEL:
+        raise IdentificationError(f"{recording.source}: the pose is constant; record the excitation")
+    part = find_part(t, struts, window) if wish.period is None else given_part(t, struts, window, wish.period)
+    most = int(1e-6 + min(low_pass.cutoff * part.period, (part.end - part.first) // (4 * part.periods) - BESIDE))
+    if most < FEWEST or (wish.harmonics is not None and not 1 <= wish.harmonics <= most):
+        raise RecordingError(
+            f"--harmonics {wish.harmonics or FEWEST}: a period of {part.period:.4g} s holds {most} of them up to "
+            f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}"
+        )
+    periods = each_period(t, recording.forces, part, most)
+    numbers, warnings = kept_periods(recording, periods, long)
+    mask = np.zeros(len(t), dtype=bool)
+    for k in numbers:
+        mask[periods.rows[k]] = True
+    rows = np.flatnonzero(mask)
+    more = most + BESIDE
+    motion = fit_series(t[rows], struts[rows], part.period, float(t[rows[0]]), more)
+    count = telling_harmonics(motion, each_period(t, struts, part, more).only(numbers), t, struts)
+    harmonics = wish.harmonics or min(count, most)
+    motion = motion.truncated(harmonics + BESIDE)
+    forces = fit_series(t[rows], recording.forces[rows], part.period, motion.start, most)
+    scatter = periods.only(numbers) if len(numbers) > 1 else None
+    return PeriodicRun(
+        model, Hexapod.of(case), recording, part, mask, motion, forces.truncated(harmonics),
+        scatter, wish.harmonics is None, harmonics == most, warnings,
+    )  # fmt: skip

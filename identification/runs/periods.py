@@ -1,0 +1,188 @@
+"""What differs between the periods of a run that repeats itself: its noise, and periods that are not part of it.
+
+What of a repeating run is averaged: which rows, the periods that are like the others, the harmonics that tell.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import rfft
+from scipy.special import chdtri
+
+from cases.errors import RecordingError
+from identification.findings import Finding, Kind, warning
+from identification.findings.sample_checks import places
+from identification.recording import Recording
+from identification.runs.repeating import FourierSeries, RepeatingPart, fit_series
+
+Array = NDArray[np.float64]
+
+INDEPENDENT = 24  # complex values that a spectral matrix of six channels is averaged over
+STRANGE = 8.0  # standard deviations of the periods' scatter, anywhere in a period, that noise never reaches
+MAJORITY = 3  # periods that tell which of them is strange
+
+
+class PeriodScatter(NamedTuple):
+    """A signal, period by period."""
+
+    series: tuple[FourierSeries, ...]  # one of each period, all with the same phase
+    rows: tuple[NDArray[np.int64], ...]  # samples of each
+
+    def only(self, kept: Sequence[int]) -> "PeriodScatter":
+        """Some of the periods."""
+        return PeriodScatter(tuple(self.series[k] for k in kept), tuple(self.rows[k] for k in kept))
+
+    def smoothed(self, harmonics: int, points: int) -> NDArray[np.complex128]:
+        """Spectral matrices of the noise of the mean period, averaged over neighbouring harmonics.
+
+        Args:
+            points: length of the discrete Fourier transform whose values they are the covariances of.
+
+        Returns:
+            Shape (harmonics + 1, channels, channels), Hermitian.
+        """
+        count = len(self.series)
+        coefficients = np.array([s.coefficients for s in self.series])
+        values = points * (coefficients[:, 1::2] - 1j * coefficients[:, 2::2]) / 2.0
+        values = np.concatenate([points * coefficients[:, :1].astype(complex), values], axis=1)
+        deviations = values - values.mean(axis=0)
+        raw = np.einsum("khi,khj->hij", deviations, deviations.conj()) / (count * (count - 1))
+        beside = int(np.ceil((INDEPENDENT / (count - 1) - 1) / 2))
+        total = np.concatenate([np.zeros((1, *raw.shape[1:])), np.cumsum(raw, axis=0)])
+        h = np.arange(harmonics + 1)
+        first, end = np.maximum(h - beside, 0), np.minimum(h + beside + 1, len(raw))
+        return np.asarray((total[end] - total[first]) / (end - first)[:, None, None])
+
+    def covariance(self, harmonics: int) -> Array:
+        """What does not repeat, up to a harmonic, as covariance of white noise, shape (channels, channels)."""
+        samples = sum(len(rows) for rows in self.rows)
+        return np.asarray(self.smoothed(harmonics, 1).real.mean(axis=0) * samples)
+
+
+def each_period(t: Array, values: Array, part: RepeatingPart, harmonics: int) -> PeriodScatter:
+    """The series of each period.
+
+    Args:
+        t: time of all samples, shape (n,) [s].
+        values: shape (n, channels).
+        part: part that repeats.
+        harmonics: harmonics of each series; less than half of the samples of a period.
+    """
+    start = float(t[part.first])
+    inside = np.arange(part.first, part.end)
+    number = np.clip(((t[inside] - start) / part.period + 1e-9).astype(np.int64), 0, part.periods - 1)
+    rows = tuple(inside[number == k] for k in range(part.periods))
+    series = tuple(fit_series(t[r], values[r], part.period, start, harmonics) for r in rows)
+    return PeriodScatter(series, rows)
+
+
+def strangers(periods: PeriodScatter) -> dict[int, float]:
+    """Periods that differ from the others by more than noise: contact, a start that has not died out.
+
+    Returns:
+        By number from 0 the largest difference to the median of all periods; empty where fewer than three tell.
+    """
+    count = len(periods.series)
+    if count < MAJORITY:
+        return {}
+    one = periods.series[0]
+    t = one.start + one.period * np.arange(2 * one.harmonics + 1) / (2 * one.harmonics + 1)
+    values = np.array([s.at(t) for s in periods.series])
+    # The median over the period of the variances between periods: a contact moves few of them.
+    spread = np.median(values.var(axis=0, ddof=1), axis=0)
+    spread *= (count - 1) / float(chdtri(count - 1, 0.5))
+    deviations = np.abs(values - np.median(values, axis=0))
+    least = np.maximum(np.sqrt(spread), 1e-9 * np.abs(values).max(axis=(0, 1)))
+    strange = np.flatnonzero((deviations > STRANGE * least).any(axis=(1, 2)))
+    return {int(k): float(deviations[k].max()) for k in strange}
+
+
+Rows = NDArray[np.bool_]
+
+FEWEST = 2  # harmonics
+MEDIAN_POWER = float(chdtri(12, 0.5)) / 12.0  # over the mean, of a harmonic of six struts
+
+
+def longest_window(recording: Recording) -> NDArray[np.int64]:
+    """Consecutive rows to look at, shape (m,): the longest time that the trigger is on; without a trigger all of them.
+
+    Raises:
+        RecordingError: the trigger is never on.
+    """
+    if recording.trigger is None:
+        return np.arange(len(recording.forces))
+    edges = np.flatnonzero(np.diff(np.r_[False, recording.trigger, False].astype(np.int8)))
+    if not len(edges):
+        raise RecordingError(f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out")
+    longest = int(np.argmax(edges[1::2] - edges[::2]))
+    return np.arange(edges[2 * longest], edges[2 * longest + 1])
+
+
+def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[Finding, ...]]:
+    """Numbers of the periods that are averaged, and what is to be said of the others.
+
+    Args:
+        bad: samples that may not be used, shape (n of the recording,).
+
+    Raises:
+        RecordingError: every period has some.
+    """
+    count = len(periods.rows)
+    sound = [k for k in range(count) if not bad[periods.rows[k]].any()]
+    if not sound:
+        raise RecordingError(recording.source, f"every one of the {count} periods has samples left out")
+    outliers = strangers(periods.only(sound))
+    strange = {sound[k]: size for k, size in outliers.items()}
+    warnings: tuple[Finding, ...] = ()
+    if len(strange) > len(sound) / 2:
+        most = max(strange.values())
+        warnings = (
+            warning(
+                Kind.DAMAGE, f"forces of {len(strange)} of {count} periods differ by up to {most:.3g} N; all are used"
+            ),
+        )
+        strange = {}
+    for k in range(count):
+        if k in strange or k not in sound:
+            reason = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
+            rows = np.zeros(len(bad), dtype=bool)
+            rows[periods.rows[k]] = True
+            warnings += (
+                warning(Kind.DAMAGE, f"period {k + 1} of {count} {reason}; left out", places(recording.lines, rows)),
+            )
+    return [k for k in sound if k not in strange], warnings
+
+
+def telling_harmonics(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> int:
+    """The number of harmonics whose accelerations come closest to the true ones (Mallows 1973, Technometrics 15:661).
+
+    A harmonic is worth its place if it is larger than its own noise: noise of accelerations grows with the square of
+    the frequency, and the struts' spectrum falls.
+
+    Args:
+        motion: series of all harmonics that may be used.
+        periods: the same, period by period.
+        t: time of the recording, shape (n,) [s].
+        struts: struts of the recording, shape (n, 6) [m].
+    """
+    count = len(periods.series)
+    floor = _floor(motion, periods, t, struts)
+    if count > 1:
+        scatter = np.diagonal(periods.smoothed(motion.harmonics, 2), axis1=1, axis2=2).real.sum(axis=1)[1:]
+        # Steps of encoders repeat with the motion; what does not repeat has been counted already.
+        noise = scatter + max(0.0, floor - count * float(np.median(scatter)))
+    else:
+        noise = np.full(motion.harmonics, floor)
+    gain = (motion.power.sum(axis=1) - 2.0 * noise) * np.arange(1, motion.harmonics + 1) ** 4.0
+    return max(FEWEST, int(np.argmax(np.cumsum(gain))) + 1)
+
+
+def _floor(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> float:
+    """Power of a harmonic of one period by white noise [m^2]: from half of the Nyquist frequency on nothing moves."""
+    power = []
+    for rows in periods.rows:
+        spectrum = 2.0 / len(rows) * rfft(struts[rows] - motion.at(t[rows]), axis=0)
+        power.append(np.median(np.sum(np.abs(spectrum[len(rows) // 4 : (len(rows) - 1) // 2]) ** 2, axis=1)))
+    return float(np.mean(power)) / MEDIAN_POWER

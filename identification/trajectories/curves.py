@@ -1,0 +1,272 @@
+"""Motions along curves in closed form: polynomials piece by piece, rows of a table, periodic Fourier series.
+
+A Fourier series (34)-(36) is repeated, and at rest itself or led in and out of.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from math import factorial, perm
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike, NDArray
+
+from identification.motion import Motion
+from identification.trajectories.moves import StraightMove
+from identification.trajectories.profile import Profile
+
+Array = NDArray[np.float64]
+
+SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates."""
+
+    coefficients: Array  # c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds]
+    duration: float  # [s]
+
+    @property
+    def start(self) -> Array:
+        """Pose at its start, shape (n,) [m or rad]."""
+        return np.asarray(self.coefficients[0])
+
+    @property
+    def end(self) -> Array:
+        """Pose at its end, shape (n,) [m or rad]."""
+        return np.asarray(np.polynomial.polynomial.polyval(self.duration, self.coefficients))
+
+
+@dataclass(frozen=True, slots=True)
+class PolynomialMotion:
+    """Pieces one after the other.
+
+    Raises:
+        ValueError: no pieces, a duration that is not positive, or a gap between two of them.
+    """
+
+    pieces: tuple[Piece, ...]  # each begins where the one before it ends
+    table: Array = field(init=False, repr=False, compare=False)
+    """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, n)."""
+    times: Array = field(init=False, repr=False, compare=False)
+    """Start of each piece and end of the last, shape (pieces + 1,) [s]."""
+
+    def __post_init__(self) -> None:
+        if not self.pieces or any(not p.duration > 0.0 for p in self.pieces):
+            raise ValueError("a motion of polynomials needs pieces of positive duration")
+        table = np.zeros(
+            (max(len(p.coefficients) for p in self.pieces), len(self.pieces), self.pieces[0].coefficients.shape[1])
+        )
+        for k, piece in enumerate(self.pieces):
+            table[: len(piece.coefficients), k] = piece.coefficients
+        object.__setattr__(self, "table", table)
+        object.__setattr__(self, "times", np.concatenate([[0.0], np.cumsum([p.duration for p in self.pieces])]))
+        if np.max(np.abs(self.at_ends(0)[:-1] - table[0, 1:]), initial=0.0) > 1e-9:
+            raise ValueError("a polynomial piece does not begin where the one before it ends")
+
+    def at_starts(self, order: int) -> Array:
+        """Derivative of an order at the start of each piece, shape (pieces, n)."""
+        return factorial(order) * self.table[order] if order < len(self.table) else np.zeros_like(self.table[0])
+
+    def at_ends(self, order: int) -> Array:
+        """Derivative of an order at the end of each piece, shape (pieces, n)."""
+        duration = np.array([p.duration for p in self.pieces])[:, None]
+        value = np.zeros_like(self.table[0])
+        for power in range(len(self.table) - 1, order - 1, -1):  # Horner's rule
+            value = value * duration + perm(power, order) * self.table[power]
+        return np.asarray(value)
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return float(self.times[-1])
+
+    def slowed(self, speed: float) -> "PolynomialMotion":
+        """The same path at a share of the speed."""
+        pieces = []
+        for piece in self.pieces:
+            powers = speed ** np.arange(len(piece.coefficients))
+            pieces.append(Piece(piece.coefficients * powers[:, None], piece.duration / speed))
+        return PolynomialMotion(tuple(pieces))
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        starts = self.times
+        indices = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
+        local = np.clip(time - starts[indices], 0.0, np.diff(starts)[indices])[:, None]
+        table = self.table
+        values = np.zeros((4, len(time), self.pieces[0].coefficients.shape[1]))
+        for order in range(4):
+            for coefficient in table[::-1]:  # Horner's rule
+                values[order] = values[order] * local + coefficient[indices]
+            table = table[1:] * np.arange(1, len(table))[:, None, None]
+        return Motion(time, *values)
+
+
+def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
+    """Moves of seven segments one after the other as what they are: a cubic polynomial a segment.
+
+    Args:
+        moves: each begins where the one before it ends.
+
+    Raises:
+        ValueError: a move of another law, or one that begins elsewhere.
+    """
+    return PolynomialMotion(tuple(piece for move in moves for piece in _segments(move)))
+
+
+def _segments(move: StraightMove) -> Iterator[Piece]:
+    law = move.profile
+    if not isinstance(law, Profile):
+        raise ValueError("a move has no law of seven segments")
+    durations = np.array(law.lengths)
+    starts = np.append(0.0, np.cumsum(durations[:-1]))  # added up as the law does: accelerations may step there
+    s, v, a, _ = law.at(starts)
+    jerk = law.at(starts + durations / 2)[3]
+    way = move.end - move.start
+    for k in np.flatnonzero(durations > SHORTEST_SEGMENT):
+        shares = np.array([s[k], v[k], a[k] / 2, jerk[k] / 6])
+        coefficients = shares[:, None] * way
+        coefficients[0] += move.start
+        yield Piece(coefficients, float(durations[k]))
+
+
+@dataclass(frozen=True, slots=True)
+class Tabulated:
+    """Rows of pose, rates and accelerations at equal steps, from rest to rest.
+
+    Between rows the pose is the cubic that shares pose and rates with both; rates and accelerations, which a table
+    states for themselves, go straight from row to row. Jerks are the slopes of accelerations.
+
+    Raises:
+        ValueError: fewer than two rows, or shapes that do not belong together.
+    """
+
+    times: Array  # shape (k,), equal steps from 0 [s]
+    pose: Array  # coordinates, shape (k, n) [m or rad]
+    rates: Array  # shape (k, n) [m/s or rad/s]
+    accelerations: Array  # shape (k, n) [m/s^2 or rad/s^2]
+
+    def __post_init__(self) -> None:
+        shape = (len(self.times), *self.pose.shape[1:2])
+        if len(self.times) < 2 or any(v.shape != shape for v in (self.pose, self.rates, self.accelerations)):
+            raise ValueError("a table needs two rows or more, each with as many coordinates, rates and accelerations")
+
+    @property
+    def duration(self) -> float:
+        """Time of the last row [s]."""
+        return float(self.times[-1])
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        k = np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2)
+        step = (self.times[k + 1] - self.times[k])[:, None]
+        p = (time - self.times[k])[:, None] / step
+        start, end = self.pose[k], self.pose[k + 1]
+        pose = start * (1 + 2 * p) * (1 - p) ** 2 + end * p**2 * (3 - 2 * p)
+        pose += step * p * (1 - p) * (self.rates[k] * (1 - p) - self.rates[k + 1] * p)
+        rates = self.rates[k] * (1 - p) + self.rates[k + 1] * p
+        accelerations = self.accelerations[k] * (1 - p) + self.accelerations[k + 1] * p
+        jerks = (self.accelerations[k + 1] - self.accelerations[k]) / step
+        return Motion(time, pose, rates, accelerations, np.ascontiguousarray(jerks))
+
+
+@dataclass(frozen=True, slots=True)
+class FourierMotion:
+    """A Fourier-series motion, repeated a whole number of times."""
+
+    centre: Array  # x0 of (34), shape (n,) [m or rad]
+    a: Array  # sine coefficients of (34), shape (N, n) [m/s or rad/s]
+    b: Array  # cosine coefficients of (34), shape (N, n) [m/s or rad/s]
+    period: float  # 2 pi / w [s]
+    repeats: int  # number of periods
+    # time from rest at x0 into the series, and again out of it [s]; 0 for a series that is at rest itself
+    run_in: float = 0.0
+
+    @property
+    def order(self) -> int:
+        """N of (34)."""
+        return len(self.a)
+
+    @property
+    def duration(self) -> float:
+        """Duration of all periods, and of the run-in and run-out [s]."""
+        return self.period * self.repeats + 2 * self.run_in
+
+    def at(self, t: ArrayLike) -> Motion:
+        """(34), (35), (36) and the third derivative at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        series = self._series(time - self.run_in)
+        if self.run_in == 0.0:
+            return series
+        begin = self._series(np.zeros(1))
+        state = np.vstack([begin.pose - self.centre, begin.rates, begin.accelerations])
+        fields = [v.copy() for v in (series.pose, series.rates, series.accelerations, series.jerks)]
+        last = self.duration - self.run_in
+        for rows, matrices in (
+            (time < self.run_in, run_in(time[time < self.run_in], self.run_in)),
+            (time > last, run_out(time[time > last] - last, self.run_in)),
+        ):
+            for order, matrix in enumerate(matrices):
+                fields[order][rows] = matrix @ state + (self.centre if order == 0 else 0.0)
+        return Motion(time, *fields)
+
+    def _series(self, time: Array) -> Motion:
+        w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
+        sine, cosine = np.sin(time[:, None] * w), np.cos(time[:, None] * w)
+        pose = self.centre + sine @ (self.a / w[:, None]) - cosine @ (self.b / w[:, None])
+        rates = cosine @ self.a + sine @ self.b
+        accelerations = -sine @ (self.a * w[:, None]) + cosine @ (self.b * w[:, None])
+        jerks = -cosine @ (self.a * w[:, None] ** 2) - sine @ (self.b * w[:, None] ** 2)
+        return Motion(time, pose, rates, accelerations, jerks)
+
+
+NEGLIGIBLE = 0.02  # of the largest amplitude; a harmonic below adds nothing that can be measured
+
+
+def needless_harmonics(motion: FourierMotion) -> int:
+    """Number of highest harmonics whose rates are negligible beside the largest, in every coordinate."""
+    amplitude = np.hypot(motion.a, motion.b)
+    share = (amplitude / np.maximum(amplitude.max(axis=0), 1e-300)).max(axis=1)
+    return int(np.argmax(share[::-1] > NEGLIGIBLE))
+
+
+# Over the share s of the time, from rest: to a way, a rate, an acceleration of 1 at s = 1, each alone.
+_TO_WAY = Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])
+_TO_RATE = Polynomial([0.0, 0.0, 0.0, -4.0, 7.0, -3.0])
+_TO_ACCELERATION = Polynomial([0.0, 0.0, 0.0, 0.5, -1.0, 0.5])
+
+
+def run_in(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
+    """Quintic run-in: matrices from the state reached (way, rate, acceleration) to value, rate, acceleration and jerk.
+
+    A series of one harmonic never rests: its rate and acceleration have no common zero. It is led in and out of, and
+    so carries nothing but its own harmonic while it runs.
+
+    Args:
+        time: time after the start out of rest, shape (n,) [s], from 0 to duration.
+        duration: [s].
+
+    Returns:
+        Four matrices of shape (n, 3).
+    """
+    share = time / duration
+    shapes = ((_TO_WAY, 1.0), (_TO_RATE, duration), (_TO_ACCELERATION, duration**2))
+    value, rate, acceleration, jerk = (
+        np.column_stack([p.deriv(order)(share) * unit if order else p(share) * unit for p, unit in shapes])
+        / duration**order
+        for order in range(4)
+    )
+    return value, rate, acceleration, jerk
+
+
+def run_out(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
+    """The same from the state back to rest, `time` after leaving it: a run-in with time reversed."""
+    mirror = np.array([1.0, -1.0, 1.0])
+    value, rate, acceleration, jerk = (
+        matrix * mirror * (-1.0) ** order for order, matrix in enumerate(run_in(duration - time, duration))
+    )
+    return value, rate, acceleration, jerk

@@ -1,0 +1,277 @@
+"""What the options of identify say, and how a result is printed for people and answered as JSON."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from cases.units import MM
+from identification.estimation.estimators import Method, method
+from identification.estimation.priors import Prior
+from identification.estimation.selection import symmetric_platform
+from identification.external import external_force
+from identification.model import Model
+from identification.outcome import Result
+from identification.parameters import physical_form
+from identification.recording import read
+from identification.result import Value
+from identification.runs.rates import on_one_clock
+from identification.samples import Conditioning, Periodic
+from identification.saved_result import biases_of, load_result
+from planner.cli.console import print_table
+from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
+
+AUTO = "auto"
+
+
+def read_conditioning(period: str | None, harmonics: int | None, flexible: bool = False) -> Conditioning:
+    """The conditioning that options ask for.
+
+    Args:
+        period: `auto` or seconds, as typed.
+        harmonics: harmonics of the series.
+        flexible: whether a structural mode is estimated.
+
+    Raises:
+        HexciteError: not understood, or options that do not go together.
+    """
+    if harmonics is not None and period is None:
+        raise HexciteError(f"--harmonics {harmonics}: is for periodic runs; add --period auto or --period SECONDS")
+    if harmonics is not None and harmonics < 1:
+        raise HexciteError(f"--harmonics {harmonics}: is not a number of harmonics; give 1 or more")
+    if flexible and period is not None:
+        raise HexciteError("--flexible: lowers the low-pass, which --period does without; leave one of them out")
+    if period is None:
+        return Conditioning(flexible=flexible)
+    return Conditioning(Periodic(None if period == AUTO else _seconds(period), harmonics))
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text.removesuffix("s"))
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise HexciteError(f"--period {text}: is not a period; give auto or seconds, as --period 3")
+    return value
+
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_VALUE = re.compile(rf"(?P<name>\w+)=(?P<value>{_NUMBER})(?:(?:\+-|±)(?P<std>{_NUMBER}))?\s*(?P<unit>[^0-9\s][^\s]*)?")
+
+# SI unit of a parameter -> what users may write instead, and its SI value.
+_UNITS: Mapping[str, Mapping[str, float]] = {
+    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
+    "m": {"m": 1.0, "mm": MM},
+    "kg m": {"kgm": 1.0, "kgmm": MM},
+    "kg m^2": {"kgm2": 1.0, "kgmm2": MM**2},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N m": {"Nm": 1.0, "Nmm": MM},
+    "N/m": {"N/m": 1.0, "N/mm": 1.0 / MM},
+    "N m/m": {"Nm/m": 1.0, "Nm/mm": 1.0 / MM},
+    "N s^2/m": {"Ns2/m": 1.0, "kg": 1.0},
+}
+
+
+def read_values(texts: Sequence[str], units: Mapping[str, str], option: str) -> dict[str, float]:
+    """Exact values in SI by name.
+
+    Args:
+        texts: typed texts.
+        units: SI unit of each parameter that may be named.
+        option: option that they were given with, for messages.
+
+    Raises:
+        HexciteError: not understood, an unknown name, a missing or unknown unit, or a name given twice.
+    """
+    values: dict[str, float] = {}
+    for text in texts:
+        name, value, std = _read(text, units, option, f"{option} m=93.1kg")
+        if std is not None:
+            raise HexciteError(f"{option} {text}: is exact; write an uncertain value as --prior {text}")
+        if name in values:
+            raise HexciteError(f"{option} {text}: {name} is given twice; give it once")
+        values[name] = value
+    return values
+
+
+def read_uncertain(texts: Sequence[str], units: Mapping[str, str], option: str) -> list[tuple[str, float, float]]:
+    """Values with standard deviations in SI, as (name, value, std); errors as `read_values`."""
+    values = []
+    for text in texts:
+        name, value, std = _read(text, units, option, f"{option} m=33+-0.5kg")
+        if std is None:
+            raise HexciteError(f"{option} {text}: has no standard deviation; write it as {option} m=33+-0.5kg")
+        values.append((name, value, std))
+    return values
+
+
+def _read(text: str, units: Mapping[str, str], option: str, example: str) -> tuple[str, float, float | None]:
+    match = _VALUE.fullmatch(text.strip())
+    if match is None:
+        raise HexciteError(f"{option} {text}: is not understood; write {example}")
+    name = match["name"]
+    if name not in units:
+        raise HexciteError(f"{option} {text}: {name} is not a parameter here; choose from {', '.join(units)}")
+    factors = _UNITS[units[name]]
+    if match["unit"] not in factors:
+        problem = "has no unit" if match["unit"] is None else f"unit {match['unit']} does not fit {name}"
+        raise HexciteError(f"{option} {text}: {problem}; give {' or '.join(factors)}")
+    factor = factors[match["unit"]]
+    return name, float(match["value"]) * factor, None if match["std"] is None else float(match["std"]) * factor
+
+
+def method_of(
+    model: Model,
+    case: Case,
+    estimator: str,
+    fix: Sequence[str] | None = None,
+    drop: Sequence[str] | None = None,
+    symmetric: bool = False,
+    prior: Sequence[str] | None = None,
+    weights: str | None = None,
+    biases: Path | None = None,
+    stale: bool = False,
+) -> Method:
+    """The method that a user asks for, by the options as typed.
+
+    Args:
+        biases: result whose offsets are taken.
+        stale: go on although the case has changed since the biases were identified.
+
+    Raises:
+        HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator, a
+            result that is none or belongs to another case.
+    """
+    units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
+    constants = read_values(fix or (), units, "--fix")
+    if symmetric:
+        constants = symmetric_platform(model) | constants
+    priors = [Prior(*values) for values in read_uncertain(prior or (), units, "--prior")]
+    offsets = None if biases is None else biases_of(biases, case, stale)
+    return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
+
+
+PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
+
+
+def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
+    """The JSON answer of a result that was written."""
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record}
+    strongest = () if result.identifiability is None else result.identifiability.strongest()
+    return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
+
+
+def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:
+    """How well the parameters predict another run: what is left of force and moment, and of each channel."""
+    forces = external_force(on_one_clock(read(path, case), case), case, load_result(result), whole=False)
+    deviation = forces.wrench.std(axis=0)
+    answer = {
+        "recording": str(path),
+        "samples": len(forces.t),
+        "force_3s_N": (3 * deviation[:3]).tolist(),
+        "moment_3s_Nm": (3 * deviation[3:]).tolist(),
+        "mean_force_N": forces.wrench[:, :3].mean(axis=0).tolist(),
+        "mean_moment_Nm": forces.wrench[:, 3:].mean(axis=0).tolist(),
+        "channel_rms": ((forces.residuals**2).mean(axis=0) ** 0.5).tolist(),
+    }
+    if not quiet:
+        force, moment = (
+            ", ".join(f"{v:.3g}" for v in answer["force_3s_N"]),
+            ", ".join(f"{v:.3g}" for v in answer["moment_3s_Nm"]),
+        )
+        print(f"verified on {path}: left of the force +- {force} N (3 s), of the moment +- {moment} N m (3 s)")
+    return answer
+
+
+def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
+    """Rows of a parameter table, lengths in mm: value, the larger standard deviation, and both of them."""
+    rows, rods = [], carries_rods(parameters)
+    for name, p in parameters.items():
+        scale, unit = legible(p["unit"])
+        estimate = Value(p["value"], p["std"], p["std_robust"], p["unit"])
+        deviations = (estimate.reported, estimate.std, estimate.std_robust)
+        given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
+        texts = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
+        value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
+        rows.append([parameter_words(name, rods), value, *texts, unit])
+    return rows
+
+
+def show_residuals(answer: dict[str, Any]) -> None:
+    """Prints s0 and what the model leaves of the recorded forces; a filter lets s0 see the smaller part only."""
+    equal = answer["weights"] == "equal"
+    sentence = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
+    if equal and answer["delay_s"] is not None and answer["s0_N"] > 2.0 * answer["s0"]:
+        sentence += ", most of it above the evaluation's filter, where the estimate does not look"
+    print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {sentence}")
+
+
+def show_noise(answer: dict[str, Any]) -> None:
+    """Prints what s0 consists of and what noise draws the parameters by, where the case states noise."""
+    sources = answer["noise_sources"]
+    if sources is None:
+        return
+    shares = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
+    parts = [f"{name} {100 * share:.3g} %" for name, share in shares.items() if share is not None]
+    rest = "unexplained" if len(parts) == 2 else "anything else"
+    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {rest} {100 * sources['unexplained']:.3g} %")
+    attenuations = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
+    if attenuations:
+        worst = max(attenuations, key=lambda name: abs(attenuations[name]["of_std"]))
+        bias, unit = attenuations[worst], answer["parameters"][worst]["unit"]
+        scale, unit = legible(unit)
+        print(
+            f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
+            f"(attenuation, not taken out; vibration biases none): {worst} by {bias['bias'] * scale:+.2g} {unit}"
+        )
+
+
+def show_result(answer: dict[str, Any]) -> None:
+    """Prints a result for people."""
+    rows = parameter_rows(answer["parameters"])
+    terms = f" with {', '.join(answer['error_terms'])}" if answer["error_terms"] else ""
+    title = f"Model {answer['model']}{terms}, {answer['estimator']}: {answer['samples']} samples"
+    print_table(title, PARAMETER_COLUMNS, rows)
+    print(
+        "+- is the larger of std by (28), right for white noise, and of std robust, which allows for noise that is not"
+    )
+    print(f"rank {answer['rank']}, condition {answer['condition']:.3g}")
+    show_residuals(answer)
+    strongest = ", ".join(
+        f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
+    )
+    print(f"strongest correlations of columns: {strongest}")
+    if answer["delay_s"] is not None:
+        delay = answer["delay_s"]
+        print(
+            f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
+            "(estimated and compensated)"
+        )
+    show_noise(answer)
+    for note in answer["notes"]:
+        print(note)
+    sensor = answer["accelerometer"]
+    if sensor is not None:
+        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(sensor["bias_m_s2"], sensor["std_m_s2"], strict=True))
+        turn = ", ".join(f"{1e3 * t:.1f}" for t in sensor["turn_rad"])
+        print(
+            f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; {sensor['rms_m_s2']:.2g} m/s^2 rms are left"
+        )
+    if answer["biases"] is not None:
+        also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""
+        print(f"offsets of the forces{also} are those of {answer['biases']['result']}, with their uncertainty")
+    if "standstills" in answer:
+        stops = answer["standstills"]
+        source = "the poses of the program" if stops["matched_to_poses"] else "found where the machine stands"
+        print(f"{stops['count']} averaged standstills, {source}, by the {stops['found_by']}; weighted by their scatter")
+        if stops["restless"]:
+            print(f"restless, and weighted less: {', '.join(map(str, stops['restless']))}")
+    for warning in answer["warnings"]:
+        print(f"warning: {warning}")
+    print(f"result written: {answer['result']}, with its report {answer['report']}")
+    name, value, deviation, *_, unit = rows[0]
+    print(f"{name}: {value} +- {deviation} {unit}")

@@ -1,0 +1,199 @@
+"""`hexcite bound` and `hexcite retime`: what the limits let any motion tell, and the pace at which they let one run."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
+
+if TYPE_CHECKING:
+    from identification.limit import LimitReport
+    from planner.retiming.retimed import PaceRating
+
+
+def bound(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    model: Annotated[
+        int | None, typer.Option(help="Identification model; by default the largest of the machine.")
+    ] = None,
+    tight: Annotated[
+        bool, typer.Option("--tight", help="Count on rest at both ends and limited jerk; minutes.")
+    ] = False,
+    time_limit: Annotated[
+        float, typer.Option(help="Stop after this many seconds of computing; the answer is an estimate.")
+    ] = 120.0,
+    renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Compute how much information any motion inside the limits has.
+
+    No motion passes it: the answer comes with its certificate.
+    """
+    from time import perf_counter
+
+    from cases.files import check_file, json_text, write_text
+    from cases.loading import load_case
+    from identification.estimation.fit import PoseField
+    from identification.model import full_model
+    from planner.bounds.kept import bound as information_limit
+    from planner.bounds.kept import require_time
+
+    require_time(time_limit)
+    if output is not None:
+        check_file(output, [".json"], overwrite=overwrite)
+    loaded = load_case(case)
+    start = perf_counter()
+    model = full_model(loaded) if model is None else model
+    with status(f"information limit of {loaded.name}, model {model}", json) as report:
+        limit = information_limit(
+            loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report
+        )
+    answer = {
+        "case": loaded.name,
+        "case_hash": loaded.hash,
+        "model": model,
+        "over": "motions from rest to rest in the motion box" if tight else "motion box",
+        "tight": tight,
+        "weights": "equal",
+        "pose_errors": None if (field := PoseField.of(loaded.sensors)) is None else field.keys,
+        "logdet_bound": limit.logdet,
+        "logdet_design": limit.design_logdet,
+        "logdet_proven": limit.proven_logdet,
+        "certified": limit.certified,
+        "certificate": {"dmax": limit.dmax, "p": limit.parameters, "method": limit.method},
+        "solve_s": perf_counter() - start,
+    }
+    if output is not None:
+        write_text(output, json_text(answer))
+    if json:
+        print_json(answer)
+    else:
+        _show_bound(answer)
+
+
+def _show_bound(answer: dict[str, Any]) -> None:
+    certificate, parameters = answer["certificate"], answer["certificate"]["p"]
+    gap = answer["logdet_bound"] - answer["logdet_design"]
+    print(
+        f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
+        "information matrix (reference scaling, W = 1)."
+    )
+    print(f"best distribution found over the {answer['over']}: {answer['logdet_design']:.4f}")
+    if answer["logdet_proven"] is None:
+        print(f"of such a machine no limit is proven, the largest derivative is searched for: {certificate['method']}")
+    else:
+        print(f"proven limit for all of them: {answer['logdet_proven']:.4f}, by: {certificate['method']}")
+    if answer["logdet_proven"] is not None and not answer["certified"]:
+        print("time ran out before the proof closed the gap; a longer --time-limit closes it")
+    if answer["pose_errors"] is not None:
+        print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
+    print(
+        f"`hexcite plan` rates motions against {answer['logdet_bound']:.4f}: D-efficiency = exp((log det - "
+        f"{answer['logdet_bound']:.4f}) / {parameters})"
+    )
+    kind = "proven" if answer["certified"] else "an ESTIMATE"
+    print(
+        f"no motion exceeds log det {answer['logdet_bound']:.4f} ({kind}, {100 * gap / parameters:.2g} % of an "
+        f"efficiency above the best that was found; {answer['solve_s']:.1f} s)"
+    )
+
+
+def retime(
+    source: Annotated[Path, typer.Argument(help="Plan folder.")],
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            help="ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit. By default "
+            "what fits."
+        ),
+    ] = None,
+    fastest: Annotated[
+        bool, typer.Option("--fastest", help="ipopt: as fast as the limits allow, not only as slow as needed.")
+    ] = False,
+    model: Annotated[int | None, typer.Option(help="Identification model; the plan's own by default.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Plan folder of the re-timed motion.")] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Make a plan of the same path at another pace.
+
+    Prints criteria and limits before and after; without -o nothing is written.
+    """
+    from time import perf_counter
+
+    from cases.errors import HexciteError
+    from cases.files import PLAN, check_folder
+    from cases.loading import load_case
+    from cases.units import DEG, MM
+    from identification.model import identification_model
+    from planner.cli.console import save_with_page
+    from planner.plans import Plan
+    from planner.retiming.retimed import method_of, retimed, retimed_plan
+
+    if output is not None:
+        check_folder(output, PLAN, [source], overwrite)
+    plan = Plan.load(source, None if case is None else load_case(case), stale)
+    if len(plan.poses):
+        raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
+    request = replace(plan.of_motion[0], model=plan.model if model is None else model, targets=())
+    retiming_method = method_of(method, plan.motion, fastest)
+    start = perf_counter()
+    with status(f"re-timing with {retiming_method}", json) as report:
+        effective_model = identification_model(plan.case, request.model)
+        result = retimed(plan.motion, plan.case, effective_model, retiming_method, fastest, report)
+        seconds = perf_counter() - start
+        if output is not None:
+            report("writing")
+            new_plan = retimed_plan(result, request, plan.case, source, seconds, plan.stale)
+            save_with_page(new_plan, PLAN, output, overwrite)
+    answer = {
+        "source": str(source),
+        "method": str(result.method),
+        "model": request.model,
+        "before": _rating(result.before),
+        "after": _rating(result.after),
+        "off_path_mm": result.off_path[0] / MM,
+        "off_path_deg": result.off_path[1] / DEG,
+        "remarks": [*result.remarks, *plan.stale],
+        "solve_s": seconds,
+        "plan": str(output) if output is not None else None,
+    }
+    if json:
+        print_json(answer)
+    else:
+        _show_paces(answer, result.after.limits)
+
+
+def _rating(rating: "PaceRating") -> dict[str, Any]:
+    return {
+        "duration_s": rating.duration,
+        "criteria": rating.criteria,
+        "d_efficiency": rating.d_efficiency,
+        "violations": [check.sentence() for check in rating.limits.violations],
+        "limits": rating.limits.to_json(),
+    }
+
+
+def _show_paces(answer: dict[str, Any], limits: "LimitReport") -> None:
+    before, after = answer["before"], answer["after"]
+    rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
+    rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
+    rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
+    rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
+    print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
+    for label, rating in (("before", before), ("after", after)):
+        for sentence in rating["violations"]:
+            print(f"{label}: {sentence}")
+    print_table("Limits after re-timing", LIMIT_COLUMNS, limit_rows(limits.checks))
+    for remark in answer["remarks"]:
+        print(f"note: {remark}")
+    if answer["off_path_mm"] or answer["off_path_deg"]:
+        print(f"up to {answer['off_path_mm']:.2g} mm and {answer['off_path_deg']:.2g} deg from the planned path")
+    if answer["plan"] is not None:
+        print(f"plan written: {answer['plan']}")

@@ -1,0 +1,260 @@
+"""`hexcite post`, `hexcite check` and `hexcite run`: programs out, programs back in, and executed."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
+from planner.precision import share_text
+
+if TYPE_CHECKING:
+    from identification.limit import LimitKind
+    from planner.runs.running import RunOutcome
+    from postprocessors.dialects import Program
+
+Accept = Annotated[
+    list[str] | None,
+    typer.Option(help="A limit that the controller does not enforce and that you answer for, as in: --accept jerk."),
+]
+
+
+def post(
+    plan: Annotated[Path | None, typer.Argument(help="Plan folder.")] = None,
+    dialect: Annotated[
+        str | None,
+        typer.Option(
+            help="The controller's language; by default the one that the suffix of --output names, else that of the "
+            "controller that the plan was made for, else the first that the case can; without a plan, all are listed."
+        ),
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
+    accept: Accept = None,
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
+    ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Write a plan as a program for the machine's controller.
+
+    It is read back and proven before it is written.
+    """
+    from cases.files import check_file, output_place
+    from cases.loading import load_case
+    from planner.plans import Plan
+    from planner.runs.written import language_of, write
+    from postprocessors.dialects import DIALECTS
+
+    if plan is None:
+        rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
+        if json:
+            print_json({"dialects": [d.name for d in DIALECTS.values()]})
+        else:
+            print_table("Dialects", ("name", "files", "controller"), rows, right=False)
+        return
+    loaded = Plan.load(plan, None if case is None else load_case(case), stale)
+    language = language_of(loaded, dialect, output)
+    file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
+    check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
+    with status(f"writing and proving {file.name}", json):
+        program = write(loaded, language.name, speed=speed, accept=accept or (), file=file)
+    program.save(file, overwrite)
+    answer = answer_of_program(program)
+    if json:
+        print_json(answer)
+        return
+    show_program(answer)
+
+
+def answer_of_program(program: "Program") -> dict[str, Any]:
+    """The JSON answer of a program that was written."""
+    proof, forecast = program.proof, program.forecast
+    return {
+        "program": str(program.path),
+        "dialect": program.dialect.name,
+        "blocks": program.reading.blocks,
+        "duration_s": proof.duration,
+        "excitation_s": proof.excitation,
+        "verdict": proof.verdict,
+        "relies_on": list(proof.relies_on),
+        "predicted_stretch": forecast.stretch,
+        "remarks": [*program.remarks, *forecast.remarks],
+        "limits": proof.limits.to_json(),
+    }
+
+
+def show_program(answer: dict[str, Any]) -> None:
+    """Prints a program for people."""
+    unit = "rows" if answer["dialect"] == "setpoints" else "blocks"
+    size = f"{answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back"
+    print(f"program written: {answer['program']} ({size})")
+    print(f"limits: {answer['verdict']}{' (accepted)' if answer['relies_on'] else ''}")
+    for remark in answer["remarks"]:
+        print(remark)
+
+
+def check(
+    program: Annotated[Path, typer.Argument(help="Program file.")],
+    case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
+    dialect: Annotated[
+        str | None, typer.Option(help="The program's language; by default the one that its suffix names.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Read a program back, independently of its writer, and prove it."""
+    from cases.errors import ProgramError
+    from cases.loading import load_case
+    from planner.runs.written import of_another, read_for
+
+    loaded = load_case(case)
+    with status(f"proving {program.name}", json):
+        read = read_for(loaded, program, dialect)
+        answer = answer_of_proof(read)
+    if json:
+        print_json(answer)
+    else:
+        show_check(answer, read)
+    try:
+        read.proof.require()
+    except ProgramError as error:
+        raise of_another(error, program, read.content, loaded) from error
+
+
+def answer_of_proof(program: "Program") -> dict[str, Any]:
+    """The JSON answer of a program that was proven, or not."""
+    from planner.runs.written import written_for_another
+
+    proof, other = program.proof, written_for_another(program.content, program.case)
+    return {
+        "ok": proof.ok,
+        "verdict": proof.verdict,
+        "relies_on": list(proof.relies_on),
+        "violations": [
+            {"line": v.line, "limit": str(v.check.kind.family), "sentence": v.check.sentence()}
+            for v in proof.violations
+        ],
+        "duration_s": proof.duration,
+        "remarks": [*proof.remarks, *([other] if other else [])],
+        "limits": proof.limits.to_json(),
+    }
+
+
+def show_check(answer: dict[str, Any], program: "Program") -> None:
+    """Prints a proof for people."""
+    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(program.proof.limits.checks))
+    lines = Counter(violation["limit"] for violation in answer["violations"])
+    for limit, count in lines.items():  # of each the worst stands first
+        worst = next(violation for violation in answer["violations"] if violation["limit"] == limit)
+        others = f" ({count - 1} more lines exceed it; --json lists them)" if count > 1 else ""
+        print(f"line {worst['line']}: {worst['sentence']}{others}")
+    for remark in answer["remarks"]:
+        print(f"note: {remark}")
+    print(f"{answer['verdict']} ({answer['duration_s']:.2f} s)")
+
+
+ANSWERED = (
+    "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
+    "peak_acceleration_of_limit", "peaks_of_limit", "remark", "payload", "disturbances",
+)  # fmt: skip
+
+
+def run(
+    program: Annotated[Path, typer.Argument(help="Program file.")],
+    case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
+    on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
+    seed: Annotated[int, typer.Option(help="Seed of the simulated sensors' noise.")] = 0,
+    payload: Annotated[int, typer.Option(help="How many of the case's weights are mounted on the machine.")] = 0,
+    disturbed: Annotated[
+        bool,
+        typer.Option("--disturbed", help="With the case's disturbances: vibration, ripple, pose-dependent errors."),
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; PROGRAM-recording by default.")
+    ] = None,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Execute a program and write a recording.
+
+    Sensors and encoders are simulated for the motion that the controller executed.
+    """
+    from cases.files import RUN, check_folder, output_place
+    from cases.loading import find_case, load_case
+    from identification.simulate import circumstances
+    from planner.runs.running import execute, require_controller, require_seed
+    from planner.runs.written import read_for
+
+    require_seed(seed)
+    require_controller(on)
+    folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
+    check_folder(folder, RUN, [program, find_case(case)], overwrite)
+    loaded = load_case(case)
+    around = circumstances(loaded, payload, disturbed)
+    with status(f"running {program.name} on {on}", json):
+        outcome = execute(read_for(loaded, program), loaded, on, seed, around)
+        outcome.recording.save(folder, overwrite)
+    answer = answer_of_run(outcome, folder)
+    if json:
+        print_json(answer)
+    else:
+        show_run(answer, outcome)
+
+
+def answer_of_run(outcome: "RunOutcome", folder: Path) -> dict[str, Any]:
+    """The JSON answer of a run that was written."""
+    about = outcome.recording.record
+    answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
+    return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
+
+
+def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
+    """Prints a run for people."""
+    around = outcome.around
+    mounted = f", {len(around.weights)} weights of {around.load:.4g} kg mounted" if around.weights else ""
+    disturbances = ", with the case's disturbances" if around.disturbances is not None else ""
+    print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
+    if answer["poses"]:
+        print(
+            f"{answer['poses']} poses measured in {answer['duration_s']:.2f} s ({answer['planned_s']:.2f} s "
+            f"planned), home to home; stood within {answer['path_error_mm']:.4f} mm of them"
+        )
+    else:
+        print(_rated(answer))
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in outcome.rating.peaks.items())
+    print(f"reached of the limits in the whole run: {peaks}")
+    for sentence in exceeded_sentence(outcome.rating.peaks, outcome):
+        print(sentence)
+    if answer["remark"]:
+        print(answer["remark"])
+    print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
+
+
+def exceeded_sentence(peaks: Mapping["LimitKind", float], outcome: "RunOutcome") -> Iterator[str]:
+    """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
+    exceeded = {kind for kind, share in peaks.items() if share > 1.01}
+    enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
+    safe = {kind for kind in exceeded if kind.family in enforced}
+    if exceeded - safe:
+        yield (
+            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - safe))}; know what "
+            "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
+            "estimate)"
+        )
+    if safe:
+        yield (
+            f"exceeded by the built-in controller only: {', '.join(sorted(safe))}; {outcome.guarantees.controller} "
+            "keeps it itself, as the case says (controller_keeps), and will take longer there"
+        )
+
+
+def _rated(answer: dict[str, Any]) -> str:
+    return (
+        f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
+        f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} as executed, "
+        f"behind the evaluation's filter ({answer['d_efficiency_planned']:.3f} as programmed, by the controller's law)"
+    )

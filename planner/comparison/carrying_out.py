@@ -1,0 +1,201 @@
+"""Carries out the methods of a validation: each planned, written as a proven program, executed and identified."""
+
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cases.errors import FileProblem, HexciteError
+from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
+from cases.schema import Case
+from cases.sensors import Disturbances
+from planner.comparison.experiment import METHODS, Excitation, steps
+from planner.comparison.step import MethodStep
+from planner.families.settings import Fourier, Manual, PointToPoint, Spline
+from planner.interruption import Interrupted
+from planner.library import planned
+from planner.plans import Plan
+from planner.poses.planned_poses import poses_planned
+from planner.request import PoseMethod, PoseRequest, Request
+from planner.runs.running import carried_out
+from planner.runs.written import write
+from postprocessors.dialects import Program
+from postprocessors.execute import stood
+from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
+
+# LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
+# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
+ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
+REQUESTS: Mapping[str, Request | PoseRequest] = {
+    "Q5M": PoseRequest(method=PoseMethod.ALL),
+    "Q5N": PoseRequest(criterion="N", count=30, method=PoseMethod.BACKWARD),
+    "D9M": Request(Manual()),
+    "D9N": Request(Fourier(order=3, period=4.0), criterion="N"),
+    "ptp": Request(PointToPoint(controller="virtual")),
+    "ptp-steps": Request(PointToPoint(controller="linuxcnc")),
+    "spline": Request(Spline()),
+}
+
+Count = Callable[[str, int], None]
+"""Told of what is done now, and of how many steps that ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class ValidationSettings:
+    """How methods are carried out."""
+
+    on: str = "virtual"  # controller: virtual or linuxcnc
+    starts: int = 2  # random starts of the optimised methods
+    seed: int = 0  # of the starts and of the sensors' noise
+    plans: Path | None = None  # folder of an earlier validation whose plans are taken; None: plan anew
+
+
+USUAL = ValidationSettings()
+
+
+@contextmanager
+def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite: bool = False) -> Iterator[Path]:
+    """Yields the folder that keeps the plans until the validation is written, whatever ends it.
+
+    What an earlier one left there is used where it belongs to the same case and settings.
+
+    Args:
+        output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
+        overwrite: drop what belongs to another case or other settings.
+
+    Raises:
+        FileProblem: the folder is somebody's, or of another case or other settings.
+    """
+    folder = output.absolute().with_name(f"{output.name}.unfinished")
+    check_folder(folder, UNFINISHED, overwrite=True)
+    about = folder / "unfinished.json"
+    plans = None if settings.plans is None else str(settings.plans.resolve())
+    content = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
+    if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == content):
+        if _worth_keeping(folder) and not overwrite:
+            raise FileProblem(
+                folder,
+                "an unfinished validation of another case or other settings stands there",
+                "choose another place with -o, or drop it with --overwrite",
+            )
+        shutil.rmtree(folder)
+    make_places(folder)
+    write_text(about, content)
+    try:
+        yield folder
+    except Interrupted:
+        if _worth_keeping(folder):
+            raise Interrupted(f"finished plans are kept in {folder.name}, the same command uses them") from None
+        raise
+    else:
+        shutil.rmtree(folder)
+    finally:
+        if folder.exists() and not _worth_keeping(folder):
+            shutil.rmtree(folder)
+
+
+def make_places(folder: Path) -> None:
+    """Makes the folders that `carry_out` fills."""
+    for name in ("plans", "programs"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+
+
+def _worth_keeping(folder: Path) -> bool:
+    return any(folder.glob("plans/*/plan.json"))
+
+
+def carry_out(
+    case: Case,
+    methods: Sequence[str],
+    mounted: Sequence[int],
+    disturbances: Disturbances | None,
+    settings: ValidationSettings,
+    folder: Path,
+    count: Count,
+) -> tuple[tuple[MethodStep, ...], dict[str, str], dict[str, str]]:
+    """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
+
+    Args:
+        mounted: numbers of weights, from 0 on.
+        folder: folder that takes plans and programs; a plan that it holds already is not made again.
+        count: called with what is done now and the number of steps that this ends.
+
+    Returns:
+        Steps of the methods that could be carried out; controller of each method, and what to know about its run; why
+        the others failed.
+
+    Raises:
+        HexciteError: no method could be carried out.
+    """
+    results: list[MethodStep] = []
+    executed: dict[str, str] = {}
+    failed: dict[str, str] = {}
+    for method in methods:
+        try:
+            count(f"{method}: planning", 0)
+            program = _program(method, settings, _planned(case, method, settings, folder), folder)
+            count(f"{method}: on {settings.on}", 0)
+            excitation = _excitation(method, settings, program)
+        except HexciteError as error:
+            failed[method] = error.typed.replace(f"{folder}/", "")
+            count(method, len(mounted))
+            continue
+        executed[method] = excitation.controller
+        count(f"{method}: identifying", 0)
+        for step in steps(excitation, mounted, disturbances):
+            results.append(step)
+            count(f"{method} {step.load:.0f} kg", 1)
+    if not results:
+        raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
+    return tuple(results), executed, failed
+
+
+def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:
+    smooth = settings.on == "virtual" and method != "ptp-steps"
+    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if smooth else ("linuxcnc", "ngc", ACCEPTED)
+    file = folder / "programs" / f"{method}.{suffix}"
+    program = write(plan, dialect, accept=accepted, file=file)
+    program.save(file, overwrite=True)
+    return program
+
+
+def _excitation(method: str, settings: ValidationSettings, program: Program) -> Excitation:
+    _, run = carried_out(program, program.case, settings.on)
+    parts = stretches(program.reading)
+    poses, duration = np.zeros((0, 6)), run.excitation
+    if measures_at_poses(parts):
+        poses = measured_poses(parts)
+        duration = stood(run, poses, program.path)[0]
+    controller = f"{run.controller}; {run.remark}" if run.remark else run.controller
+    return Excitation(
+        program.case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, controller
+    )
+
+
+def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path) -> Plan:
+    """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
+    place = folder / "plans" / method
+    if (place / "plan.json").is_file():
+        return Plan.load(place)
+    if settings.plans is not None:
+        _copied(settings.plans / "plans" / method, place)
+        return Plan.load(place)
+    request = REQUESTS[method]
+    if isinstance(request, PoseRequest):
+        plan = poses_planned(request, case)
+    else:
+        plan = planned(request.searched(settings.starts, settings.seed), case)
+        if plan.interrupted:
+            raise Interrupted
+    plan.save(place)
+    return Plan.load(place, case)
+
+
+def _copied(source: Path, plan: Path) -> None:
+    if not (source / "plan.json").is_file():
+        raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
+    with atomic_folder(plan, PLAN) as part:
+        shutil.copytree(source, part, dirs_exist_ok=True)

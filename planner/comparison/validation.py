@@ -1,0 +1,179 @@
+"""Known weights mounted one after the other and identified by each method (section 8, Table 7)."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cases.errors import HexciteError
+from cases.files import VALIDATION, atomic_folder, check_folder, json_text
+from cases.schema import Case
+from cases.sensors import Disturbances
+from identification.recording import Recording, read
+from identification.result import Estimate
+from identification.runs.rates import on_one_clock
+from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
+from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps
+from planner.comparison.step import MethodStep
+from planner.comparison.verdict import Claim, findings
+from planner.runs.identifying import standing_of
+from planner.runs.running import require_controller
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Validation:
+    """What known weights say of each method."""
+
+    case: Case  # machine and weights
+    machine: str  # machine that was identified, in words
+    steps: tuple[MethodStep, ...]  # a method with some weights mounted, each
+    findings: tuple[Claim, ...]  # what follows from them
+    failed: Mapping[str, str]  # methods that could not be carried out, and why
+    executed: Mapping[str, str]  # controller of each method that was simulated
+    controller: str | None  # controller that ran the programs; None for recordings of a machine
+    # disturbances of the simulated machine; None for recordings of a machine and for an ideal structure
+    disturbances: Disturbances | None
+    made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
+
+    @property
+    def columns(self) -> dict[int, Estimate]:
+        """Of Table 3: runs without payload identified with several models, by number."""
+        return {number: one for step in self.steps for number, one in step.columns.items()}
+
+    def to_json(self) -> dict[str, Any]:
+        """What `validation.json` holds."""
+        return {
+            "case": self.case.name,
+            "case_hash": self.case.hash,
+            "machine": self.machine,
+            "simulated": self.controller is not None,
+            "controller": self.controller,
+            "disturbances": None if self.disturbances is None else self.disturbances.model_dump(),
+            "not_run": dict(self.failed),
+            "rows": [step.to_json() for step in self.steps],
+            "findings": [finding._asdict() for finding in self.findings],
+            "models": {str(n): {k: v._asdict() for k, v in e.physical.items()} for n, e in self.columns.items()},
+            "executed": dict(self.executed),
+        }
+
+    def write(self, folder: Path) -> None:
+        """Writes validation.json, plans and programs into a folder that is there."""
+        (folder / "validation.json").write_text(json_text(self.to_json()), encoding="utf-8")
+        for name, content in self.made.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes(content)
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Makes a folder with the same files."""
+        check_folder(Path(folder), VALIDATION, overwrite=overwrite)
+        with atomic_folder(Path(folder), VALIDATION, overwrite) as part:
+            self.write(part)
+
+    def __repr__(self) -> str:
+        """The findings, a line each."""
+        return "\n".join([f"Validation of {self.case.name}", *(finding.sentence() for finding in self.findings)])
+
+
+def validate(
+    case: Case,
+    methods: Sequence[str] = tuple(METHODS),
+    mounted: Sequence[int] | None = None,
+    settings: ValidationSettings = USUAL,
+    *,
+    undisturbed: bool = False,
+    folder: Path | None = None,
+    count: Count = lambda remark, steps: None,
+) -> Validation:
+    """The payload experiment on the case's simulated machine.
+
+    Args:
+        case: case with payloads and a simulated machine.
+        methods: names of the methods.
+        mounted: numbers of weights, from 0 on; by default none, and each up to all.
+        settings: how methods are carried out.
+        undisturbed: whether the simulated structure is an ideal one.
+        folder: folder that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless
+            given.
+        count: told how it is getting on.
+
+    Raises:
+        HexciteError: no method could be carried out, an unknown controller, or a case without simulation.
+    """
+    case.need_machine("a validation")
+    disturbances = disturbances_of(case, settings, undisturbed)
+    mounted = mounted_weights(case, None) if mounted is None else mounted
+    with ExitStack() as places:
+        work = folder or Path(places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
+        make_places(work)
+        steps, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
+        origin = {
+            str(file.relative_to(work)): file.read_bytes()
+            for name in ("plans", "programs")
+            for file in sorted((work / name).rglob("*"))
+            if file.is_file()
+        }
+    columns = {number: one for step in steps for number, one in step.columns.items()}
+    return Validation(
+        case=case,
+        machine=_simulated(case, disturbances, settings),
+        steps=steps,
+        findings=tuple(findings(case, list(steps), columns)),
+        failed=failed,
+        executed=executed,
+        controller=settings.on,
+        disturbances=disturbances,
+        made=origin,
+    )
+
+
+def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
+    """What disturbs the simulated machine; refused where it cannot be run."""
+    require_controller(settings.on)
+    disturbances = case.need_simulation("a validation without recordings").disturbances
+    if disturbances is None and not undisturbed:
+        case.missing("simulation.disturbances", "a validation (or --undisturbed)")
+    return None if undisturbed else disturbances
+
+
+def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | None = None) -> Validation:
+    """The payload experiment from a real machine's recordings.
+
+    Args:
+        recordings: folder with one folder a method, of the runs 0, 1, .. named after the weights mounted.
+        methods: names of folders; None for all.
+
+    Raises:
+        HexciteError: runs are missing, or cannot be evaluated.
+    """
+    folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
+    if not folders:
+        raise HexciteError(f"{recordings}: holds no folder of runs; name the folder that holds one for each method")
+    if methods is not None:
+        for name in methods:
+            if name not in (folder.name for folder in folders):
+                names = ", ".join(folder.name for folder in folders)
+                raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
+        folders = [folder for folder in folders if folder.name in methods]
+
+    def run_of(file: Path) -> Recording:
+        return standing_of(on_one_clock(read(file, case), case), case)[0]
+
+    steps = tuple(step for folder in folders for step in recorded_steps(case, folder, run_of))
+    machine = f"recordings of a machine in {recordings}"
+    return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, None, None, {})
+
+
+def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:
+    machine = f"a simulated machine ({case.need_simulation('a validation').source})"
+    if disturbances is not None:
+        machine += (
+            f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
+            f"struts and force errors that depend on the pose ({disturbances.source})"
+        )
+    controller = "LinuxCNC" if settings.on == "linuxcnc" else "the built-in virtual controller"
+    machine += f"; programs executed on {controller}"
+    if settings.on == "linuxcnc":
+        machine += ", which limits no jerk: its steps of acceleration make the structure vibrate"
+    return machine

@@ -1,0 +1,243 @@
+"""Pictures in files: a machine at home with how much of its reach each pose uses, and channels of an unknown file."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.axes3d import Axes3D
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from cases.machine import HexapodMachine
+from cases.recording_format import CLOCK
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.formats.looked import CLOCKS, Column, Look
+from identification.formats.naming import GROUPS
+from identification.limited_chain import frames_at
+from planner.reach import Reach, StaticLimits
+from planner.reports.case_figures import share_words
+from planner.reports.machine import box_outlines, room, tool_outlines
+
+Array = NDArray[np.float64]
+
+GRID = 25  # poses along each side of a map
+BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it
+MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
+
+
+def case_figure(case: Case, reach: Reach) -> Figure:
+    """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate.
+
+    Args:
+        case: case with machine, workspace and limits.
+        reach: its reachable part of the motion box.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    machine, workspace, limits = case.need_machine("the picture of the machine")
+    figure = Figure(figsize=(23, 6), layout="constrained")
+    grid = figure.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 1.0), wspace=0.08)
+    geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
+    _draw_machine(geometry, case, machine)
+    box = limits.motion.pose
+    over, tilted = figure.add_subplot(grid[1]), figure.add_subplot(grid[2])
+    x, y = (np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm))
+    colours = _map(over, case, machine, (0, 1), (x, y), MM)
+    a, b = (np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4))
+    _map(tilted, case, machine, (3, 4), (a, b), DEG)
+    for axes, (i, j), unit in ((over, (0, 1), MM), (tilted, (3, 4), DEG)):
+        sides = box[:, [i, j]] / unit
+        axes.plot(
+            sides[[0, 1, 1, 0, 0], 0], sides[[0, 0, 1, 1, 0], 1], color="white", linewidth=1.5, label="motion box"
+        )
+        axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
+    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
+    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
+    draw_coordinates(figure.add_subplot(grid[3]), reach)
+    figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+    return figure
+
+
+def chain_figure(case: Case, reach: Reach) -> Figure:
+    """A chain at home in 3-D, with its bodies, its tool and the boxes that they stay out of, and each joint's reach.
+
+    Args:
+        reach: its reachable part of the motion box.
+
+    Raises:
+        CaseError: the case has no chain or no limits.
+    """
+    chain, _ = case.need_chain("the picture of the machine")
+    figure = Figure(figsize=(14, 7), layout="constrained")
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
+    axes: Axes3D = figure.add_subplot(grid[0], projection="3d")
+    frames = [np.eye(4), *(frame[0] for frame in frames_at(chain, chain.home[None]))]
+    origins = np.array([frame[:3, 3] for frame in frames]) / MM
+    axes.plot(*origins.T, color="tab:gray", linewidth=2.0, marker="o", markersize=4, label="joints")
+    for k, joint in enumerate(chain.joints, 1):
+        axes.text(*origins[k], joint.name, fontsize="small")
+    axes.plot(*origins[-1:].T, color="tab:red", marker="s", linestyle="", label="sensor")
+    owners = [(frames[0], chain.base, "0.3", "base"), (frames[-1], chain.tool, "tab:purple", "tool")]
+    owners += [
+        (frame, joint.bodies, "tab:blue", "links") for frame, joint in zip(frames[1:], chain.joints, strict=False)
+    ]
+    outlines, labels = [origins], set[str]()
+    for frame, bodies, colour, label in owners:
+        for line in tool_outlines(bodies):
+            points = line @ frame[:3, :3].T + frame[:3, 3] / MM
+            axes.plot(*points.T, color=colour, linewidth=0.8, label=None if label in labels else label)
+            labels.add(label)
+            outlines.append(points)
+    every = np.vstack(outlines)
+    for k, line in enumerate(box_outlines(chain.keep_out, *room(every.min(axis=0), every.max(axis=0), chain.keep_out))):
+        axes.plot(*line.T, color="tab:orange", linewidth=1.0, label=None if k else "kept out")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left")
+    draw_coordinates(figure.add_subplot(grid[1]), reach)
+    return figure
+
+
+def _map(
+    axes: Axes, case: Case, machine: HexapodMachine, pair: tuple[int, int], sides: tuple[Array, Array], unit: float
+) -> QuadContourSet:
+    first, second = np.meshgrid(*sides, indexing="ij")
+    poses = np.tile(machine.home.vector, (first.size, 1))
+    poses[:, pair[0]] += first.ravel()
+    poses[:, pair[1]] += second.ravel()
+    shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
+    values = np.clip(shares, 0.0, MOST_SHARE)
+    colours = axes.contourf(
+        first / unit, second / unit, values, levels=np.linspace(0.0, MOST_SHARE, 16), cmap="viridis"
+    )
+    if shares.min() < 1.0 < shares.max():
+        axes.contour(first / unit, second / unit, values, levels=[1.0], colors="red", linewidths=2.0)
+        axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
+    axes.set_aspect("equal")
+    return colours
+
+
+def _draw_machine(axes: Axes3D, case: Case, machine: HexapodMachine) -> None:
+    """Base, platform, struts and the bars of the sensors at home, in mm."""
+    home = machine.home.vector
+    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
+    base = machine.base.points / MM
+    platform = (home[:3] + machine.platform.points @ turn.T) / MM
+    for points, colour, label in ((base, "0.3", "base"), (platform, "tab:blue", "platform")):
+        closed = np.vstack([points, points[:1]])
+        axes.plot(closed[:, 0], closed[:, 1], closed[:, 2], color=colour, linewidth=2.0, label=label)
+    for k, (foot, head) in enumerate(zip(base, platform, strict=True), start=1):
+        axes.plot(
+            *zip(foot, head, strict=True), color="tab:gray", linewidth=1.0, label=None if k > 1 else "struts 1 to 6"
+        )
+        for joint, ring, colour in ((foot, base, "0.3"), (head, platform, "tab:blue")):
+            beside = joint + BESIDE * (joint - ring.mean(axis=0))
+            axes.text(*beside, f"{k}", color=colour, ha="center", va="center")
+    bars = case.sensor_frame.bars
+    if bars is not None:
+        ends = [(home[:3] + ring.points @ turn.T) / MM for ring in (bars.lower, bars.upper)]
+        for k, (low, high) in enumerate(zip(*ends, strict=True)):
+            axes.plot(
+                *zip(low, high, strict=True), color="tab:red", linewidth=1.5, label=None if k else "sensors 1 to 6"
+            )
+            axes.text(*high, f"{k + 1}", color="tab:red", fontsize="small", va="bottom")
+    _draw_around(axes, case, np.vstack([base, platform]))
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
+    axes.text2D(0.98, 0.92, "z [mm]", transform=axes.transAxes, ha="right")
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left")
+
+
+def _draw_around(axes: Axes3D, case: Case, points: Array) -> None:
+    """Tools at home, and boxes that are kept out of, as far as they stand beside points of the machine, in mm."""
+    machine, workspace, _ = case.need_machine("the picture of the machine")
+    home = machine.home.vector
+    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
+    tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
+    extent = np.vstack([points, *tools])
+    boxes = box_outlines(workspace.keep_out, *room(extent.min(axis=0), extent.max(axis=0), workspace.keep_out))
+    for lines, colour, label in ((tools, "tab:purple", "tools"), (boxes, "tab:orange", "kept out")):
+        for k, line in enumerate(lines):
+            axes.plot(*line.T, color=colour, linewidth=1.0, label=None if k else label)
+
+
+def draw_coordinates(axes: Axes, reach: Reach) -> None:
+    """One bar a coordinate: what is stated, and what is reachable of it with the others at home."""
+    case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
+    for row, (outer, inner) in enumerate(zip(case_ranges, reachable, strict=True)):
+        size = max(-outer[0], outer[1])
+        for (low, high), height, colour, label in (
+            (outer, 0.5, "0.85", "stated"),
+            (inner, 0.25, "tab:green", "reachable, the others at home"),
+        ):
+            axes.barh(row, (high - low) / size, height, low / size, color=colour, label=None if row else label)
+        for end, whole, side in zip(inner, outer, ("left", "right"), strict=True):
+            colour = "0.2" if end == whole else "red"
+            axes.text(end / size, row + 0.38, f"{end:.3g}", ha=side, va="center", fontsize="small", color=colour)
+    axes.axvline(0.0, color="0.4", linewidth=0.8)
+    axes.set_yticks(range(len(reach.keys)), [f"{key.split('_')[0]} [{key.split('_')[1]}]" for key in reach.keys])
+    axes.set(xlim=(-1.1, 1.1), xticks=[], ylim=(len(reach.keys) - 0.3, -0.5))
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, ncols=2)
+    axes.set_title(f"{share_words(reach)} of the motion box reachable")
+
+
+MOST_POINTS = 4000  # points of a line; more cannot be seen
+_TITLES = (
+    "struts", "strut velocities", "drive positions", "drive velocities", "pose", "rotation", "accelerometer", "forces",
+    "forces and moments",
+)  # fmt: skip
+_PANEL = 2.2  # inches
+
+
+def look_figure(found: Look) -> Figure:
+    """Every column of numbers over time, or over the rows where there is no clock."""
+    panels = list(_panels(found.columns))
+    figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
+    t, label = _time(found)
+    step = -(-found.rows // MOST_POINTS)
+    all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (title, columns) in zip(all_axes, panels, strict=True):
+        for column in columns:
+            axes.plot(t[::step], column.values[::step], linewidth=0.8, label=_legend(column))
+        units = {column.unit for column in columns if column.unit}
+        axes.set_ylabel(f"[{units.pop()}]" if len(units) == 1 else "")
+        axes.set_title(title, loc="left", fontsize="small")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="x-small", frameon=False)
+        axes.grid(alpha=0.25)
+    all_axes[-1].set_xlabel(label)
+    return figure
+
+
+def _legend(column: Column) -> str:
+    name = column.name if column.ours in (None, column.name) else f"{column.name} = {column.ours}"
+    return name.replace("$", r"\$") + (" ?" if column.guessed else "")
+
+
+def _time(report: Look) -> tuple[Array, str]:
+    clock = next((c for c in report.columns if c.ours == CLOCK), None)
+    if clock is not None:
+        return (clock.values - clock.values[0]) * CLOCKS[clock.unit], "time from the first row [s]"
+    period = report.settings.get("clock", {}).get("period_ms")
+    if period is not None:
+        return np.arange(report.rows) * period / 1e3, "time from the first row [s]"
+    return np.arange(1.0, report.rows + 1.0), "row"
+
+
+def _panels(columns: Sequence[Column]) -> Iterator[tuple[str, list[Column]]]:
+    """Titles and columns of the panels: groups that are known, then single columns, then what means nothing."""
+    numbers = [column for column in columns if len(column.values) and column.ours != CLOCK]
+    grouped = {ours for group in GROUPS for ours in group}
+    for title, group in zip(_TITLES, GROUPS, strict=True):
+        members = [column for column in numbers if column.ours in group]
+        if members:
+            yield title, members
+    for column in numbers:
+        if column.ours is not None and column.ours not in grouped:
+            yield column.ours.replace("_", " "), [column]
+    unknown = [column for column in numbers if column.ours is None]
+    if unknown:
+        yield "without a meaning for hexcite", unknown

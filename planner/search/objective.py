@@ -1,0 +1,186 @@
+"""The objective of a search: the criteria of Table 4 as smooth functions of an information matrix, twice derived.
+
+A and D are exact. K and N contain the largest and the smallest eigenvalue, which have no derivative where eigenvalues
+meet; they are replaced by p-norms, max <= (sum lambda^p)^(1/p) <= u^(1/p) max, and rated exactly afterwards.
+
+Every criterion is a function of the eigenvalues of F alone. With f_a and f_ab its derivatives by them, and
+h = U^T dF U in the eigenvectors U of F (Lewis and Sendov, SIAM J. Matrix Anal. Appl. 23, 2001, 368),
+
+    df   = sum_a f_a h_aa
+    d^2f = sum_ab f_ab h_aa h_bb + sum_a!=b (f_a - f_b) / (lambda_a - lambda_b) h_ab^2.
+
+Where sensors have errors of the pose, F is the information that these leave, by the states of a motion: with y = A X,
+X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.noise`), a change dA of the regressor of state i, of
+share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B^T), where
+B = y^T (dA - h) + (A - y - r)^T dA X and h = sum_j dC_ij w_j A_j X: a product of rows with slopes, like that of F.
+"""
+
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from identification.estimation.fit import squared_distances
+from planner.noise import PoseErrors
+from planner.search.states import SHARE, Kernel, state_size
+
+Array = NDArray[np.float64]
+
+EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is taken as the derivative
+
+
+class Local(NamedTuple):
+    """A criterion, to be minimised and of order one, near an information matrix."""
+
+    # A: log(trace F^-1 / u); D: -log det F / u; K: log of mu_1 / mu_u; N: log of mu_1 / mu_u^2. Not a number where F is
+    # not positive definite
+    value: float
+    vectors: Array  # eigenvectors of F, one a column, shape (u, u)
+    first: Array  # derivatives by the eigenvalues, shape (u,)
+    second: Array  # second derivatives by the eigenvalues, shape (u, u)
+    quotients: Array  # (f_a - f_b) / (lambda_a - lambda_b), shape (u, u)
+
+    @property
+    def slope(self) -> Array:
+        """Derivative by F, shape (u, u), symmetric."""
+        return np.asarray((self.vectors * self.first) @ self.vectors.T)
+
+
+def criterion_at(letter: str, information: Array, halvings: int = 0) -> Local:
+    """The criterion and its derivatives.
+
+    Args:
+        letter: A, D, K or N.
+        information: F, shape (u, u).
+        halvings: exponent of the p-norms of K and N, p = 2^(halvings + 1).
+    """
+    size = len(information)
+    nothing = np.full((size, size), np.nan)
+    if not np.isfinite(information).all():
+        return Local(np.nan, nothing, nothing[0], nothing, nothing)
+    eigenvalues, vectors = np.linalg.eigh(information)
+    if eigenvalues[0] <= 0.0:
+        return Local(np.nan, vectors, nothing[0], nothing, nothing)
+    value, first, second = _of_eigenvalues(letter, eigenvalues, halvings)
+    difference = eigenvalues[:, None] - eigenvalues[None, :]
+    equal = np.abs(difference) <= EQUAL * eigenvalues
+    own = np.diag(second)[:, None] - second
+    quotients = np.where(equal, own, (first[:, None] - first) / np.where(equal, 1.0, difference))
+    return Local(value, vectors, first, second, quotients)
+
+
+class _OfEigenvalues(NamedTuple):
+    """A function of the eigenvalues: value, first and second derivatives, shapes (), (u,) and (u, u)."""
+
+    value: float
+    first: Array
+    second: Array
+
+
+def _log_norm(eigenvalues: Array, exponent: float) -> _OfEigenvalues:
+    """Log (sum lambda^p) / p; p below zero: of the inverse's p-norm, with its sign."""
+    logs = exponent * np.log(eigenvalues)
+    weights = np.exp(logs - logs.max())
+    total = weights.sum()
+    weights /= total
+    shares = weights / eigenvalues
+    second = np.diag((exponent - 1) * shares / eigenvalues) - exponent * np.outer(shares, shares)
+    return _OfEigenvalues(float(np.log(total) + logs.max()) / exponent, shares, second)
+
+
+def _of_eigenvalues(letter: str, eigenvalues: Array, halvings: int) -> _OfEigenvalues:
+    size = len(eigenvalues)
+    if letter == "D":
+        value = -float(np.log(eigenvalues).mean())
+        return _OfEigenvalues(value, -1 / eigenvalues / size, np.diag(1 / eigenvalues**2) / size)
+    if letter == "A":
+        inverse = _log_norm(eigenvalues, -1.0)
+        return _OfEigenvalues(-inverse.value - np.log(size), -inverse.first, -inverse.second)
+    largest, smallest = (_log_norm(eigenvalues, sign * 2.0 ** (halvings + 1)) for sign in (1, -1))
+    share = 0.5 if letter == "K" else 1.0
+    return _OfEigenvalues(
+        largest.value / 2 - share * smallest.value,
+        largest.first / 2 - share * smallest.first,
+        largest.second / 2 - share * smallest.second,
+    )
+
+
+class Felt(NamedTuple):
+    """An information matrix S and its derivatives by K states: dS = share (rows^T slopes + slopes^T rows)."""
+
+    information: Array  # S, shape (u, u)
+    rows: Array  # shape (K, r u)
+    slopes: Array  # slopes by the components of the state, shape (K, d, r u)
+    own: Array  # dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u)
+
+
+class FieldByStates:
+    """Errors of the pose at the states of a motion.
+
+    Args:
+        errors: errors of the machine.
+        duration: duration of the motion [s].
+    """
+
+    def __init__(self, errors: PoseErrors, duration: float) -> None:
+        state = ca.SX.sym("state", state_size(6))
+        self.errors, self.gain = errors, errors.rate * duration
+        self.struts = Kernel(state, errors.hexapod.inverse(state[:6]))
+
+    def _parts(self, states: Array, regressors: Array, struts: Array) -> tuple[Array, Array, Array, Array]:
+        """A, w Q A (Q mixes channels), R and M of K states, shapes (K, 6, u) thrice and (u, u)."""
+        shares = states[:, SHARE]
+        matrices = regressors.reshape(len(states), 6, -1)
+        weighted_rows = matrices * shares[:, None, None]
+        mixed = weighted_rows if self.errors.mixing is None else self.errors.mixing @ weighted_rows
+        answer = self.errors.correlation(struts, struts) @ mixed.reshape(len(states), -1)
+        answer = self.gain * answer.reshape(matrices.shape)
+        return matrices, mixed, answer, np.tensordot(weighted_rows, matrices + answer, ((0, 1), (0, 1)))
+
+    def information(self, states: Array, regressors: Array) -> Array:
+        """S, shape (u, u), of states, shape (K, d), and A, shape (K, 6 u)."""
+        matrices, _, _, scatter = self._parts(states, regressors, self.struts.values(states))
+        plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
+        return _estimate(plain, scatter)[1]
+
+    def felt(self, states: Array, regressors: Array, slopes: Array) -> Felt:
+        """S and its derivatives.
+
+        Args:
+            states: shape (K, d).
+            regressors: A, shape (K, 6 u).
+            slopes: slopes of A by the states, shape (K, d, 6 u).
+        """
+        struts, ways = self.struts.slopes(states)
+        matrices, mixed, answer, scatter = self._parts(states, regressors, struts)
+        plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
+        turn, information = _estimate(plain, scatter)
+        y, rotated_answer = matrices @ turn, answer @ turn
+        changed = slopes.reshape(*slopes.shape[:2], 6, -1)
+        shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
+        flat = (len(states), -1)
+        return Felt(
+            information,
+            np.concatenate([y, matrices - y - rotated_answer], axis=1).reshape(flat),
+            np.concatenate([shifted, changed @ turn], axis=2).reshape(*slopes.shape[:2], -1),
+            np.concatenate([2.0 * (matrices - rotated_answer) - y, np.zeros_like(y)], axis=1).reshape(flat),
+        )
+
+    def _pulled(self, struts: Array, answer: Array) -> Array:
+        """Sum over j of dC_ij/dl_i times answer_j, by each strut, shape (K, 6, 6 u)."""
+        length, flat = self.errors.field.length, answer.reshape(len(answer), -1)
+        distance = np.sqrt(squared_distances(struts, struts)) / length
+        kernel = -3.0 * self.gain / length**2 * np.exp(-np.sqrt(3.0) * distance)
+        whole = kernel @ flat
+        return np.stack([struts[:, k, None] * whole - kernel @ (struts[:, k, None] * flat) for k in range(6)], axis=1)
+
+
+def _estimate(plain: Array, scatter: Array) -> tuple[Array, Array]:
+    """X = M^-1 F and S = F X, shapes (u, u); not a number where M is singular: the solver then steps back."""
+    try:
+        turn = np.linalg.solve(scatter, plain)
+    except np.linalg.LinAlgError:
+        turn = np.full(plain.shape, np.nan)
+    information = plain @ turn
+    return np.asarray(turn), np.asarray((information + information.T) / 2.0)

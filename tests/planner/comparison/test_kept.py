@@ -1,0 +1,76 @@
+"""What an unfinished validation leaves behind is found again, and only by what it follows from."""
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+from cases.errors import FileProblem
+from planner.comparison.carrying_out import ValidationSettings, unfinished
+from planner.comparison.validation import validate
+from planner.interruption import Interrupted
+from tests.planner.comparison.excitations import CASE
+
+
+class Stopped(Exception):
+    """Something that ends a validation."""
+
+
+@pytest.mark.slow
+def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def run_validation(plans: Path | None = None, name: str = "v") -> Any:
+        settings, out = ValidationSettings("virtual", 1, 0, plans), tmp_path / name
+        with unfinished(out, CASE, settings) as work:
+            found = validate(CASE, ["Q5N"], [0, 3], settings, folder=work)
+            found.save(out)
+        return found.to_json()
+
+    kept = tmp_path / "v.unfinished"
+
+    def ends(by: BaseException) -> None:
+        def steps(*_: object) -> NoReturn:
+            raise by
+
+        monkeypatch.setattr("planner.comparison.carrying_out.steps", steps)
+        with pytest.raises(type(by)) as raised:
+            run_validation()
+        assert [p.name for p in tmp_path.iterdir()] == ["v.unfinished"]
+        if isinstance(by, Interrupted):
+            assert "kept in v.unfinished" in str(raised.value)
+
+    ends(Interrupted())
+    plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
+    monkeypatch.setattr("planner.comparison.carrying_out.poses_planned", None)  # nothing is planned again
+    ends(Stopped())
+    assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
+    monkeypatch.undo()
+    monkeypatch.setattr("planner.comparison.carrying_out.poses_planned", None)
+    resumed = run_validation()
+    assert [p.name for p in tmp_path.iterdir()] == ["v"]
+    assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan
+    at_once = run_validation(tmp_path / "v", "w")
+    assert resumed["rows"] == at_once["rows"]
+    assert resumed["executed"] == at_once["executed"]
+
+
+def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
+    def left(settings: ValidationSettings, make: bool, overwrite: bool = False) -> bool:
+        with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings, overwrite) as folder:
+            known = (folder / "plans" / "ptp" / "plan.json").is_file()
+            if make:
+                (folder / "plans" / "ptp").mkdir(exist_ok=True)
+                (folder / "plans" / "ptp" / "plan.json").touch()
+            raise Stopped
+        return known
+
+    assert not left(ValidationSettings("virtual", 2, 0), True)
+    assert left(ValidationSettings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
+    with pytest.raises(FileProblem, match="overwrite"):
+        left(ValidationSettings("virtual", 2, 1), False)
+    assert not left(ValidationSettings("virtual", 2, 1), False, overwrite=True)
+    assert not (tmp_path / "v.unfinished").exists()  # nothing in it is worth keeping
+    (tmp_path / "v.unfinished").mkdir()
+    (tmp_path / "v.unfinished" / "diary.txt").touch()
+    with pytest.raises(FileProblem, match=r"v\.unfinished: is not an unfinished validation .*diary\.txt"):
+        left(ValidationSettings("virtual", 2, 0), False)

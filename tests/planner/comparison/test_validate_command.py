@@ -1,0 +1,85 @@
+"""The command `validate`: simulated machines, recordings of a real one, and what it refuses."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+
+from cases.recording_format import STRUTS
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.simulate import Circumstances
+from tests.helpers import few
+from tests.planner.browser import opened
+from tests.planner.command_line import call, refused
+from tests.planner.comparison.excitations import CASE, poses
+from tests.simulated_machine import simulate_standstills
+
+Q5N = (1.81, 1.93, 2.07, 2.33, 2.74, 3.14)  # Table 7
+
+
+@pytest.mark.parametrize("weights", few("0", "0,5"))
+def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, tmp_path: Path, browser: Browser):
+    answer = call(
+        "validate", "hexapod", "--methods", "Q5N", "--weights", weights, "-o", tmp_path / "v", "--json"
+    ).json()
+    assert answer["simulated"] is True
+    assert "structural mode" in answer["machine"]
+    assert answer["not_run"] == {}
+    assert [row["weights"] for row in answer["rows"]] == [int(k) for k in weights.split(",")]
+    for row in answer["rows"]:
+        printed = Q5N[row["weights"]]
+        assert printed / 1.5 < row["s0_N"] < printed * 1.5
+        assert row["duration_s"] == pytest.approx(70.0, abs=2.0)
+        assert abs(row["relative_deviation"]["m"]) < 0.02
+    held = {p.name for p in (tmp_path / "v").iterdir()}
+    assert held == {"report.html", "validation.json", "plans", "programs"}
+    assert (tmp_path / "v" / "programs" / "Q5N.mpf").is_file()
+    with opened(browser, Path(answer["report"]), 400) as tab:
+        assert (tab.errors, tab.requests) == ([], [])
+        assert f"{20 * int(weights[-1])} kg" in tab.page.locator("table").nth(1).inner_text()
+
+
+def write_standstills(case: Case, file: Path, weights: int) -> None:
+    """As a real machine would record it: struts and forces, a row a pose."""
+    around = Circumstances(case.payloads.weights[:weights])
+    recording = simulate_standstills(case, poses(), 1000, weights, around)
+    struts = Hexapod.of(case).strut_lengths(poses()) * 1e3
+    header = ",".join((*STRUTS, *(f"f{k}_N" for k in range(1, 7))))
+    np.savetxt(file, np.hstack([struts, recording.forces]), delimiter=",", header=header, comments="", fmt="%.8f")
+
+
+def test_recordings_of_a_machine_are_validated_without_knowing_its_truth(tmp_path: Path):
+    (tmp_path / "runs" / "static").mkdir(parents=True)
+    for k in range(3):
+        write_standstills(CASE, tmp_path / "runs" / "static" / f"{k}.csv", k)
+    answer = call("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "v", "--json").json()
+    assert answer["simulated"] is False
+    assert [row["method"] for row in answer["rows"]] == ["static"] * 3
+    for row in answer["rows"]:
+        assert row["error_in_std"] == {}
+        assert abs(row["relative_deviation"]["m"]) < 5e-3
+        assert abs(row["relative_deviation"]["f_q0_3"]) < 1e-3
+    runs = ("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "w")
+    assert "holds no folder of that name, but static" in refused(*runs, "--methods", "ptp")
+    for option in (("--weights", "0"), ("--on", "linuxcnc"), ("--plans", tmp_path), ("--undisturbed",)):
+        assert f"{option[0]}: nothing is simulated with --recordings" in refused(*runs, *option)
+    (tmp_path / "runs" / "static" / "1.csv").unlink()
+    assert "holds runs up to 2, but not 1" in refused(*runs, "--methods", "static")
+    assert not (tmp_path / "w").exists()
+
+
+def test_what_cannot_be_validated_is_refused(tmp_path: Path):
+    assert "method 'Q6' is unknown" in refused("validate", "hexapod", "--methods", "Q6", "-o", tmp_path / "v")
+    assert "name each once" in refused("validate", "hexapod", "--methods", "ptp,ptp", "-o", tmp_path / "v")
+    assert "how many are mounted" in refused("validate", "hexapod", "--weights", "1", "-o", tmp_path / "v")
+    assert "holds no plan" in refused(
+        "validate", "hexapod", "--methods", "Q5N", "--plans", tmp_path, "-o", tmp_path / "v"
+    )
+    assert "payloads: is missing" in refused("validate", "ft_wrist", "-o", tmp_path / "v")
+    (tmp_path / "runs" / "one").mkdir(parents=True)
+    write_standstills(CASE, tmp_path / "runs" / "one" / "0.csv", 0)
+    said = refused("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "v")
+    assert "a validation needs at least 0 and 1" in said
+    assert not (tmp_path / "v").exists()

@@ -1,0 +1,144 @@
+"""What `hexcite case check` notices beside errors: what commands miss, values of other machines, mistaken units."""
+
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cases.errors import CaseError
+from cases.loading import built_in_cases, load_case
+from cases.scaffold import NEEDS, readiness
+from cases.schema import Case
+from planner.families.settings import Fourier
+from planner.reports.case_figures import leftovers
+from planner.request import Request
+from planner.search.inside import require_plannable
+from tests.planner.command_line import call, refused
+
+
+def own(change: Callable[[Any], object] = lambda data: None) -> Case:
+    """A machine begun from the hexapod."""
+    data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8")) | {"name": "mine"}
+    change(data)
+    return Case.model_validate(data)
+
+
+def mine(tmp_path: Path, *changes: tuple[str, str]) -> Path:
+    file = tmp_path / "case.toml"
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace('name = "hexapod"', 'name = "mine"')
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_built_in_cases_are_as_they_are_meant() -> None:
+    assert [leftovers(load_case(name)) for name in built_in_cases()] == [()] * len(built_in_cases())
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda _: None, "machine, workspace, limits, .*: still the values of the built-in case hexapod"),
+        (lambda d: d["nominal"].update(mass_kg=2.1), "body.mass_kg = .* times nominal.mass_kg = 2.1"),
+        (lambda d: d["poses"].update(x_mm=[-900.0, 900.0, 300.0]), r"poses.x_mm = -900 to 900 leaves workspace.x_mm"),
+        (lambda d: d.update(gravity_m_s2=[0.0, 0.0, 9.81]), r"gravity points down: change its sign"),
+        (lambda d: d["workspace"].update(base_joint_angle_deg=0.96), "base_joint_angle_deg: .* look like radians"),
+        (lambda d: d["limits"]["motion"].update({f"{k}_deg": [-0.3, 0.3] for k in "abc"}), "a_deg, b_deg"),
+        (lambda d: d["machine"]["home"].update(z_mm=0.9), "machine.home.z_mm: .* looks like metres"),
+        (lambda d: d["machine"]["base"]["ring"].update(half_angle_deg=0.21), "base.ring.half_angle_deg: .* radians"),
+    ],
+)  # fmt: skip
+def test_what_is_hardly_meant_is_noticed(change: Callable[[Any], object], says: str) -> None:
+    assert any(re.search(says, sentence) for sentence in leftovers(own(change)))
+
+
+def test_what_each_command_misses_is_said_before_it_is_tried() -> None:
+    case = own(lambda d: d.pop("nominal"))
+    missing = readiness(case)
+    assert set(missing) == set(NEEDS)
+    assert missing["plan"] == ("nominal",)
+    assert missing["bound"] == ()
+    with pytest.raises(CaseError, match="nominal: is missing"):
+        require_plannable(Request(Fourier()), case)
+
+
+def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:
+    case = own(lambda d: d["controller"].pop("linuxcnc"))
+    missing = readiness(case)
+    assert missing["post --dialect linuxcnc"] == ("controller.linuxcnc",)
+    assert missing["post --dialect sinumerik"] == missing["plan"] == ()
+
+
+def test_a_validation_needs_the_language_of_its_programs() -> None:
+    case = own(lambda d: d["controller"].pop("sinumerik"))
+    assert readiness(case)["validate"] == ("controller.sinumerik",)
+
+
+def test_case_check_prints_both(tmp_path: Path) -> None:
+    file = mine(tmp_path)
+    answer = call("case", "check", file, "--json").json()
+    assert answer["missing"]["plan"] == []
+    (remark,) = [remark for remark in answer["remarks"] if "built-in case" in remark]
+    for table in ("machine", "sensor_frame", "simulation", "payloads"):
+        assert table in remark.split(":")[0].split(", ")
+    assert "look at machine" in call("case", "check", file).out
+
+
+def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_home(tmp_path: Path) -> None:
+    frame = (("146.0", "0.146"), ("171.0", "0.171"), ("z_mm = 9.0", "z_mm = 0.009"), ("z_mm = 121.0", "z_mm = 0.121"))
+    answer = call("case", "check", mine(tmp_path, *frame))
+    assert answer.code == 1
+    assert "sensor force" in answer.refusal()
+    assert re.search("look at .*sensor_frame.bars.lower.ring.radius_mm: 0.14.* mm .* metres", answer.out)
+
+
+def test_case_check_says_once_what_several_commands_miss() -> None:
+    told = [line for line in call("case", "check", "ft_wrist").out.splitlines() if line.startswith("not ready for")]
+    lacks = [line.split("misses ")[1] for line in told]
+    assert len(lacks) == len(set(lacks)) < 10
+    (dialects,) = [line for line in told if "sinumerik" in line]
+    assert "twincat" in dialects
+
+
+def test_case_check_lists_all_problems(tmp_path: Path) -> None:
+    file = mine(
+        tmp_path, ("mass_kg = ", "mass = "), ("settle_s = ", "settle = "), ("range_N = 5000.0", "range_N = -1.0")
+    )
+    answer = call("case", "check", file)
+    assert answer.code == 1
+    assert len(answer.out.splitlines()) >= 5
+    assert "more problems; hexcite case check lists all" in answer.err
+    line = refused("case", "check", file, "--json")
+    assert all(problem in line for problem in answer.out.splitlines())
+
+
+def test_rules_of_the_whole_case_are_all_told(tmp_path: Path) -> None:
+    file = mine(tmp_path, ("safe_feed_mm_min = ", "safe_feed_mm_min = 999"))
+    text = file.read_text(encoding="utf-8")
+    motion = text.index("[limits.motion]")
+    start = text.index("x_mm = [", motion)
+    file.write_text(text[:start] + "x_mm = [-5000.0, 5000.0]" + text[text.index("\n", start) :], encoding="utf-8")
+    problems = call("case", "check", file).out
+    assert "safe_feed_mm_min" in problems
+    assert "limits.motion.x_mm" in problems
+
+
+@pytest.mark.parametrize(
+    ("new", "says"),
+    [
+        ("range_N = 5000,0", "is not TOML: .*write decimal points, not commas"),
+        ('range_N = "5000,0"', "is text with a decimal comma; write 5000.0, without quotes"),
+    ],
+)
+def test_decimal_commas_are_told_as_such(new: str, says: str, tmp_path: Path) -> None:
+    assert re.search(says, refused("case", "check", mine(tmp_path, ("range_N = 5000.0", new))))
+
+
+def test_a_decimal_comma_in_a_list_is_told_as_such(tmp_path: Path) -> None:
+    line = refused("case", "check", mine(tmp_path, ("gravity_m_s2 = [0.0, 0.0, -9.8", "gravity_m_s2 = [0, 0, -9,8")))
+    assert "a decimal comma counts as two entries" in line
