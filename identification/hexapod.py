@@ -49,7 +49,7 @@ class StrutsDoNotClose(IdentificationError):
         self.sample, self.lengths = sample, lengths
         words = ", ".join(f"{v * 1e3:.3f}" for v in lengths)
         problem = f"no pose has the strut lengths {words} mm"
-        super().__init__(place or f"sample {sample + 1}", problem, "check unit, order and offset of the struts")
+        super().__init__(place or f"sample {sample + 1}", problem, "check unit, sign, order and offset of the struts")
 
 
 class Hexapod:
