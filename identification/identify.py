@@ -20,8 +20,9 @@ from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
 from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Finding, Kind, note, warning
+from identification.findings.bodies import doubtful_body
 from identification.findings.contact import contacts_told, free_of_contact, touched
-from identification.findings.fit_checks import CHECKS, far_off, leaves_much, no_body, other_mass, require_scale
+from identification.findings.fit_checks import CHECKS, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
@@ -102,10 +103,7 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     softer = _below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
     if softer is not None:
         estimate = replace(_evaluated(recording, softer, model, method, conditioning), case=case)
-    require_scale(model, estimate.fit.values, case)
-    values = estimate.fit.values
-    doubts = [*other_mass(model, values, case), *far_off(model, values, case), *no_body(model, estimate.fit)]
-    return replace(estimate, findings=(*estimate.findings, *doubts))
+    return replace(estimate, findings=(*estimate.findings, *doubtful_body(model, estimate.fit, case)))
 
 
 def samples_of(

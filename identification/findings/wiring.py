@@ -64,9 +64,9 @@ class Order(NamedTuple):
         negative = [k + 1 for k, sign in enumerate(self.signs) if sign < 0]
         if len(negative) == 6:
             return f"the signs of all {what} are turned"
+        if len(negative) == 1:
+            return f"the sign of {what[:-1]} {negative[0]} is turned"
         if negative:
-            if len(negative) == 1:
-                return f"the sign of {what[:-1]} {negative[0]} is turned"
             return f"the signs of {what} {', '.join(map(str, negative))} are turned"
         if self.places == tuple(range(5, -1, -1)):
             return f"{what} are in reverse order"
@@ -108,13 +108,11 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     weighted, newtons = _left(data, data.regressors)
     if not negative and weighted < SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
         return None
-    candidates: list[_Candidate] = []
-    for order in orders_of(signs=True):
-        candidates.append((_left(data, data.regressors, order, mass), "force", order))
+    candidates = [(_left(data, data.regressors, order, mass), "force", order) for order in orders_of(turned=True)]
     if data.struts is not None:
-        orders = list(orders_of(signs=case.recording.drives is not None))
-        for order, matrices in zip(orders, _regressors_of(data, case, model, orders), strict=True):
-            candidates.append((_left(data, matrices, mass=mass), "strut", order))
+        orders = list(orders_of(turned=case.recording.drives is not None))
+        tried = zip(_regressors_of(data, case, model, orders), orders, strict=True)
+        candidates += [(_left(data, matrices, mass=mass), "strut", order) for matrices, order in tried]
     least, *_ = min(candidates, key=lambda f: f[0])[0]
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
@@ -133,8 +131,7 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     return f"{names}: residuals {_in_words(data, *alike[0][0])}{instead}; {remedies}"
 
 
-_Candidate = tuple[tuple[float, float], str, Order]
-"""Residuals as `_left` has them, the side, and the order that leaves them."""
+_Candidate = tuple[tuple[float, float], str, Order]  # residuals as `_left` has them, side, order that leaves them
 
 
 def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
@@ -180,17 +177,13 @@ def _remedy(case: Case, side: str, order: Order) -> str:
     return f"write in [recording.columns]: {', '.join(entries)}"
 
 
-def orders_of(signs: bool) -> Iterator[Order]:
-    """Exchanged pairs, up to three at once, shifts, and where `signs` is set turned signs."""
-    for places in _exchanges(tuple(range(6))):
-        if places != tuple(range(6)):
-            yield Order(places)
+def orders_of(turned: bool) -> Iterator[Order]:
+    """Exchanged pairs, up to three at once, shifts, and signs where they may be `turned`."""
+    yield from (Order(places) for places in _exchanges(STRAIGHT.places) if places != STRAIGHT.places)
     for shift in (1, 2, 4, 5):  # a shift by 3 exchanges pairs
         yield Order(tuple((k + shift) % 6 for k in range(6)))
-    if signs:
-        for directions in product((1, -1), repeat=6):
-            if -1 in directions:
-                yield Order(tuple(range(6)), directions)
+    if turned:
+        yield from (Order(STRAIGHT.places, signs) for signs in product((1, -1), repeat=6) if -1 in signs)
 
 
 def _exchanges(free: Sequence[int]) -> Iterator[tuple[int, ...]]:

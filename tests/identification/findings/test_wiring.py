@@ -19,7 +19,7 @@ from tests.helpers import HOME, few, one_line
 from tests.identification.test_findings import CASE, MODEL, MOTIONS, run
 from tests.simulated_machine import simulate_standstills
 
-ORDERS = list(orders_of(signs=False))
+ORDERS = list(orders_of(turned=False))
 
 
 def recorded_in(order: Order, columns: np.ndarray) -> np.ndarray:
