@@ -69,18 +69,15 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     listener.begin(request)
     own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
-    rival = _rival(request, case)
-    late = patience.refined == 1  # the rival then has the core that one refinement leaves free
-    results, interrupted = _explored(request, own, case, [] if late else rival, listener, run, patience.exploring())
+    results, interrupted = _explored(request, own, case, listener, run, patience.exploring())
     explored, _ = _of_families(results, request)
     score = max((s.score for s in explored if s.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
     rough = [s for s in explored if not s.refined and s.promise > score]
     best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
             for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
-    last = [*best, *(rival if late else [])]
-    if last and not interrupted:
-        second = run(last, listener, patience)
+    if best and not interrupted:
+        second = run(best, listener, patience)
         results, interrupted = results + second.results, second.interrupted
     starts, others = _of_families(results, request)
     starts.sort(key=lambda s: -s.score)
@@ -131,15 +128,9 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
 
 
 def _explored(
-    request: Request,
-    own: Controlled,
-    case: Case,
-    rival: Sequence[Task],
-    listener: Listener,
-    run: Runner,
-    patience: Patience,
+    request: Request, own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience
 ) -> Outcome:
-    """Results of all starts, those of `rival` among them, and whether Ctrl-C ended them.
+    """Results of all starts, that of another family to compare with among them, and whether Ctrl-C ended them.
 
     `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
     that follow go to the best of them.
@@ -154,7 +145,7 @@ def _explored(
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     everything: list[Start | Failed] = []
-    tasks += rival
+    tasks += _rival(request, case)
     while True:
         outcome = run(tasks, listener, patience)
         everything += outcome.results
