@@ -208,7 +208,7 @@ class Fourier(FamilySettings):
         return tuple(choices)
 
     def refinements(self, criterion: str) -> int:
-        """One by D: of ten machines, the second best was better in the end on one, by 0.5 %.
+        """One by D: of nine machines, the second best was better in the end on one, by 0.5 %.
 
         Of a setting that is left free two, and by the other criteria, which have more local optima, four.
         """
