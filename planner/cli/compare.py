@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, Stale, print_json, print_table, progress, status
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
     from planner.comparison.advising import Comparison
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def compare(
     folders: Annotated[list[Path], typer.Argument(help="Folders of plan, poses, run and identify, in any mix.")],
-    case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; the folders know theirs.")] = None,
+    case: OwnCase = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-comparison by default.")
     ] = None,

@@ -1,11 +1,12 @@
 """`hexcite force`, `tare`, `payload` and `export`: identified parameters in use."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, Stale, print_json, print_table
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table
 
 
 def export(
@@ -17,7 +18,7 @@ def export(
             help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), urscript, json.",
         ),
     ],
-    case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; a result knows its own.")] = None,
+    case: OwnCase = None,
     force: Annotated[
         bool, typer.Option("--force", help="Export a result with warnings; they are written into the file.")
     ] = False,
@@ -57,16 +58,12 @@ UNITS = ("N", "N", "N", "N m", "N m", "N m")
 WRENCH = tuple(f"{axis}_{unit.replace(' ', '')}" for axis, unit in zip(AXES, UNITS, strict=True))
 
 Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
-CaseOption = Annotated[
-    str | None,
-    typer.Option("--case", help="Built-in name, folder or file; a recording folder and a result know theirs."),
-]
 
 
 def force(
     recording: Annotated[Path, typer.Argument(help="Recording: a CSV file, or a folder of hexcite run.")],
     parameters: Parameters,
-    case: CaseOption = None,
+    case: OwnCase = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="CSV file to write; RECORDING-force.csv by default.")
     ] = None,
@@ -91,7 +88,7 @@ def force(
     remarks += saved.remarks(loaded, stale)
     result = external_force(on_one_clock(read(recording, loaded), loaded), loaded, saved)
     with atomic_file(file) as part:
-        _write(part, result)
+        _write(part, result, remarks)
     answer: dict[str, Any] = {
         "force": str(file),
         "samples": len(result.t),
@@ -111,7 +108,8 @@ def force(
     print(f"written: {file} ({len(result.t)} samples, behind the filter of the case)")
 
 
-def _write(file: Path, result: Any) -> None:
+def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
+    """Columns, behind a comment for each remark on a case that has changed since."""
     import numpy as np
     import pyarrow as pa
     import pyarrow.csv as pacsv
@@ -119,13 +117,15 @@ def _write(file: Path, result: Any) -> None:
     from cases.recording_format import WRENCH
 
     table = {"t_s": result.t} | {name: np.ascontiguousarray(result.wrench[:, k]) for k, name in enumerate(WRENCH)}
-    pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
+    with file.open("wb") as out:
+        out.writelines(f"# {remark}\n".encode() for remark in remarks)
+        pacsv.write_csv(pa.table(table), out, pacsv.WriteOptions(quoting_style="none"))
 
 
 def tare(
     recording: Annotated[Path, typer.Argument(help="Recording of a standstill without contact.")],
     parameters: Parameters,
-    case: CaseOption = None,
+    case: OwnCase = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Result folder to write; RESULT-tared by default.")
     ] = None,
@@ -170,9 +170,7 @@ def tare(
 def payload(
     before: Annotated[Path, typer.Argument(help="Result folder without the payload.")],
     after: Annotated[Path, typer.Argument(help="Result folder with it.")],
-    case: Annotated[
-        str | None, typer.Option("--case", help="Built-in name, folder or file; a result knows its own.")
-    ] = None,
+    case: OwnCase = None,
     stale: Stale = False,
     json: Json = False,
 ) -> None:

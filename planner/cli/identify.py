@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, Stale, print_json, print_table, status
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table, status
 
 if TYPE_CHECKING:
     from identification.formats.looked import Column, Look
@@ -16,9 +16,7 @@ def identify(
         list[Path],
         typer.Argument(help="One run: a file, several files of it in any order, or a folder of hexcite run."),
     ],
-    case: Annotated[
-        str | None, typer.Option(help="Built-in name, folder or file; a recording folder knows its own.")
-    ] = None,
+    case: OwnCase = None,
     model: Annotated[
         int | None, typer.Option(help="Identification model, 0 to 9; by default what the run can carry.")
     ] = None,

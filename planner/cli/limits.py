@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
+from planner.cli.console import (
+    LIMIT_COLUMNS,
+    Json,
+    Overwrite,
+    OwnCase,
+    Stale,
+    limit_rows,
+    print_json,
+    print_table,
+    status,
+)
 
 if TYPE_CHECKING:
     from identification.limit import LimitReport
@@ -104,7 +114,7 @@ def _show_bound(answer: dict[str, Any]) -> None:
 
 def retime(
     source: Annotated[Path, typer.Argument(help="Plan folder.")],
-    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
+    case: OwnCase = None,
     method: Annotated[
         str | None,
         typer.Option(

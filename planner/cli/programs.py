@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
+from planner.cli.console import (
+    LIMIT_COLUMNS,
+    Json,
+    Overwrite,
+    OwnCase,
+    Stale,
+    limit_rows,
+    print_json,
+    print_table,
+    status,
+)
 from planner.precision import share_text
 
 if TYPE_CHECKING:
@@ -32,7 +42,7 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
-    case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
+    case: OwnCase = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,

@@ -61,7 +61,8 @@ def test_a_case_that_changed_is_refused_by_key_and_stale_stays_written(
         assert "--stale" in line
         answer = call(*words, "--stale", "--json").json()
         assert "sensors.range_N was 5000, is 6000" in json.dumps(answer)
-    assert "sensors.range_N was 5000, is 6000" in (tmp_path / "b.json").read_text()
+    for name in ("b.json", "g.csv"):
+        assert "sensors.range_N was 5000, is 6000" in (tmp_path / name).read_text()
 
 
 @pytest.fixture
