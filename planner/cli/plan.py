@@ -208,7 +208,8 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     first, last = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
-    starts = f"; {len(answer['starts'])} start{'s' * (len(answer['starts']) > 1)}" if answer["starts"] else ""
+    count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once
+    starts = f"; {count} start{'s' * (count > 1)}" if count else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
     if plan.case.chain is not None or plan.case.sensor_frame.struts is not None:
         pass  # the tighter bound is for hexapods with sensors in a frame
