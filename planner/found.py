@@ -254,8 +254,11 @@ def notes(
         words.append(f"re-timed with {method}: {motion.duration:.2f} s instead of {before:.2f} s{off}")
     if request.targets:
         predicted = {name: std for name, (std, _) in worst.items()}
-        targets = parse_targets(request.targets, case, request.model)
-        words.append(f"targets: {', '.join(t.compared(predicted) for t in targets)}")
+        reached = (
+            f"{t.name} {predicted[t.name] / t.scale:.3g} of {t.value / t.scale:.3g} {t.unit}"
+            for t in parse_targets(request.targets, case, request.model)
+        )
+        words.append(f"targets: {', '.join(reached)}")
     if (knots := settings.get("knots")) is not None:
         enough = enough_intervals(case, motion.duration)
         if knots < FEW_KNOTS * enough:

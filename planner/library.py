@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable
-from typing import TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -17,7 +17,7 @@ from planner.interruption import Interrupted
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
-from planner.request import LONGEST, UNITS, PoseRequest, Request, Target, parse_targets
+from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search.inside import require_plannable
 from planner.search.parallel import SILENT, WORTHWHILE, Listener, News, gain
 from planner.search.solving import Failed, Start
@@ -26,59 +26,13 @@ Told = Callable[[str], None]
 """Shows a line about how far a search has come."""
 
 
-class Settings(TypedDict, total=False):
-    """What may be asked of a motion; `planner.request.Request` has the defaults.
-
-    Attributes:
-        criterion: letter of Table 4.
-        model: number in Table 2; the one with all that the machine can tell unless given.
-        payload: number of the case's payloads that are mounted, at most.
-        payload_from: fewest payloads, where that is another number.
-        targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
-        starts: number of random starts; as many as pay unless given.
-        seconds: time for the search [s].
-        seed: seed of the starts.
-    """
-
-    criterion: str
-    model: int
-    payload: int
-    payload_from: int | None
-    targets: tuple[str, ...]
-    starts: int | None
-    seconds: float | None
-    seed: int
-
-
-class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.request.PoseRequest` has the defaults.
-
-    Attributes:
-        criterion: letter of Table 4.
-        count: number of poses.
-        method: name of the method.
-        model: number in Table 2, 0 to 5; the largest of the machine unless given.
-        candidates: number of quasi-random candidates; the grid of the case unless given, of a chain 2048.
-        seed: seed of these.
-        noise: standard deviation of an averaged force [N].
-    """
-
-    criterion: str
-    count: int | None
-    method: str
-    model: int
-    candidates: int | None
-    seed: int
-    noise: float | None
-
-
 def plan(
     case: Case,
     family: FamilySettings | None = None,
     duration: float = 12.0,
     *,
     progress: Told | None = None,
-    **settings: Unpack[Settings],
+    **settings: Any,
 ) -> Plan:
     """The most informative motion inside the machine's limits, proven.
 
@@ -91,7 +45,10 @@ def plan(
             whose steps of acceleration shake the machine more than they tell.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: see `Settings`.
+        **settings: criterion, letter of Table 4; model, number in Table 2, that with all the machine can tell unless
+            given; payload and payload_from, numbers of the case's payloads that are mounted, at most and at least;
+            targets, standard deviations to be met, such as `("m=0.05kg",)`, when the duration is the longest allowed;
+            starts, number of random starts; seconds, time for the search; seed of the starts.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -115,13 +72,15 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
         return shortest_plan(request, case, make) if request.targets else make(request)
 
 
-def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Unpack[PoseSettings]) -> Plan:
+def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Any) -> Plan:
     """The most informative poses to stand at, in the fastest order, proven.
 
     Args:
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: see `PoseSettings`.
+        **settings: criterion, letter of Table 4; count of poses; method, a name of `PoseMethod`; model, number in
+            Table 2, 0 to 5; candidates, number of quasi-random ones instead of the grid of the case; seed of these;
+            noise, standard deviation of an averaged force [N].
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -151,19 +110,16 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
     """
     targets = parse_targets(request.targets, case, request.model)
 
-    def hardest(plan: Plan) -> Target:
-        """The target of which a plan needs the largest share."""
-        return max(targets, key=lambda target: target.share(plan.predicted_std))
-
-    def use(plan: Plan) -> float:
-        return hardest(plan).share(plan.predicted_std)
+    def use(plan: Plan) -> tuple[float, TypedValue]:
+        """The largest share of a target that a plan needs, and which one that is."""
+        return max(((plan.predicted_std[t.name] / t.value, t) for t in targets), key=lambda pair: pair[0])
 
     best = make(request)
-    if use(best) > 1.0:
-        raise _missed(request, best, hardest(best))
+    if use(best)[0] > 1.0:
+        raise _missed(request, best, *use(best))
     too_short = SHORTEST / 2
     for _ in range(ROUNDS):
-        duration = max(best.motion.duration * use(best) ** 2 * RESERVE, SHORTEST)
+        duration = max(best.motion.duration * use(best)[0] ** 2 * RESERVE, SHORTEST)
         if duration <= too_short:
             duration = (too_short + best.motion.duration) / 2
         duration = request.family.allowed_duration(duration)
@@ -176,7 +132,7 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
             continue
         except Interrupted:
             return best.ended_early()
-        if use(trial) <= 1.0:
+        if use(trial)[0] <= 1.0:
             best = trial
         elif trial.interrupted:
             return best.ended_early()
@@ -185,12 +141,12 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
     return best
 
 
-def _missed(request: Request, best: Plan, target: Target) -> BaseException:
+def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> BaseException:
     """What to say of the longest motion that is allowed where it does not meet a target."""
-    text = f"{best.predicted_std[target.name] / UNITS[target.unit][1]:.3g} {target.unit}"
+    text = f"{best.predicted_std[target.name] / target.scale:.3g} {target.unit}"
     if best.interrupted:
         return Interrupted(f"the best found until then has {text}, not {target.text}: nothing was written")
-    minimum = request.duration * target.share(best.predicted_std) ** 2 * RESERVE
+    minimum = request.duration * share**2 * RESERVE
     longer = request.family.allowed_duration(float(np.ceil(minimum)))
     remedy = f"allow --duration {longer:g}{request.family.options_for(longer)} or a wider target"
     if longer > LONGEST:

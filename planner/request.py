@@ -11,7 +11,7 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from cases.units import payload_words
+from cases.units import MM, UM, payload_words
 from identification.criteria import CRITERIA
 from identification.model import identification_model
 from identification.parameters import physical_form
@@ -79,10 +79,6 @@ class Request:
         """Of the family."""
         return self.family.name
 
-    def searched(self, starts: int | None, seed: int) -> "Request":
-        """The same with another number of starts and seed, where there is something to search."""
-        return replace(self, starts=starts, seed=seed) if self.family.optimised else self
-
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
         entries = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
@@ -123,74 +119,74 @@ def _fewest(data: Mapping[str, Any]) -> int | None:
     return None if fewest is None or fewest == data["payload"] else int(fewest)
 
 
-def read_payloads(text: str) -> tuple[int, int | None]:
-    """The most payloads that may be mounted, and the fewest where `text` is a range such as 0-5.
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_VALUE = re.compile(
+    rf"(?P<name>\w+)=(?P<value>{_NUMBER})(?:(?:\+-|±)(?P<std>{_NUMBER}))?\s*(?P<unit>[^\W\d_][\w/^ ]*)?"
+)
 
-    Raises:
-        HexciteError: neither.
-    """
-    match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
-    if match is None:
-        raise HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
-    return int(match[2]), None if match[1] is None else int(match[1])
-
-
-UNITS = {
-    "kg": ("kg", 1.0),
-    "g": ("kg", 1e-3),
-    "m": ("m", 1.0),
-    "mm": ("m", 1e-3),
-    "um": ("m", 1e-6),
-    "kgm2": ("kg m^2", 1.0),
-    "N": ("N", 1.0),
-    "N/m": ("N/m", 1.0),
-    "Nm/m": ("N m/m", 1.0),
-    "Nm": ("N m", 1.0),
+# SI unit of a parameter -> what users may write instead, and its SI value.
+_UNITS: Mapping[str, Mapping[str, float]] = {
+    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
+    "m": {"m": 1.0, "mm": MM, "um": UM},
+    "kg m": {"kgm": 1.0, "kgmm": MM},
+    "kg m^2": {"kgm2": 1.0, "kgmm2": MM**2},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N m": {"Nm": 1.0, "Nmm": MM},
+    "N/m": {"N/m": 1.0, "N/mm": 1.0 / MM},
+    "N m/m": {"Nm/m": 1.0, "Nm/mm": 1.0 / MM},
+    "N s^2/m": {"Ns2/m": 1.0, "kg": 1.0},
 }
-NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 
-class Target(NamedTuple):
-    """A standard deviation that shall not be exceeded."""
+class TypedValue(NamedTuple):
+    """A value such as m=0.05kg or m=33+-0.5kg."""
 
-    name: str  # name of the physical parameter
-    std: float  # [SI]
+    name: str  # name of the parameter
+    value: float  # [SI]
+    std: float | None  # standard deviation [SI]; None where none is given
     text: str  # as the user wrote it
     unit: str  # unit in which the user wrote it
-
-    def share(self, predicted: Mapping[str, float]) -> float:
-        """Share of it that predicted standard deviations [SI] use; it is met up to 1."""
-        return predicted[self.name] / self.std
-
-    def compared(self, predicted: Mapping[str, float]) -> str:
-        """What is predicted and what is wanted, in the user's unit."""
-        scale = UNITS[self.unit][1]
-        return f"{self.name} {predicted[self.name] / scale:.3g} of {self.std / scale:.3g} {self.unit}"
+    scale: float  # SI value of that unit
 
 
-def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Target, ...]:
-    """Targets such as m=0.05kg or zC=0.3mm.
+def read_value(text: str, units: Mapping[str, str], option: str, example: str) -> TypedValue:
+    """The value that a text states.
+
+    Args:
+        units: SI unit of each parameter that may be named.
+        option: option that it was given with, for messages.
+        example: what could be given.
+
+    Raises:
+        HexciteError: not understood, an unknown name, a missing or unknown unit.
+    """
+    match = _VALUE.fullmatch(text.strip())
+    if match is None:
+        raise HexciteError(f"{option} {text}: is not understood; write {option} {example}")
+    name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
+    if name not in units:
+        raise HexciteError(f"{option} {text}: {name} is not a parameter here; choose from {', '.join(units)}")
+    factors = _UNITS[units[name]]
+    if unit not in factors:
+        problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
+        raise HexciteError(f"{option} {text}: {problem}; give {' or '.join(factors)}")
+    scale = factors[unit]
+    std = None if match["std"] is None else float(match["std"]) * scale
+    return TypedValue(name, float(match["value"]) * scale, std, text, unit, scale)
+
+
+def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[TypedValue, ...]:
+    """Standard deviations that shall not be exceeded, such as m=0.05kg or zC=0.3mm.
 
     Raises:
         HexciteError: not of this form, an unknown parameter, or a unit that is not the parameter's.
     """
-    parameters = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
-    targets = []
-    for word in words:
-        match = re.fullmatch(rf"(\w+)=({NUMBER}) *([A-Za-z][A-Za-z0-9/^ ]*)", word.strip())
-        if match is None:
-            raise HexciteError(f"target {word!r} is not of the form m=0.05kg; name, number and unit")
-        name, number, unit = match[1], match[2], match[3].replace("^", "").replace(" ", "")
-        if name not in parameters:
-            raise HexciteError(f"target {word!r}: model {model} has no {name}; choose {', '.join(parameters)}")
-        if unit not in UNITS or UNITS[unit][0] != parameters[name]:
-            units = ", ".join(u for u, (base, _) in UNITS.items() if base == parameters[name])
-            raise HexciteError(f"target {word!r}: {name} is not measured in {match[3]}; choose {units}")
-        std = float(number) * UNITS[unit][1]
-        if not (np.isfinite(std) and std > 0.0):
-            raise HexciteError(f"target {word!r}: {number} is not a positive number")
-        targets.append(Target(name, std, word, unit))
-    return tuple(targets)
+    units = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
+    targets = tuple(read_value(word, units, "--target", "m=0.05kg") for word in words)
+    for target in targets:
+        if target.std is not None or not 0.0 < target.value < np.inf:
+            raise HexciteError(f"--target {target.text}: is not one positive number; write --target m=0.05kg")
+    return targets
 
 
 USUAL = 30  # poses of the paper's reduced sets

@@ -1,14 +1,12 @@
 """What the options of identify say, and how a result is printed for people and answered as JSON."""
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from cases.units import MM
 from identification.estimation.estimators import Method, method
 from identification.estimation.priors import Prior
 from identification.estimation.selection import symmetric_platform
@@ -23,6 +21,7 @@ from identification.samples import Conditioning, Periodic
 from identification.saved_result import biases_of, load_result
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
+from planner.request import read_value
 
 AUTO = "auto"
 
@@ -59,69 +58,28 @@ def _seconds(text: str) -> float:
     return value
 
 
-_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_VALUE = re.compile(rf"(?P<name>\w+)=(?P<value>{_NUMBER})(?:(?:\+-|±)(?P<std>{_NUMBER}))?\s*(?P<unit>[^0-9\s][^\s]*)?")
-
-# SI unit of a parameter -> what users may write instead, and its SI value.
-_UNITS: Mapping[str, Mapping[str, float]] = {
-    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
-    "m": {"m": 1.0, "mm": MM},
-    "kg m": {"kgm": 1.0, "kgmm": MM},
-    "kg m^2": {"kgm2": 1.0, "kgmm2": MM**2},
-    "N": {"N": 1.0, "kN": 1e3},
-    "N m": {"Nm": 1.0, "Nmm": MM},
-    "N/m": {"N/m": 1.0, "N/mm": 1.0 / MM},
-    "N m/m": {"Nm/m": 1.0, "Nm/mm": 1.0 / MM},
-    "N s^2/m": {"Ns2/m": 1.0, "kg": 1.0},
-}
-
-
-def read_values(texts: Sequence[str], units: Mapping[str, str], option: str) -> dict[str, float]:
-    """Exact values in SI by name.
-
-    Args:
-        texts: typed texts.
-        units: SI unit of each parameter that may be named.
-        option: option that they were given with, for messages.
-
-    Raises:
-        HexciteError: not understood, an unknown name, a missing or unknown unit, or a name given twice.
-    """
+def read_values(texts: Sequence[str], units: Mapping[str, str]) -> dict[str, float]:
+    """Exact values [SI] by name, of texts of `--fix`; errors as `read_value`, and a name that is given twice."""
     values: dict[str, float] = {}
     for text in texts:
-        name, value, std = _read(text, units, option, f"{option} m=93.1kg")
-        if std is not None:
-            raise HexciteError(f"{option} {text}: is exact; write an uncertain value as --prior {text}")
-        if name in values:
-            raise HexciteError(f"{option} {text}: {name} is given twice; give it once")
-        values[name] = value
+        typed = read_value(text, units, "--fix", "m=93.1kg")
+        if typed.std is not None:
+            raise HexciteError(f"--fix {text}: is exact; write an uncertain value as --prior {text}")
+        if typed.name in values:
+            raise HexciteError(f"--fix {text}: {typed.name} is given twice; give it once")
+        values[typed.name] = typed.value
     return values
 
 
-def read_uncertain(texts: Sequence[str], units: Mapping[str, str], option: str) -> list[tuple[str, float, float]]:
-    """Values with standard deviations in SI, as (name, value, std); errors as `read_values`."""
+def read_priors(texts: Sequence[str], units: Mapping[str, str]) -> list[Prior]:
+    """Uncertain values, of texts of `--prior`; errors as `read_value`."""
     values = []
     for text in texts:
-        name, value, std = _read(text, units, option, f"{option} m=33+-0.5kg")
-        if std is None:
-            raise HexciteError(f"{option} {text}: has no standard deviation; write it as {option} m=33+-0.5kg")
-        values.append((name, value, std))
+        typed = read_value(text, units, "--prior", "m=33+-0.5kg")
+        if typed.std is None:
+            raise HexciteError(f"--prior {text}: has no standard deviation; write it as --prior m=33+-0.5kg")
+        values.append(Prior(typed.name, typed.value, typed.std))
     return values
-
-
-def _read(text: str, units: Mapping[str, str], option: str, example: str) -> tuple[str, float, float | None]:
-    match = _VALUE.fullmatch(text.strip())
-    if match is None:
-        raise HexciteError(f"{option} {text}: is not understood; write {example}")
-    name = match["name"]
-    if name not in units:
-        raise HexciteError(f"{option} {text}: {name} is not a parameter here; choose from {', '.join(units)}")
-    factors = _UNITS[units[name]]
-    if match["unit"] not in factors:
-        problem = "has no unit" if match["unit"] is None else f"unit {match['unit']} does not fit {name}"
-        raise HexciteError(f"{option} {text}: {problem}; give {' or '.join(factors)}")
-    factor = factors[match["unit"]]
-    return name, float(match["value"]) * factor, None if match["std"] is None else float(match["std"]) * factor
 
 
 def method_of(
@@ -147,12 +105,11 @@ def method_of(
             result that is none or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
-    constants = read_values(fix or (), units, "--fix")
+    constants = read_values(fix or (), units)
     if symmetric:
         constants = symmetric_platform(model) | constants
-    priors = [Prior(*values) for values in read_uncertain(prior or (), units, "--prior")]
     offsets = None if biases is None else biases_of(biases, case, stale)
-    return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
+    return method(estimator, constants, tuple(drop or ()), read_priors(prior or (), units), weights, offsets)
 
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")

@@ -1,5 +1,6 @@
 """`hexcite plan`: optimises an excitation and writes a plan folder."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -112,7 +113,7 @@ def plan(
     from planner.families.settings import family_class
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
-    from planner.request import Request, read_payloads
+    from planner.request import Request
     from planner.search.inside import require_plannable
 
     kind, options = family_class(family), context.params
@@ -152,6 +153,20 @@ def plan(
         print_json(answer)
     else:
         show_plan(answer, result)
+
+
+def read_payloads(text: str) -> tuple[int, int | None]:
+    """The most payloads that may be mounted, and the fewest where `text` is a range such as 0-5.
+
+    Raises:
+        HexciteError: neither.
+    """
+    from cases.errors import HexciteError
+
+    match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
+    if match is None:
+        raise HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
+    return int(match[2]), None if match[1] is None else int(match[1])
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:

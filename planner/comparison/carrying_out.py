@@ -3,7 +3,7 @@
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -187,7 +187,9 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
     if isinstance(request, PoseRequest):
         plan = poses_planned(request, case)
     else:
-        plan = planned(request.searched(settings.starts, settings.seed), case)
+        if request.family.optimised:
+            request = replace(request, starts=settings.starts, seed=settings.seed)
+        plan = planned(request, case)
         if plan.interrupted:
             raise Interrupted
     plan.save(place)

@@ -128,16 +128,16 @@ def test_the_command_that_would_do_is_whole(family: str, knots: str, hexapod_cas
 @pytest.mark.parametrize(
     ("word", "words"),
     [
-        ("m", "is not of the form m=0.05kg"),
-        ("m=0.05", "is not of the form m=0.05kg"),
-        ("mass=0.05kg", "model 9 has no mass; choose m, xC"),
-        ("m=0.05mm", "m is not measured in mm; choose kg, g"),
-        ("zC=3kg", "zC is not measured in kg; choose m, mm, um"),
-        ("m=0kg", "0 is not a positive number"),
-        ("m=-1kg", "-1 is not a positive number"),
-        ("m=1.2.3kg", "is not of the form"),
-        ("m=1e400kg", "1e400 is not a positive number"),
-        ("", "is not of the form"),
+        ("m", "is not understood; write target m=0.05kg"),
+        ("m=0.05", "has no unit; give kg or g"),
+        ("mass=0.05kg", "mass is not a parameter here; choose from m, xC"),
+        ("m=0.05mm", "unit mm does not fit m; give kg or g"),
+        ("zC=3kg", "unit kg does not fit zC; give m or mm or um"),
+        ("m=0kg", "is not one positive number"),
+        ("m=-1kg", "is not one positive number"),
+        ("m=1.2.3kg", "is not understood"),
+        ("m=1e400kg", "is not one positive number"),
+        ("", "is not understood"),
     ],
 )
 def test_a_target_that_makes_no_sense_is_refused_by_name(word: str, words: str, hexapod_case: Case):
@@ -148,7 +148,7 @@ def test_a_target_that_makes_no_sense_is_refused_by_name(word: str, words: str, 
 
 def test_units_are_turned_into_si(hexapod_case: Case):
     words = ("m=50g", "zC=0.3mm", "IC11=0.02kgm2", "IC33=0.02 kg m^2", "k0=2N/m", "k1=3Nm/m", "f_q0_1=1e-1N")
-    found = {t.name: t.std for t in parse_targets(words, hexapod_case, 9)}
+    found = {t.name: t.value for t in parse_targets(words, hexapod_case, 9)}
     expected = {"m": 0.05, "zC": 3e-4, "IC11": 0.02, "IC33": 0.02, "k0": 2.0, "k1": 3.0, "f_q0_1": 0.1}
     assert found == pytest.approx(expected)
 
