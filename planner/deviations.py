@@ -8,14 +8,22 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.criteria import reference_scaling
+from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from planner.families.manual import manual_motion, sequence_file
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, mean_information, of_estimate, seen_through
+from planner.noise import (
+    ExpectedNoise,
+    PoseErrors,
+    expected_noise,
+    information_of,
+    mean_information,
+    of_estimate,
+    seen_through,
+)
 from planner.plans import Plan
 from planner.poses.pose_criteria import total_information
 
@@ -126,6 +134,34 @@ def worst_std(
             if name not in worst or std > worst[name][0] * (1.0 + 1e-6):
                 worst[name] = (std, payload)
     return worst
+
+
+def figures_of(
+    case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: str
+) -> tuple[dict[str, float], ExpectedNoise, dict[str, tuple[float, int]]]:
+    """What a motion is worth, with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
+
+    The criterion is of the information that the search maximised: by the weights of the case, and what errors of the
+    pose leave.
+
+    Raises:
+        IdentificationError: the motion does not excite all parameters of the model.
+        CaseError: the case has no nominal body, or fewer payloads.
+    """
+    scaling = reference_scaling(case, model)
+    mu = singular_values(mean_information(model, scaling, motion), model.names)
+    noise = expected_noise(case, model, payloads[-1])
+    weighted, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
+        weighted = singular_values(left, model.names)
+    figures = {
+        "logdet": CRITERIA["D"].of(mu),
+        "condition": -CRITERIA["K"].of(mu),
+        "criterion_value": CRITERIA[criterion].of(weighted),
+        "assumed_noise_N": noise.sensors,
+    }
+    return figures, noise, worst_std(case, model, scaling, motion, payloads)
 
 
 class Beside(NamedTuple):

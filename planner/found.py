@@ -7,31 +7,23 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import payload_words
-from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.criteria import reference_scaling
 from identification.estimation.fit import PoseField
 from identification.limit import LimitKind, LimitReport, Status
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.bounds.kept import box_bound, known_tight_bound
-from planner.deviations import predicted_std_of, worst_std
+from planner.deviations import figures_of, predicted_std_of, worst_std
 from planner.families.fourier import FourierFamily
 from planner.families.spline import enough_intervals
-from planner.noise import (
-    ExpectedNoise,
-    PoseErrors,
-    expected_noise,
-    information_of,
-    mean_information,
-    seen_through,
-    without_pose_errors,
-)
+from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
 from planner.plans import Plan
 from planner.precision import solver_text
 from planner.request import Request, parse_targets
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.vibration import BothLaws, both_laws
-from planner.worth import BINDING, Rival, Search, Tried, Worth, bound_by
+from planner.worth import BINDING, Search, Worth, bound_by
 
 Array = NDArray[np.float64]
 
@@ -75,33 +67,26 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     """
     model = identification_model(case, request.model)
     scaling = reference_scaling(case, model)
-    information = mean_information(model, scaling, found.motion)
-    mu = singular_values(information, model.names)
-    noise = expected_noise(case, model, request.payload)
-    worst = worst_std(case, model, scaling, found.motion, request.payloads)
-    eigenvalues, errors = mu, PoseErrors.of(case, noise)
-    if noise.whitening is not None or errors is not None:
-        weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
-        eigenvalues = singular_values(weighted, model.names)
+    figures, noise, worst = figures_of(case, model, found.motion, request.payloads, request.criterion)
     laws = found.laws or both_laws(case, request.model, found.motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     remarks = (
         *_told(case, model, scaling, found.motion, noise, request.payload),
         *_of_pose_errors(case, model, scaling, found, request, predicted),
     )
-    logdet, bound = CRITERIA["D"].of(mu), box_bound(case, model)
+    bound, parameters = box_bound(case, model), len(scaling)
     worth = Worth(
         settings=found.settings,
-        search=_record(found, seconds, bound.efficiency(logdet), len(mu)),
-        score=CRITERIA[request.criterion].of(eigenvalues),
-        logdet=logdet,
-        condition=-CRITERIA["K"].of(mu),
+        search=_record(found, seconds, bound.efficiency(figures["logdet"]), parameters),
+        criterion_value=figures["criterion_value"],
+        logdet=figures["logdet"],
+        condition=figures["condition"],
         bound=bound,
-        tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
-        noise=tuple(noise.std.tolist()),
-        shaken=noise.shaken,
+        bound_tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
+        assumed_noise_of_channels=tuple(noise.std.tolist()),
+        noise_of_accelerations=noise.shaken,
         weights=noise.weights,
-        weaknesses=weaknesses(found, case, len(mu)),
+        weaknesses=weaknesses(found, case, parameters),
         notes=(*notes(found._replace(laws=laws), request, case, worst), *remarks),
         vibration=None if laws is None else laws.to_json(),
     )
@@ -112,21 +97,23 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
 def _record(result: Found, seconds: float, efficiency: float, parameters: int) -> Search:
     """What a plan keeps of its search."""
     starts = tuple(
-        Tried(
-            seed=s.seed,
-            refined=s.refined,
-            start_logdet=s.start_logdet if np.isfinite(s.start_logdet) else None,
-            logdet=s.logdet,
-            criterion_value=s.score,
-            solver=s.status,
-            converged=s.converged,
-            iterations=s.iterations,
-            seconds=s.seconds,
-        )
+        {
+            "seed": s.seed,
+            "refined": s.refined,
+            "start_logdet": s.start_logdet if np.isfinite(s.start_logdet) else None,
+            "logdet": s.logdet,
+            "criterion_value": s.score,
+            "solver": s.status,
+            "converged": s.converged,
+            "iterations": s.iterations,
+            "seconds": s.seconds,
+        }
         for s in result.starts
     )
-    other = result.rival
-    rival = None if other is None else Rival(other.family.name, result.of_rival(parameters) * efficiency)
+    rival = None
+    if result.rival is not None:
+        times = result.of_rival(parameters)
+        rival = {"family": result.rival.family.name, "d_efficiency": times * efficiency}
     return Search(starts, result.failed, result.interrupted, seconds, rival)
 
 

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from cases.basis import KEPT, plan_basis
 from cases.errors import HexciteError
+from cases.files import PLAN, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.estimation.fit import PoseField
 from identification.limit import LimitReport
 from identification.model import identification_model
-from identification.motion import Joined, Measurement, Motion, Trajectory
+from identification.motion import Joined, Measurement, Motion, Trajectory, sample
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
@@ -113,7 +114,7 @@ class Plan:
     def ended_early(self) -> "Plan":
         """The same as the plan of a search that Ctrl-C ended."""
         worth = self.of_motion[1]
-        return replace(self, worth=replace(worth, search=worth.search._replace(interrupted=True)))
+        return replace(self, worth=replace(worth, search=replace(worth.search, interrupted=True)))
 
     @property
     def payloads(self) -> range:
@@ -126,15 +127,23 @@ class Plan:
         Raises:
             FileProblem: the folder is somebody's, or cannot be written.
         """
-        from planner.plan_folder import save_plan
-
-        save_plan(self, Path(folder), overwrite)
+        check_folder(Path(folder), PLAN, overwrite=overwrite)
+        with atomic_folder(Path(folder), PLAN, overwrite) as part:
+            self.write(part)
 
     def write(self, folder: Path) -> None:
         """Writes the same files into a folder that is there."""
-        from planner.plan_folder import write_plan
-
-        write_plan(self, folder)
+        (folder / "plan.json").write_text(json_text(self.to_json()), encoding="utf-8")
+        if isinstance(self.request, PoseRequest):
+            columns = ",".join(("pose", *self.case.need_motion("a plan")[1].columns))
+            rows = (
+                f"{k}," + ",".join(f"{v:.9g}" for v in row)
+                for k, row in enumerate(poses_in_units(self.poses, self.case), 1)
+            )
+            (folder / "poses.csv").write_text("\n".join([columns, *rows]) + "\n", encoding="utf-8")
+        else:
+            text = motion_csv(sample(self.motion, SAMPLE_RATE), self.case)
+            (folder / "motion.csv").write_text(text, encoding="utf-8")
 
     @classmethod
     def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":

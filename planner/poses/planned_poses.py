@@ -102,16 +102,18 @@ def poses_planned(
         },
         remark=remark,
         candidates=len(candidates.poses),
-        travel=travel,
-        travel_unordered=unordered,
-        value=criterion_value(model, scaling, poses, request.criterion),
+        travel_s=travel,
+        travel_in_order_of_choice_s=unordered,
+        criterion_value=criterion_value(model, scaling, poses, request.criterion),
         condition=float(np.sqrt(np.linalg.cond(information))),
         efficiency=approximate_design(regressors).efficiency(selection),
         efficiency_space=float(np.exp((logdet - space) / len(scaling))),
-        fewest=smallest_set(model, scaling, poses, request.criterion),
-        std_of_all=predicted_std_at_poses(case, model, scaling, regressors, candidates.poses, noise),
-        select_seconds=selected,
-        solve_seconds=perf_counter() - start,
+        fewest_poses=smallest_set(model, scaling, poses, request.criterion),
+        predicted_std_of_all_candidates=predicted_std_at_poses(
+            case, model, scaling, regressors, candidates.poses, noise
+        ),
+        select_s=selected,
+        solve_s=perf_counter() - start,
     )
     predicted = predicted_std_at_poses(case, model, scaling, selection, poses, noise)
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)

@@ -115,8 +115,8 @@ def _headline(plan: Plan) -> Tiles:
         (f"{worth.condition:.3g}", "condition in reference scaling"),
         (f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
     ]
-    if worth.d_efficiency_tight is not None and worth.tight is not None:
-        kind = "certified" if worth.tight.certified else "an estimate"
+    if worth.d_efficiency_tight is not None and worth.bound_tight is not None:
+        kind = "certified" if worth.bound_tight.certified else "an estimate"
         tight = (
             f"{worth.d_efficiency_tight:.3f}",
             f"D-efficiency against motions of limited jerk from rest to rest ({kind})",
@@ -143,7 +143,7 @@ def _verdicts(plan: Plan) -> Answers:
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     worth = plan.of_motion[1]
-    noise_text = " and noise of the accelerations as the case states it" if worth.shaken else ""
+    noise_text = " and noise of the accelerations as the case states it" if worth.noise_of_accelerations else ""
     if (field := PoseField.of(plan.case.sensors)) is not None:
         noise_text += f" and errors of {field.words} that depend on the pose"
     noise, rate = f"{plan.assumed_noise:g} N{noise_text}", plan.case.recording.rate_Hz

@@ -76,9 +76,9 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
         "noise_seed": PLANNED,
         "status": DONE,
         "seconds": time.perf_counter() - begin,
-        "converged": bool(worth.search.starts) and worth.search.starts[0].converged,
-        "iterations": sum(start.iterations for start in worth.search.starts),
-        "score": worth.score if math.isfinite(worth.score) else None,
+        "converged": bool(worth.search.starts) and worth.search.starts[0]["converged"],
+        "iterations": sum(start["iterations"] for start in worth.search.starts),
+        "score": worth.criterion_value if math.isfinite(worth.criterion_value) else None,
         "logdet": worth.logdet,
         "d_efficiency": worth.d_efficiency,
     }

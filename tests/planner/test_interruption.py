@@ -83,9 +83,9 @@ def test_ctrl_c_while_a_plan_is_written_lets_it_be_written(tmp_path: Path, monke
 
     write = plans.motion_csv
 
-    def interrupted(motion: object) -> str:
+    def interrupted(*arguments: object) -> str:
         ctrl_c()
-        return write(motion)
+        return write(*arguments)
 
     monkeypatch.setattr(plans, "motion_csv", interrupted)
     steps = tmp_path / "steps.toml"
