@@ -25,8 +25,6 @@ from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget
 
 Array = NDArray[np.float64]
 
-TABLE_3 = {"Q5M": (0, 2, 5), "D9M": (6, 7, 8, 9)}  # models that runs without payload are identified with
-
 METHODS = {
     "Q5M": "480 poses, model 5",
     "Q5N": "30 N-optimal poses, model 5",
@@ -103,17 +101,13 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         form = physical_form(model)
         values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
         truth = {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name in BODY}
-        load, budget, scatter = sum(w.mass_kg for w in weights), None, {}
+        load, budget, scatter = sum(w.mass_kg for w in weights), {}, {}
         if disturbances is not None:
             answer = linear_answer(case, recording, estimate)
             budget = error_budget(case, answer, recording, parts, estimate, linear)
             scatter = true_deviations(case, answer, estimate, disturbances, load)
         theory = _theory(bare, weights)
-        models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
-        columns = {number: identify(recording, case, number) for number in models}
-        yield MethodStep(
-            excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter, columns
-        )
+        yield MethodStep(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)
 
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:

@@ -12,7 +12,7 @@ from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.parameters import physical_form
 from identification.recording import Recording
-from identification.result import Estimate, Value
+from identification.result import Estimate
 from identification.runs.evaluation import Run
 from identification.runs.preparation import moving_run, standstills
 from identification.simulate import ForceParts
@@ -77,27 +77,15 @@ RIPPLE, LEFT_OUT = "ripple and sampling", "samples that were left out"
 CAUSES = (MODE, POSE, NOISE, RIPPLE, LEFT_OUT)
 
 
-@dataclass(frozen=True, slots=True)
-class Budget:
-    """Errors of an estimate, and what they consist of."""
-
-    errors: Mapping[str, float]  # estimate less truth, by parameter [SI]
-    parts: Mapping[str, Mapping[str, float]]  # parts of each parameter, by cause; they add up to its error [SI]
-
-    def cause(self, name: str) -> str:
-        """The disturbance without which the error of a parameter would be smallest."""
-        return min(CAUSES, key=lambda cause: abs(self.errors[name] - self.parts[name][cause]))
-
-    def in_std(self, physical: Mapping[str, Value]) -> dict[str, dict[str, float]]:
-        """The parts over reported standard deviations, by parameter and cause."""
-        std = {name: physical[name].reported for name in self.parts}
-        return {name: {cause: v / std[name] for cause, v in parts.items()} for name, parts in self.parts.items()}
+def cause_of(parts: Mapping[str, float]) -> str:
+    """The disturbance without which an error, the sum of its parts by cause, would be smallest."""
+    return min(CAUSES, key=lambda cause: abs(sum(parts.values()) - parts[cause]))
 
 
 def error_budget(
     case: Case, answer: LinearAnswer, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array
-) -> Budget:
-    """Takes the error of an estimate apart.
+) -> dict[str, dict[str, float]]:
+    """Takes the error of an estimate, less truth, apart: what adds up to it of each parameter, by cause [SI].
 
     What is left of the forces beside mode, pose errors and noise is that of ripple, encoders and sampling: motion that
     the evaluation sees in another way than the sensors felt it. Ripple that the mode amplifies counts as the mode's.
@@ -117,13 +105,11 @@ def error_budget(
     effects = [values - form.of(estimate.fit.values - shift, none)[0] for shift in shifts]
     effects.append(values - form.of(estimate.fit.values - whole, none)[0] - sum(effects))
     effects.append(values - true - sum(effects))
-    names = [p.name for p in form.parameters]
-    errors = {
-        name: {cause: float(shift[k]) for cause, shift in zip(CAUSES, effects, strict=True)}
-        for k, name in enumerate(names)
-        if name in BODY
+    return {
+        p.name: {cause: float(shift[k]) for cause, shift in zip(CAUSES, effects, strict=True)}
+        for k, p in enumerate(form.parameters)
+        if p.name in BODY
     }
-    return Budget({n: float(values[names.index(n)] - true[names.index(n)]) for n in errors}, errors)
 
 
 COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
@@ -141,11 +127,10 @@ class MethodStep:
     estimate: Estimate
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
     truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
-    budget: Budget | None = None  # what a simulated machine's errors consist of; None for recordings
+    # what a simulated machine's errors consist of, by parameter and cause [SI]; empty for recordings
+    budget: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
     scatter: Mapping[str, float] = field(default_factory=dict)
-    # columns of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`
-    columns: Mapping[int, Estimate] = field(default_factory=dict)
 
     @property
     def s0(self) -> float:
@@ -166,6 +151,11 @@ class MethodStep:
         value = self.estimate.physical[name]
         return (value.value - self.truth[name]) / value.reported
 
+    def parts_in_std(self, name: str) -> dict[str, float]:
+        """What the error of a parameter consists of, by cause, in reported standard deviations."""
+        std = self.estimate.physical[name].reported
+        return {cause: part / std for cause, part in self.budget[name].items()}
+
     def to_json(self) -> dict[str, Any]:
         """One row of the answer, SI units."""
         return {
@@ -179,7 +169,7 @@ class MethodStep:
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
             "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
-            "error_budget_in_std": {} if self.budget is None else self.budget.in_std(self.estimate.physical),
+            "error_budget_in_std": {name: self.parts_in_std(name) for name in self.budget},
             "std_over_machines": dict(self.scatter),
             "warnings": list(self.estimate.warnings),
         }

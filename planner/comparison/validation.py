@@ -12,7 +12,6 @@ from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
 from identification.recording import Recording, read
-from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps
@@ -37,11 +36,6 @@ class Validation:
     disturbances: Disturbances | None
     made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
 
-    @property
-    def columns(self) -> dict[int, Estimate]:
-        """Of Table 3: runs without payload identified with several models, by number."""
-        return {number: one for step in self.steps for number, one in step.columns.items()}
-
     def to_json(self) -> dict[str, Any]:
         """What `validation.json` holds."""
         return {
@@ -54,7 +48,6 @@ class Validation:
             "not_run": dict(self.failed),
             "rows": [step.to_json() for step in self.steps],
             "findings": [finding._asdict() for finding in self.findings],
-            "models": {str(n): {k: v._asdict() for k, v in e.physical.items()} for n, e in self.columns.items()},
             "executed": dict(self.executed),
         }
 
@@ -114,12 +107,11 @@ def validate(
             for file in sorted((work / name).rglob("*"))
             if file.is_file()
         }
-    columns = {number: one for step in steps for number, one in step.columns.items()}
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
         steps=steps,
-        findings=tuple(findings(case, list(steps), columns)),
+        findings=tuple(findings(steps)),
         failed=failed,
         executed=executed,
         controller=settings.on,
@@ -162,7 +154,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
 
     steps = tuple(step for folder in folders for step in recorded_steps(case, folder, run_of))
     machine = f"recordings of a machine in {recordings}"
-    return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, None, None, {})
+    return Validation(case, machine, steps, tuple(findings(steps)), {}, {}, None, None, {})
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

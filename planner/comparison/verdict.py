@@ -5,14 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.schema import Case
-from identification.result import Estimate
-from planner.comparison.step import BODY, CAUSES, SUSPICIOUS, MethodStep
+from planner.comparison.step import BODY, SUSPICIOUS, MethodStep, cause_of
 
 OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
-NEAR = 0.03  # of the mass: in Table 3 models 6, 7 and 9 agree within 1 %, while 0 to 2 are off by 10 %
-WITHOUT_K5 = (6, 7)  # models of motions that have no orientation-dependent error terms
 
 
 class Claim(NamedTuple):
@@ -27,13 +23,8 @@ class Claim(NamedTuple):
         return f"{'yes' if self.holds else 'NO'}: {self.claim} ({self.figures})"
 
 
-def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Estimate]) -> list[Claim]:
-    """Answers to what the paper's comparison asks, for the methods that were run.
-
-    Args:
-        case: case with the truth, where the machine is simulated.
-        columns: runs without payload by several models.
-    """
+def findings(steps: Sequence[MethodStep]) -> list[Claim]:
+    """Answers to what the paper's comparison asks, for the methods that were run."""
     bare = {s.method: s for s in steps if s.weights == 0}
     claims = [
         finding
@@ -42,8 +33,6 @@ def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Esti
         if ours in bare and theirs in bare
         for finding in _smaller(bare[ours], bare[theirs])
     ]
-    if moving := [n for n in WITHOUT_K5 if n in columns]:
-        claims += [_true_mass(case, columns, moving)] if case.simulation is not None else []
     if any(s.truth for s in steps):
         claims.append(_inside(steps))
     return claims
@@ -110,31 +99,13 @@ def _seconds(step: MethodStep) -> str:
     return "unknown time" if step.duration is None else f"{step.duration:.2f} s"
 
 
-def _true_mass(case: Case, columns: Mapping[int, Estimate], numbers: Sequence[int]) -> Claim:
-    """Section 5: a motion tells the mass without the orientation-dependent terms, standstills do not."""
-    true = case.need_simulation("the comparison of models").parameters.body.mass_kg
-    words, holds = [], True
-    for number, estimate in sorted(columns.items()):
-        mass = estimate.physical["m"]
-        off = mass.value / true - 1.0
-        if number in numbers:
-            holds = holds and abs(off) <= NEAR
-        words.append(f"model {number}: {mass.value:.2f} +- {mass.reported:.2g} kg, {100 * off:+.1f} %")
-    return Claim(
-        f"models {' and '.join(map(str, numbers))} give the true mass of {true:g} kg without K5, within "
-        f"{100 * NEAR:g} %",
-        holds,
-        "; ".join(words),
-    )
-
-
 def _inside(steps: Sequence[MethodStep]) -> Claim:
     errors = [(s, n, e) for s in steps for n in BODY if (e := s.error(n)) is not None]
     off = [(s, n, e) for s, n, e in errors if abs(e) > SUSPICIOUS]
     causes: dict[str, int] = {}
     for s, n, _ in off:
-        if s.budget is not None:
-            causes[s.budget.cause(n)] = causes.get(s.budget.cause(n), 0) + 1
+        if s.budget:
+            causes[cause_of(s.budget[n])] = causes.get(cause_of(s.budget[n]), 0) + 1
     words = f"{len(errors) - len(off)} of {len(errors)} are"
     if off:
         worst = max(off, key=lambda entry: abs(entry[2]))
@@ -152,16 +123,13 @@ def off_rows(steps: Sequence[MethodStep]) -> list[list[str]]:
     """Where an estimate is off: error and what it consists of, in reported standard deviations, and its cause."""
     rows = []
     for step in steps:
-        if step.budget is None:
-            continue
-        parts = step.budget.in_std(step.estimate.physical)
-        for name in BODY:
+        for name, parts in step.budget.items():
             error = step.error(name)
             if error is None or abs(error) <= SUSPICIOUS:
                 continue
-            cause = step.budget.cause(name)
-            shares = [f"{parts[name][c]:+.1f}" for c in CAUSES]
-            rows.append([step.method, f"{step.load:.0f} kg", name, _off(step, name), f"{error:+.1f}", *shares, cause])
+            shares = [f"{part:+.1f}" for part in step.parts_in_std(name).values()]
+            off = [step.method, f"{step.load:.0f} kg", name, _off(step, name), f"{error:+.1f}"]
+            rows.append([*off, *shares, cause_of(parts)])
     return rows
 
 

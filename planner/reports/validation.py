@@ -1,18 +1,15 @@
 """The page of a validation: Table 7, what the methods cost and give, and why a value is off."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from cases.files import provenance
-from cases.schema import Case
-from identification.result import Estimate
-from planner.comparison.experiment import TABLE_3
 from planner.comparison.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
 from planner.comparison.validation import Validation
 from planner.comparison.verdict import OFF_COLUMNS, off_rows
-from planner.precision import legible, parameter_words, with_deviation
+from planner.precision import legible, parameter_words
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
@@ -70,8 +67,6 @@ def validation_page(validation: Validation) -> Page:
             "--flexible estimates it too."
         )
         sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, off, left=3))))
-    if columns := dict(sorted(validation.columns.items())):
-        sections.append(Section("Models side by side, without payload (Table 3)", models_table(case, columns)))
     return Page(
         title=f"Validation with payloads: {case.title}",
         lead=f"Known weights of {loads} kg mounted one after the other and identified by "
@@ -202,28 +197,3 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
     figure.update_yaxes(title="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
     note = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
     return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
-
-
-def models_table(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
-    """Parameters by several models of one recording, a column a model."""
-    names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
-    rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
-    for name in names:
-        estimates = [e.physical.get(name) for e in columns.values()]
-        if not any(estimates):  # standing still tells no inertia
-            continue
-        scale, unit = legible(next(v.unit for v in estimates if v is not None))
-        texts = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in estimates)
-        rows.append((f"{name} [{unit}]", *texts))
-    truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
-    sources = {"Q5M": "the 480 poses", "D9M": "the hand-made motion"}
-    sentences = [
-        f"Models {', '.join(map(str, numbers))}: {sources[method]}."
-        for method, numbers in TABLE_3.items()
-        if any(n in columns for n in numbers)
-    ]
-    note = " ".join(sentences) + (
-        " Models 0, 2, 6 and 7 have no orientation-dependent error terms (K5): standing still that makes their mass "
-        "wrong, moving it does not."
-    )
-    return (Table(("parameter", *(f"model {n}" for n in sorted(columns))), tuple(rows)), Note(note + truth))

@@ -15,7 +15,7 @@ def test_what_is_off_is_named_with_its_cause():
     rows = off_rows(found)
     assert rows
     assert {row[-1] for row in rows} == {MODE}
-    (inside,) = [f for f in findings(CASE, found, {}) if f.claim.startswith("mass, centre")]
+    (inside,) = [f for f in findings(found) if f.claim.startswith("mass, centre")]
     assert not inside.holds
     assert f"{MODE} ({len(rows)})" in inside.figures
     assert off_rows(list(steps(brisk(CASE), (0,), None))) == []
@@ -42,7 +42,7 @@ def claimed(
         row("ptp", ours, robust[0], seconds[0], 0.001, dict.fromkeys(("m", "k0"), true[0]) if true else {}),
         row(method, theirs, robust[1], seconds[1], 0.01, dict.fromkeys(("m", "k0"), true[1]) if true else {}),
     ]
-    return [found.holds for found in findings(CASE, rows, {})]
+    return [found.holds for found in findings(rows)]
 
 
 def test_a_method_is_better_only_where_all_its_deviations_are_smaller_in_no_more_time():
