@@ -164,7 +164,7 @@ def retime(
             save_with_page(new_plan, PLAN, output, overwrite)
     answer = {
         "source": str(source),
-        "method": str(result.method),
+        "method": result.method,
         "model": request.model,
         "before": _rating(result.before),
         "after": _rating(result.after),

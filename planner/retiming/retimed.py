@@ -7,7 +7,6 @@ keep the limits of rates, accelerations and jerks of coordinates and struts at a
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from pathlib import Path
 from time import perf_counter
 
@@ -36,11 +35,7 @@ from planner.search.inside import MARGIN
 Array = NDArray[np.float64]
 
 
-class RetimingMethod(StrEnum):
-    """How a motion is re-timed."""
-
-    RUCKIG = "ruckig"
-    IPOPT = "ipopt"
+METHODS = ("ruckig", "ipopt")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +52,7 @@ class PaceRating:
 class Retimed:
     """A motion before and after."""
 
-    method: RetimingMethod
+    method: str  # one of `METHODS`
     motion: Trajectory
     before: PaceRating
     after: PaceRating
@@ -66,19 +61,11 @@ class Retimed:
     off_path: tuple[float, float] = (0.0, 0.0)
 
 
-def fitting_method(motion: Trajectory) -> RetimingMethod:
-    """Ruckig for sequences of moves and pauses, ipopt for everything else."""
-    moves = isinstance(motion, Joined) and all(
-        isinstance(part, StraightMove | CircularMove | Standstill) for part in motion.parts
-    )
-    return RetimingMethod.RUCKIG if moves else RetimingMethod.IPOPT
-
-
 def retimed(
     motion: Trajectory,
     case: Case,
     model: Model,
-    method: RetimingMethod,
+    method: str,
     fastest: bool,
     told: Callable[[str], None] = lambda _: None,
 ) -> Retimed:
@@ -88,7 +75,7 @@ def retimed(
         motion: motion from rest to rest.
         case: limits and controller.
         model: model whose parameters count.
-        method: how.
+        method: one of `METHODS`.
         fastest: whether ipopt makes the path as fast as the limits allow, instead of never faster than planned.
         told: how it is getting on.
 
@@ -99,9 +86,10 @@ def retimed(
     """
     off_path, after = (0.0, 0.0), motion
     try:
-        if method is RetimingMethod.RUCKIG:
+        if method == "ruckig":
             after, slowed = by_controller(motion, case)
-            remarks = _slowed(slowed, len(after.parts))
+            sentence = f"{slowed} of {len(after.parts)} moves are slower than their coordinates allow, because of "
+            remarks = (f"{sentence}struts, sensors or joints' torques",) if slowed else ()
         else:
             after, off_path, solver = retimed_path(motion, case, fastest, told)
             remarks = (solver,)
@@ -110,15 +98,6 @@ def retimed(
     bound = box_bound(case, model)
     before, rated = (_rating(m, case, model, bound) for m in (motion, after))
     return Retimed(method, after, before, rated, remarks, off_path)
-
-
-def _slowed(count: int, moves: int) -> tuple[str, ...]:
-    if not count:
-        return ()
-    return (
-        f"{count} of {moves} moves are slower than their coordinates allow, because of struts, sensors or joints' "
-        "torques",
-    )
 
 
 def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceRating:
@@ -221,16 +200,18 @@ def retime(
     return retimed_plan(result, request, plan.case, source, perf_counter() - start, plan.stale)
 
 
-def method_of(name: str | None, motion: Trajectory, fastest: bool) -> RetimingMethod:
-    """The method of a name, or what fits a motion.
+def method_of(name: str | None, motion: Trajectory, fastest: bool) -> str:
+    """The method of a name; without one ruckig for sequences of moves and pauses, ipopt for everything else.
 
     Raises:
         HexciteError: unknown, or ruckig with `fastest`.
     """
-    if name is not None and name not in list(RetimingMethod):
-        raise HexciteError(f"method {name!r} is unknown; choose {', '.join(RetimingMethod)}")
-    method = RetimingMethod(name) if name is not None else fitting_method(motion)
-    if fastest and method is RetimingMethod.RUCKIG:
+    if name is not None and name not in METHODS:
+        raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
+    parts = motion.parts if isinstance(motion, Joined) else (motion,)
+    moves = all(isinstance(part, StraightMove | CircularMove | Standstill) for part in parts)
+    method = name or ("ruckig" if moves else "ipopt")
+    if fastest and method == "ruckig":
         raise HexciteError("--fastest belongs to --method ipopt; a controller's moves are as fast as its limits allow")
     return method
 
@@ -259,7 +240,7 @@ def retimed_plan(
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
     settings = {
-        "retimed_with": str(found.method),
+        "retimed_with": found.method,
         "retimed_from": str(source.resolve()),
         "duration_before_s": found.before.duration,
         "off_path_mm": found.off_path[0] / MM,

@@ -10,7 +10,7 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.planning import search
 from planner.request import Request
-from planner.retiming.retimed import RetimingMethod, retimed
+from planner.retiming.retimed import retimed
 from planner.search.parallel import SILENT, run_here
 
 SPLINE = ("ipopt",)
@@ -37,7 +37,7 @@ def retiming_table() -> None:
     rows = []
     for name, (motion, methods) in motions(case).items():
         for method in methods:
-            found = retimed(motion, case, model, RetimingMethod(method), fastest=method != "ruckig")
+            found = retimed(motion, case, model, method, fastest=method != "ruckig")
             before, after = found.before, found.after
             passed = ", ".join(f"{c.name.split(' (')[0]} {c.ratio:.2f}" for c in prove(found.motion, case).violations)
             rows.append(

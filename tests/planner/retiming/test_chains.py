@@ -11,7 +11,7 @@ from identification.motion import Joined, TimedPoints
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.path_timing import retime
 from planner.retiming.path_pace import retimed_path
-from planner.retiming.retimed import RetimingMethod, retimed
+from planner.retiming.retimed import retimed
 from tests.chains import chain_case
 from tests.helpers import few
 
@@ -29,7 +29,7 @@ def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(j
         for a, b in pairwise(places)
     ))  # fmt: skip
     model = identification_model(case, 0)
-    found = retimed(slow, case, model, RetimingMethod.RUCKIG, False)
+    found = retimed(slow, case, model, "ruckig", False)
     assert found.motion.duration == pytest.approx(slow.duration / 2, rel=0.03)
     for part, planned in zip(found.motion.parts, slow.parts, strict=True):
         assert part.duration / case.controller.cycle == pytest.approx(round(part.duration / case.controller.cycle))

@@ -16,7 +16,7 @@ from identification.trajectories.profile import fastest_profile
 from planner.families.settings import Manual
 from planner.plan_folder import load_plan
 from planner.request import Request
-from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed, retimed_plan
+from planner.retiming.retimed import by_controller, method_of, retimed, retimed_plan
 from tests.helpers import few
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
@@ -70,7 +70,7 @@ def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
 
 
 def test_what_a_controller_makes_of_a_hasty_plan_keeps_the_limits_of_coordinates_and_struts():
-    found = retimed(moves(1.4), CASE, MODEL, RetimingMethod.RUCKIG, False)
+    found = retimed(moves(1.4), CASE, MODEL, "ruckig", False)
     passed = [str(c.of) for c in found.before.limits.violations]
     assert {"velocity", "acceleration", "jerk"} <= set(passed)
     assert found.after.limits.kept
@@ -85,7 +85,7 @@ def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
     report = prove(after, case)
     assert report.kept
     assert max(c.ratio for c in report.checks if c.kind == "strut velocity") > 0.99
-    assert retimed(moves(1.0), case, MODEL, RetimingMethod.RUCKIG, False).remarks[0].startswith(f"{slowed} of 7 moves")
+    assert retimed(moves(1.0), case, MODEL, "ruckig", False).remarks[0].startswith(f"{slowed} of 7 moves")
 
 
 def slow_struts():
@@ -102,16 +102,16 @@ def test_arcs_keep_their_circle():
 
 
 def test_each_kind_of_motion_has_its_method():
-    assert fitting_method(moves(1.0)) is RetimingMethod.RUCKIG
-    assert fitting_method(TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))) is RetimingMethod.IPOPT
+    assert method_of(None, moves(1.0), False) == "ruckig"
+    assert method_of(None, TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1))), True) == "ipopt"
 
 
 def test_a_continuous_path_is_nothing_for_ruckig():
     points = TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))
     with pytest.raises(InfeasiblePlan, match="use method ipopt"):
-        retimed(points, CASE, MODEL, RetimingMethod.RUCKIG, False)
+        retimed(points, CASE, MODEL, "ruckig", False)
     with pytest.raises(InfeasiblePlan, match="use method ipopt"):
-        retimed(Joined((points,)), CASE, MODEL, RetimingMethod.RUCKIG, False)
+        retimed(Joined((points,)), CASE, MODEL, "ruckig", False)
 
 
 def test_a_case_without_controller_settings_is_refused():
@@ -175,7 +175,7 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pyt
 
 def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
     far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
-    found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, RetimingMethod.RUCKIG, False)
+    found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, "ruckig", False)
     request = Request(Manual(), model=0)
     with pytest.raises(InfeasiblePlan, match="is not a plan: position"):
         retimed_plan(found, request, CASE, tmp_path, 0.0)
