@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table, progress, status
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_answer, print_table, progress, status
 
 if TYPE_CHECKING:
     from planner.comparison.advising import Comparison
@@ -39,10 +39,7 @@ def compare(
         comparison = compared(folders, None if case is None else load_case(case), stale)
         save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
-    if json:
-        print_json(answer)
-    else:
-        _show(answer, comparison)
+    print_answer(answer, json, lambda: _show(answer, comparison))
 
 
 def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
@@ -138,10 +135,7 @@ def validate(
                 )
             save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
-    if json:
-        print_json(answer)
-    else:
-        _show_validation(answer, validation)
+    print_answer(answer, json, lambda: _show_validation(answer, validation))
 
 
 def _only_recordings(options: dict[str, Any]) -> None:

@@ -47,6 +47,14 @@ def print_json(value: dict[str, Any]) -> None:
     print(json.dumps(value, allow_nan=False))
 
 
+def print_answer(answer: dict[str, Any], json: bool, show: Callable[[], None]) -> None:
+    """One JSON object on stdout and nothing else, or what `show` prints for people."""
+    if json:
+        print_json(answer)
+    else:
+        show()
+
+
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], right: bool = True) -> None:
     """A table; all columns but the first are numbers unless `right` is False.
 
@@ -102,8 +110,8 @@ def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str, int]
 
 
 @contextmanager
-def remarks(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A spinner with a remark on stderr; without a terminal, the latest remark as a line every ten seconds."""
+def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """A spinner on stderr; yields a function that shows a remark beside it, without a terminal as a line every 10 s."""
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -123,19 +131,6 @@ def remarks(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
             print(f"{text}: {remark}", file=sys.stderr, flush=True)
 
     yield say
-
-
-@contextmanager
-def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A spinner on stderr while something of unknown length runs; yields a function that shows a remark beside it."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status(text) as spinner:
-        yield lambda remark: spinner.update(f"{text}: {remark}")
 
 
 def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:

@@ -13,7 +13,7 @@ from planner.cli.console import (
     OwnCase,
     Stale,
     limit_rows,
-    print_json,
+    print_answer,
     print_table,
     status,
 )
@@ -79,10 +79,7 @@ def bound(
     }
     if output is not None:
         write_text(output, json_text(answer))
-    if json:
-        print_json(answer)
-    else:
-        _show_bound(answer)
+    print_answer(answer, json, lambda: _show_bound(answer))
 
 
 def _show_bound(answer: dict[str, Any]) -> None:
@@ -174,10 +171,7 @@ def retime(
         "solve_s": seconds,
         "plan": str(output) if output is not None else None,
     }
-    if json:
-        print_json(answer)
-    else:
-        _show_paces(answer, result.after.limits)
+    print_answer(answer, json, lambda: _show_paces(answer, result.after.limits))
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:

@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cases.units import payload_words
-from planner.cli.console import (
-    LIMIT_COLUMNS,
-    Criterion,
-    Json,
-    Overwrite,
-    limit_rows,
-    print_json,
-    print_table,
-    remarks,
-    status,
-)
+from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, Overwrite, limit_rows, print_answer, print_table, status
 
 MOST_USED = 0.9  # share of a limit from which on it is shown
 
@@ -142,17 +132,14 @@ def plan(
     if not json:
         text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
         print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
-    with remarks("searching" if optimised else "timing", json) as remark:
+    with status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
     if output is None and result.family != family:  # by itself
         folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
         save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
-    if json:
-        print_json(answer)
-    else:
-        show_plan(answer, result)
+    print_answer(answer, json, lambda: show_plan(answer, result))
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Overwrite, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, print_answer, print_table, progress, status
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -62,10 +62,7 @@ def poses(
         save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    if json:
-        print_json(answer)
-    else:
-        _show(answer, plan)
+    print_answer(answer, json, lambda: _show(answer, plan))
 
 
 def _show(answer: dict[str, Any], plan: "Plan") -> None:

@@ -14,6 +14,7 @@ from planner.cli.console import (
     OwnCase,
     Stale,
     limit_rows,
+    print_answer,
     print_json,
     print_table,
     status,
@@ -125,10 +126,7 @@ def check(
     with status(f"proving {program.name}", json):
         read = read_for(loaded, program, dialect)
         answer = answer_of_proof(read)
-    if json:
-        print_json(answer)
-    else:
-        show_check(answer, read)
+    print_answer(answer, json, lambda: show_check(answer, read))
     try:
         read.proof.require()
     except ProgramError as error:
@@ -209,10 +207,7 @@ def run(
         outcome = execute(read_for(loaded, program), loaded, on, seed, around)
         outcome.recording.save(folder, overwrite)
     answer = answer_of_run(outcome, folder)
-    if json:
-        print_json(answer)
-    else:
-        show_run(answer, outcome)
+    print_answer(answer, json, lambda: show_run(answer, outcome))
 
 
 def answer_of_run(outcome: "RunOutcome", folder: Path) -> dict[str, Any]:
