@@ -44,7 +44,6 @@ class Demo:
     outcome: RunOutcome
     result: Result
     truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
-    why: str  # the reason for the controller
 
     @property
     def worst(self) -> float:
@@ -78,7 +77,7 @@ def demo(
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
     language = dialect(usual_dialect(case))
-    controller, reason = best_controller(language.name) if on is None else (on, "as asked")
+    controller = on or best_controller(language.name)[0]
     family = PointToPoint(controller=language.name)
     request = Request(family, model=full_model(case), starts=starts, seed=seed, may_be_smooth=True)
     planned(request, case).save(place / "plan", overwrite=True)
@@ -96,4 +95,4 @@ def demo(
     result.save(place / "result", overwrite=True)
     done(result)
     assert result.estimate is not None
-    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)), reason)
+    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)))

@@ -32,13 +32,15 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     for run in (e for e in entries if e.level is Level.EXECUTED):
         _group_of_plan(run, [g for g in entry_groups if g[0].level is Level.PLANNED], entry_groups).append(run)
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        made_of = result.sources.recordings
-        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.sources.recordings & made_of]
+        made_of = result.conditions.recordings
+        runs = [
+            (g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.conditions.recordings & made_of
+        ]
         if runs:
             home, run = runs[0]
             known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
             entry = replace(result, duration=run.duration, conditions=known)
-            after = [k for k, e in enumerate(home) if e.sources.recordings & run.sources.recordings]
+            after = [k for k, e in enumerate(home) if e.conditions.recordings & run.conditions.recordings]
             home.insert(max(after) + 1, entry)
         else:
             _group_of_plan(result, entry_groups, entry_groups).append(result)
@@ -48,7 +50,7 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
 def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: list[list[Entry]]) -> list[Entry]:
     """The group that begins with an entry's plan, or a new one."""
     for group in known:
-        if group[0].sources.same_plan(entry.sources):
+        if group[0].conditions.plan == entry.conditions.plan is not None:
             return group
     entry_groups.append([])
     return entry_groups[-1]

@@ -12,7 +12,7 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
 from cases.sensors import Disturbances
-from planner.comparison.experiment import METHODS, Excitation, steps
+from planner.comparison.experiment import Excitation, steps
 from planner.comparison.step import MethodStep
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.interruption import Interrupted
@@ -170,9 +170,7 @@ def _excitation(method: str, settings: ValidationSettings, program: Program) -> 
         poses = measured_poses(parts)
         duration = stood(run, poses, program.path)[0]
     controller = f"{run.controller}; {run.remark}" if run.remark else run.controller
-    return Excitation(
-        program.case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, controller
-    )
+    return Excitation(program.case, method, duration, run.execution, run.trigger, poses, settings.seed, controller)
 
 
 def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path) -> Plan:

@@ -52,23 +52,14 @@ class Told(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """What something was planned, executed or identified under; None where nothing tells."""
+    """What something was planned, executed or identified under, and made of; None where nothing tells."""
 
     case: Case
     noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
     load: float | None = None  # mass of the weights that are mounted [kg]
     machine: str | None = None  # machine that was measured, in words; None for plans
-
-
-class Sources(NamedTuple):
-    """What something is or was made of."""
-
-    recordings: frozenset[str] = frozenset()  # their fingerprints
-    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
-
-    def same_plan(self, other: "Sources") -> bool:
-        """Whether both are known to go back to one plan."""
-        return self.plan is not None and self.plan == other.plan
+    recordings: frozenset[str] = frozenset()  # fingerprints of the recordings that it is or was made of
+    plan: str | None = None  # fingerprint of the plan that it is or followed
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +69,6 @@ class Entry:
     name: str  # as the user named it
     level: Level  # plan, run or result
     conditions: Conditions
-    sources: Sources
     model: int  # number in Table 2
     family: str  # family of the plan, or what the recording says
     duration: float | None  # measuring time [s]; None where nothing tells
@@ -158,7 +148,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
     deviations = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
-        name, Level.PLANNED, Conditions(saved.case, noise, float(load)), Sources(plan=fingerprint(saved)),
+        name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=fingerprint(saved)),
         model.number, saved.family, saved.duration, samples,
         _criteria(information, model), deviations, None, {}, saved.stale, vibrating,
     )  # fmt: skip
@@ -200,11 +190,12 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     units = _units(model)
     weighted = weighted if scattered is None else of_estimate(weighted, scattered)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors)
+    recordings = frozenset(map(sha256_of, files_of([path])))
+    machine, plan = _machine(about), about.get("plan_hash")
+    conditions = Conditions(case, noise.sensors, _mounted(about), machine, recordings, plan)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
-        str(path), Level.EXECUTED, Conditions(case, noise.sensors, _mounted(about), _machine(about)),
-        Sources(frozenset(map(sha256_of, files_of([path]))), about.get("plan_hash")), model.number,
-        str(about.get("controller", "recorded")).split(" (")[0],
+        str(path), Level.EXECUTED, conditions, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None},
@@ -257,6 +248,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
         }
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
+    conditions = Conditions(case, recordings=saved.recordings, plan=data.get("plan_hash"))
     criteria: dict[str, float] = {}
     if weights == "equal" and saved.covariance.shape[0] == len(model.names):
         try:  # (28) turned round: the information that the run held of these parameters
@@ -266,7 +258,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
         except (np.linalg.LinAlgError, IdentificationError):
             pass
     return Entry(
-        str(path), Level.IDENTIFIED, Conditions(case), Sources(saved.recordings, data.get("plan_hash")), saved.model,
+        str(path), Level.IDENTIFIED, conditions, saved.model,
         str(data.get("estimator", "")), seconds, samples, criteria, deviations, measured, {},
         tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

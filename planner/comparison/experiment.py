@@ -25,15 +25,7 @@ from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget
 
 Array = NDArray[np.float64]
 
-METHODS = {
-    "Q5M": "480 poses, model 5",
-    "Q5N": "30 N-optimal poses, model 5",
-    "D9M": "hand-made motion, model 9",
-    "D9N": "N-optimal Fourier series of order 3, 12 s, model 9",
-    "ptp": "D-optimal point-to-point moves, 12 s, model 9",
-    "ptp-steps": "D-optimal point-to-point moves without limit of jerk, as LinuxCNC times them, 12 s, model 9",
-    "spline": "D-optimal jerk-limited spline, 12 s, model 9",
-}
+METHODS = ("Q5M", "Q5N", "D9M", "D9N", "ptp", "ptp-steps", "spline")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +33,7 @@ class Excitation:
     """A method as a controller executed its program, without payload."""
 
     case: Case  # case with a simulated machine
-    name: str  # key of METHODS
-    meaning: str  # meaning in words
+    name: str  # one of METHODS
     duration: float  # measuring time as executed [s]
     execution: Execution  # what the controller did
     trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]

@@ -71,7 +71,7 @@ class Validation:
 
 def validate(
     case: Case,
-    methods: Sequence[str] = tuple(METHODS),
+    methods: Sequence[str] = METHODS,
     mounted: Sequence[int] | None = None,
     settings: ValidationSettings = USUAL,
     *,

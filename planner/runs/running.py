@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
@@ -47,11 +46,6 @@ class RunRating(NamedTuple):
     efficiency: float | None  # efficiency of the executed one, behind the filter of the evaluation; None as before
     peaks: Mapping[LimitKind, float]  # largest share of each kinetic limit, approach and return included
 
-    @property
-    def peak_acceleration(self) -> float:
-        """The largest of the accelerations' shares: of the origin, the angles and the struts."""
-        return max(share for kind, share in self.peaks.items() if kind.family in _ACCELERATIONS)
-
 
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
@@ -61,13 +55,8 @@ class RunOutcome:
     recording: Recording  # what was measured, simulated
     rating: RunRating
     planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
-    program_hash: str  # fingerprint of the program that ran
     guarantees: Guarantees  # what the controller that it was written for answers for
     around: Circumstances
-    # poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad]
-    poses: NDArray[np.float64]
-    # fingerprint of the plan that the program says it was written from; None where it says nothing
-    plan_hash: str | None = None
 
 
 def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
@@ -113,13 +102,10 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
         recording=simulate_recording(case, run.execution, run.trigger, seed, around=around),
         rating=rating,
         planned=planned,
-        program_hash=hashlib.sha256(program.content).hexdigest()[:16],
         guarantees=program.guarantees,
         around=around,
-        poses=poses,
-        plan_hash=plan_of_program(program.content),
     )
-    record = _record(outcome, program, case, seed)
+    record = _record(outcome, program, case, seed) | {"poses_m_rad": poses.tolist()}
     return replace(outcome, recording=replace(outcome.recording, case=case, record=record))
 
 
@@ -226,8 +212,8 @@ def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> d
         **about_case(case),
         "controller_hash": case.controller_hash,
         "program": str(program.path.resolve()),
-        "program_hash": outcome.program_hash,
-        "plan_hash": outcome.plan_hash,
+        "program_hash": hashlib.sha256(program.content).hexdigest()[:16],
+        "plan_hash": plan_of_program(program.content),
         "controller": outcome.run.controller,
         "controller_real": outcome.run.real,
         "simulated": True,
@@ -243,9 +229,8 @@ def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> d
         "path_error_mm": rating.path_error * 1e3,
         "d_efficiency_planned": rating.efficiency_planned,
         "d_efficiency": rating.efficiency,
-        "peak_acceleration_of_limit": rating.peak_acceleration,
+        "peak_acceleration_of_limit": max(s for kind, s in rating.peaks.items() if kind.family in _ACCELERATIONS),
         "peaks_of_limit": {str(kind): share for kind, share in rating.peaks.items()},
-        "poses_m_rad": outcome.poses.tolist(),
         "remark": "; ".join(text for text in (other and f"the program was {other}", outcome.run.remark) if text),
         "units": "SI with the unit in each column name",
     }

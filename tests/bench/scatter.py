@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.identify import identify
-from planner.comparison.experiment import METHODS, Excitation
+from planner.comparison.experiment import Excitation
 from planner.runs.running import carried_out
 from postprocessors.dialects import read_program
 
@@ -40,9 +40,7 @@ def _estimates(program: Path, method: str) -> np.ndarray:
     rows = []
     for k in range(MACHINES):
         machine = found.model_copy(update={"pose_error_seed": 100 + k})
-        excitation = Excitation(
-            case, method, METHODS[method], run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 1000 + k
-        )
+        excitation = Excitation(case, method, run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 1000 + k)
         physical = identify(excitation.recorded(0, machine)[0], case).physical
         rows.append([(v.value, v.reported, v.std) for v in physical.values()])
     return np.array(rows)

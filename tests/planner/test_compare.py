@@ -14,7 +14,7 @@ from playwright.sync_api import Browser
 
 from cases.schema import Case
 from planner.comparison.advising import groups, recommend, warnings_of
-from planner.comparison.entries import Conditions, Entry, Level, Sources, Told, read_entry
+from planner.comparison.entries import Conditions, Entry, Level, Told, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.reports.compare import coloured
 from planner.runs.written import plan_of_program
@@ -29,7 +29,7 @@ Chain = dict[str, dict[str, Any]]
 def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
     told = {n: Told(1.0, std, "kg") for n in names}
     return Entry(
-        name, Level.IDENTIFIED, Conditions(case), Sources(frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
+        name, Level.IDENTIFIED, Conditions(case, recordings=frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
     )  # fmt: skip
 
 
@@ -98,10 +98,10 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
     entries = [read_entry(path) for path in (twin, *moved)]
     plan, run, result = (Path(entry.name).name for entry in entries[1:])
     assert (
-        entries[2].sources.plan
-        == entries[1].sources.plan
+        entries[2].conditions.plan
+        == entries[1].conditions.plan
         == fingerprint_of((shared / "plan" / "plan.json").read_bytes())
-        != entries[0].sources.plan
+        != entries[0].conditions.plan
     )
     found = [[Path(e.name).name for e in g] for g in groups(entries)]
     assert found == [["a-twin"], [plan, run, result]]
@@ -154,16 +154,20 @@ def test_the_command_compares_and_writes_a_page(
 
 def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: Case):
     """Two controllers, and two evaluations of one of the runs: nothing is left out for having a sibling."""
-    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level=Level.PLANNED, sources=Sources(plan="p"))
+    planned = Conditions(hexapod_case, plan="p")
+    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level=Level.PLANNED, conditions=planned)
     runs = [
         replace(
-            entry(hexapod_case, n, 0.1, 12.0), level=Level.EXECUTED, conditions=Conditions(hexapod_case, load=2.0),
-            sources=Sources(frozenset({n}), "p"),
+            entry(hexapod_case, n, 0.1, 12.0),
+            level=Level.EXECUTED,
+            conditions=planned._replace(load=2.0, recordings=frozenset({n})),
         )
         for n in "rs"
-    ]  # fmt: skip
+    ]
     results = [
-        replace(entry(hexapod_case, n, std, 1.0), sources=Sources(frozenset({of}), "p"), duration=None)
+        replace(
+            entry(hexapod_case, n, std, 1.0), conditions=planned._replace(recordings=frozenset({of})), duration=None
+        )
         for n, std, of in (("s1", 0.3, "s"), ("r1", 0.2, "r"), ("r2", 0.1, "r"), ("other", 0.4, "elsewhere"))
     ]
     (found,) = groups([*results, *runs, plan])

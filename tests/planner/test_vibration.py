@@ -90,7 +90,7 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     language = dialect("sinumerik" if limited else "linuxcnc").load()
     written = proven_program(motion, case, language, "walk", (), accepted=ACCEPTED)
     run = run_virtual(written.reading, case, language.guarantees(written.reading, case))
-    excitation = Excitation(case, "ptp", "", run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 0)
+    excitation = Excitation(case, "ptp", run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 0)
     (step,) = steps(excitation, [0], case.simulation.disturbances)
     by_mode = step.budget.parts["m"][MODE]
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)

@@ -30,7 +30,7 @@ def moving(case: Case, seconds: float = 5.0, seed: int = 1) -> Excitation:
     """A method that moves."""
     execution = PoseExecution(Hexapod.of(case), Harmonic(seed=seed, duration=seconds))
     trigger = np.array([[0.5, seconds - 0.5]])
-    return Excitation(case, "D", "", seconds - 1.0, execution, trigger, np.zeros((0, 6)), 0)
+    return Excitation(case, "D", seconds - 1.0, execution, trigger, np.zeros((0, 6)), 0)
 
 
 def brisk(case: Case) -> Excitation:
@@ -50,7 +50,7 @@ def standing(case: Case) -> Excitation:
         trigger.append((clock - 0.25, clock))
         here = pose
     execution = PoseExecution(Hexapod.of(case), Joined(tuple(parts)))
-    return Excitation(case, "Q", "", clock, execution, np.array(trigger), stations, 0)
+    return Excitation(case, "Q", clock, execution, np.array(trigger), stations, 0)
 
 
 @cache
