@@ -9,7 +9,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.motion import Joined, Trajectory
+from identification.motion import Joined, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import Profile
@@ -76,6 +76,11 @@ class TimedPath:
     poses: Array  # coordinates, one row a time, the first is where the machine stands [m, rad]
     # the motion that was sampled, on the clock of `times`, for dialects that can carry more than points
     source: Trajectory | None = None
+
+    @property
+    def motion(self) -> Trajectory:
+        """The motion that was sampled; where it is not known, the curve through the points."""
+        return self.source or TimedPoints.through(self.times, self.poses)
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,13 +58,6 @@ class Dialect:
         return self.suffixes[0]
 
 
-def _by_machine(
-    of_a_pose: Callable[[NeutralProgram, Case], bytes], of_axes: Callable[[NeutralProgram, Case], bytes]
-) -> Callable[[NeutralProgram, Case], bytes]:
-    """The writer for a hexapod, and that for a machine whose axes are its joints."""
-    return lambda program, case: (of_a_pose if case.chain is None else of_axes)(program, case)
-
-
 def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
     from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
@@ -80,21 +73,17 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 
 def _sinumerik(suffix: str = "") -> Language:
-    from postprocessors.own_axes import write_sinumerik_axes
     from postprocessors.proving.guarantees import (
         sinumerik_forecast,
         sinumerik_guarantees,
         sinumerik_tolerance,
     )
-    from postprocessors.reading.own_axes import read_sinumerik_axes
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 
     return Language(
-        _by_machine(write_sinumerik, write_sinumerik_axes),
-        lambda content, file, case: (read_sinumerik if case.chain is None else read_sinumerik_axes)(
-            content, file, case
-        ),
+        write_sinumerik,
+        read_sinumerik,
         sinumerik_guarantees,
         tolerance=sinumerik_tolerance,
         forecast=sinumerik_forecast,
@@ -103,17 +92,11 @@ def _sinumerik(suffix: str = "") -> Language:
 
 
 def _twincat(suffix: str = "") -> Language:
-    from postprocessors.own_axes import write_twincat_axes
     from postprocessors.proving.guarantees import twincat_guarantees
-    from postprocessors.reading.own_axes import read_twincat_axes
     from postprocessors.reading.twincat import read_twincat
     from postprocessors.twincat import write_twincat
 
-    return Language(
-        _by_machine(write_twincat, write_twincat_axes),
-        lambda content, file, case: (read_twincat if case.chain is None else read_twincat_axes)(content, file, case),
-        twincat_guarantees,
-    )
+    return Language(write_twincat, read_twincat, twincat_guarantees)
 
 
 def _setpoints(suffix: str = ".csv") -> Language:

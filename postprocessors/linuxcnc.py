@@ -11,7 +11,7 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from cases.units import DEG, MINUTE, MM
+from cases.units import MINUTE
 from identification.limited_quantities import Box
 from identification.motion import Slowed
 from identification.trajectories.profile import limits_along
@@ -36,8 +36,8 @@ from postprocessors.wording import (
     arc_words,
     comment_lines,
     coordinates,
-    digits,
     feed,
+    home_feed,
     number,
 )
 from postprocessors.writing import timed_path
@@ -74,18 +74,16 @@ class _LinuxCncWriter:
         """Coordinates as axis words."""
         return " ".join(a + v for a, v in zip(self.axes, coordinates(pose, self.limits.turns), strict=True))
 
-    def home_feed(self, block: ToHome) -> str:
-        """F of the first move, of a chain one that is safe in mm and in degrees: which of them counts is not known."""
-        if not self.chain:
-            return feed(block.feed, linear=True)
-        return digits(block.feed * float((self.limits.rate / np.where(self.limits.turns, DEG, MM)).min()) * MINUTE)
-
     def lines(self, block: Block, following: Block | None) -> list[str]:
         match block:
             case Comment():
                 return _comments(block.text)
             case ToHome():
-                return [*_comments("to home"), "G61", f"G94 G1 {self.words(block.pose)} F{self.home_feed(block)}"]
+                return [
+                    *_comments("to home"),
+                    "G61",
+                    f"G94 G1 {self.words(block.pose)} F{home_feed(block, self.limits, self.chain)}",
+                ]
             case ExactStopMove():
                 return [f"G1 {self.words(block.move.end)} F{self.feed_of(block)}"]
             case Arc() | TimedPath() | SplinePath() if self.chain:

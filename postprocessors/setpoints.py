@@ -16,7 +16,7 @@ from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_col
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
-from identification.motion import Array, Joined, Motion, Slowed, TimedPoints, Trajectory
+from identification.motion import Array, Joined, Motion, Slowed, Trajectory
 from postprocessors.blocks import (
     Arc,
     Comment,
@@ -63,11 +63,8 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
         match block:
             case ExactStopMove() | Arc():
                 moving.append(block.move)
-            case SplinePath():
+            case SplinePath() | TimedPath():
                 moving.append(block.motion)
-            case TimedPath():
-                source = TimedPoints.through(block.times, block.poses) if block.source is None else block.source
-                moving.append(source)
             case Dwell():
                 yield from joined()
                 yield _TablePart(None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)

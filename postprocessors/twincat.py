@@ -1,126 +1,77 @@
 """Writes programs for TwinCAT CNC (TF5200) and other ISG kernels: G01 with exact stop, dense paths as spline or #HSC.
 
 Kinematics, sign of B, M functions and the kind of curve are those of the case. Feeds: G94 in mm/min along X, Y, Z, or
-in degrees/min along A, B, C where only they move (#FGROUP says which); G93 is the block's time in seconds.
+in degrees/min along A, B, C where only they move (#FGROUP says which); G93 is the block's time in seconds. In a
+machine's own axes no transformation is active.
 """
 
 import numpy as np
 
 from cases.controller import TwinCat
-from cases.machine import MotionLimits
 from cases.schema import Case
-from postprocessors.blocks import (
-    Arc,
-    Array,
-    Block,
-    Comment,
-    Dwell,
-    ExactStopMove,
-    NeutralProgram,
-    SplinePath,
-    TimedPath,
-    ToHome,
-    Trigger,
-)
-from postprocessors.proving.guarantees import Guarantees, twincat_guarantees
-from postprocessors.reading import Reading
-from postprocessors.wording import (
-    PLANE_WORDS,
-    arc_words,
-    comments,
-    coordinates,
-    feed,
-    feed_of,
-    number,
-    written_feed,
-)
+from postprocessors.blocks import Array, NeutralProgram, SplinePath, TimedPath
+from postprocessors.proving.guarantees import twincat_guarantees
+from postprocessors.reading import Reading, axis_letters
+from postprocessors.wording import GroupedWriter, comments, coordinates, number
 from postprocessors.writing import timed_path
 
 TIME_DECIMALS = 9  # of a second
 
 
-class _TwinCatWriter:
-    """Keeps what holds from block to block: which axes the feed counts."""
+class _TwinCatWriter(GroupedWriter):
+    name, straight, arcs, dwell, grouping = "TwinCAT", "G01 G60", ("G03 G60", "G02 G60"), "G04 ", "#FGROUP [{}]"
 
-    def __init__(self, settings: TwinCat, limits: MotionLimits, guarantees: Guarantees, block: float) -> None:
-        self.settings = settings
-        self.limits = limits
-        self.guarantees = guarantees
-        self.block = block
-        self.linear = True
+    def __init__(self, case: Case) -> None:
+        controller = case.need_controller("a TwinCAT program")
+        self.settings, self.block = controller.need_twincat_axes(case.name), controller.block
+        letters = "XYZABC"
+        if not isinstance(self.settings, TwinCat):
+            chain, _ = case.need_chain("a program")
+            letters = axis_letters(chain, self.name, self.settings.program_name, endless=False)
+        super().__init__(letters, letters, twincat_guarantees(Reading("", (), 0), case), case)
+
+    def written(self, program: NeutralProgram) -> bytes:
+        s = self.settings
+        title, slope = [f"%{s.program_name}"], f"#SLOPE [TYPE={s.slope}]"
+        if not isinstance(s, TwinCat):
+            return self.text(program, title, ["G71 G90 G17 G94", slope, "#TRAFO OFF"], ["M30"])
+        start = ["G71 G90 G17 G94 G162", slope, f"#KIN ID[{s.kinematic_id}]", "#TRAFO ON", "#FGROUP [X,Y,Z]"]
+        return self.text(program, title, start, ["#TRAFO OFF", "M30"])
 
     def coordinates(self, pose: Array) -> list[str]:
+        if not isinstance(self.settings, TwinCat):
+            return super().coordinates(pose)
         return coordinates(pose * [1, 1, 1, 1, self.settings.angle_sign_b, 1])
 
-    def pose(self, pose: Array) -> str:
-        return " ".join(letter + value for letter, value in zip("XYZABC", self.coordinates(pose), strict=True))
+    def to_home(self) -> list[str]:
+        return comments("to home") if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]']
 
-    def group(self, linear: bool) -> list[str]:
-        """#FGROUP where the feed has to count other axes than before."""
-        if linear == self.linear:
-            return []
-        self.linear = linear
-        return ["#FGROUP [X,Y,Z]" if linear else "#FGROUP [A,B,C]"]
+    def trigger(self, on: bool) -> str:
+        return f"M{self.settings.trigger_on_m if on else self.settings.trigger_off_m}"
 
-    def lines(self, block: Block) -> list[str]:
-        match block:
-            case Comment():
-                return comments(block.text)
-            case ToHome():
-                move = f"G01 G60 {self.pose(block.pose)} F{feed(block.feed, True)}"
-                return ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *self.group(True), move]
-            case ExactStopMove():
-                linear, value = written_feed(block, self.limits, self.guarantees)
-                return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
-            case Arc():
-                return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
-            case Dwell():
-                return [f"G04 {number(block.duration, 6)}"]
-            case Trigger():
-                return [f"M{self.settings.trigger_on_m if block.on else self.settings.trigger_off_m}"]
-            case TimedPath():
-                return self.path(block)
-            case SplinePath():
-                return self.path(timed_path(block.name, block.motion, self.block, 1.0))
-
-    def arc(self, block: Arc) -> str:
-        words = arc_words(block.move, "XYZABC", self.coordinates(block.move.end))
-        value = feed(feed_of(block, self.limits, self.guarantees), True)
-        return f"{'G03' if block.move.angle > 0.0 else 'G02'} G60 {words} F{value}"
-
-    def path(self, path: TimedPath) -> list[str]:
+    def path(self, path: TimedPath | SplinePath) -> list[str]:
         """The last point stops exactly; before it, every point belongs to the curve."""
         s = self.settings
+        assert isinstance(s, TwinCat)  # of a hexapod: paths in a machine's own axes are refused before
+        points = path if isinstance(path, TimedPath) else timed_path(path.name, path.motion, self.block, 1.0)
         deviations = f"PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}"
         before, after = {
             "akima": (["#SPLINE TYPE AKIMA", "#SPLINE ON"], "#SPLINE OFF"),
             "hsc": ([f"#HSC ON [BSPLINE {deviations}]"], "#HSC OFF"),
             "contour": ([f"#CONTOUR MODE [DEV {deviations}]", "G261"], "G260"),
         }[s.path]
-        lines = [*comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), *before, "G93"]
-        steps = np.diff(np.round(path.times, TIME_DECIMALS))  # rounding of many blocks does not add up
-        for k, (pose, step) in enumerate(zip(path.poses[1:], steps, strict=True), start=1):
+        lines = [*comments(f"{points.name}: {len(points.times) - 1} blocks, {points.times[-1]:.6f} s"), *before, "G93"]
+        steps = np.diff(np.round(points.times, TIME_DECIMALS))  # rounding of many blocks does not add up
+        for k, (pose, step) in enumerate(zip(points.poses[1:], steps, strict=True), start=1):
             stop = "G60 " if k == len(steps) else ""
             lines.append(f"G01 {stop}{self.pose(pose)} F{number(step, TIME_DECIMALS)}")
         return [*lines, after, "G94"]
 
 
 def write_twincat(program: NeutralProgram, case: Case) -> bytes:
-    """The program's text, plain ASCII.
-
-    Args:
-        case: gives the controller's settings, and limits for which feeds are chosen.
+    """The program's text, plain ASCII; arguments and errors as `write_sinumerik`.
 
     Raises:
         CaseError: the case lacks the machine or the settings of this dialect.
     """
-    limits = case.need_machine("a program")[2].motion
-    controller = case.need_controller("a TwinCAT program")
-    settings = controller.need_twincat(case.name)
-    writer = _TwinCatWriter(settings, limits, twincat_guarantees(Reading("", (), 0), case), controller.block)
-    lines = [f"%{settings.program_name}", *(c for line in program.header for c in comments(line))]
-    lines += ["G71 G90 G17 G94 G162", f"#SLOPE [TYPE={settings.slope}]", f"#KIN ID[{settings.kinematic_id}]"]
-    lines += ["#TRAFO ON", "#FGROUP [X,Y,Z]"]
-    for block in program.blocks:
-        lines += writer.lines(block)
-    return ("\n".join([*lines, "#TRAFO OFF", "M30"]) + "\n").encode("ascii")
+    return _TwinCatWriter(case).written(program)

@@ -1,19 +1,35 @@
-"""How numbers, poses and comments are written by dialects whose words look alike."""
+"""How numbers, poses, comments and blocks are written by dialects whose words look alike."""
 
 import re
 import textwrap
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import HexciteError
+from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited_quantities import Box
 from identification.trajectories.moves import CircularMove, Plane, StraightMove
 from identification.trajectories.profile import limits_along
-from postprocessors.blocks import Arc, Array, ExactStopMove
+from postprocessors.blocks import (
+    Arc,
+    Array,
+    Block,
+    Comment,
+    Dwell,
+    ExactStopMove,
+    NeutralProgram,
+    SplinePath,
+    TimedPath,
+    ToHome,
+    Trigger,
+)
 from postprocessors.proving.guarantees import Guarantees
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
@@ -133,3 +149,99 @@ def written_feed(block: ExactStopMove, limits: Box, guarantees: Guarantees) -> t
     way = (written.end - written.start)[~limits.turns]
     linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
     return linear, feed(feed_of(ExactStopMove(written), limits, guarantees, linear), linear)
+
+
+def home_feed(block: ToHome, limits: Box, own_axes: bool) -> str:
+    """F of the first move; in a machine's own axes one that is safe in mm and in degrees, whichever F counts."""
+    if not own_axes:
+        return feed(block.feed, linear=True)
+    return digits(block.feed * float((limits.rate / np.where(limits.turns, DEG, MM)).min()) * MINUTE)
+
+
+class GroupedWriter(ABC):
+    """Blocks for SINUMERIK and TwinCAT; keeps from block to block which axes the feed counts.
+
+    In a machine's own axes no transformation is active, and there are moves from rest to rest alone: what a controller
+    makes of paths where rotary axes turn is known for none of them.
+
+    Args:
+        words: words of the coordinates.
+        axes: names of the axes behind them, for the command that groups them.
+        guarantees: the controller's time laws.
+        case: gives the limits that it is set up with; where it has a chain, the axes are the machine's own.
+    """
+
+    name: ClassVar[str]  # of the controller, for messages
+    straight: ClassVar[str]  # words of a straight move with exact stop
+    arcs: ClassVar[tuple[str, str]]  # of an arc that turns to the left, and of one that turns to the right
+    dwell: ClassVar[str]  # before the seconds of a pause
+    grouping: ClassVar[str]  # command that names the axes whose way F counts, with {} for them
+
+    def __init__(self, words: Sequence[str], axes: Sequence[str], guarantees: Guarantees, case: Case) -> None:
+        self.words, self.axes, self.guarantees = words, axes, guarantees
+        self.limits: Box = case.need_motion("a program")[1]
+        self.own_axes = case.chain is not None
+        self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
+
+    @abstractmethod
+    def to_home(self) -> list[str]:
+        """What announces the first move."""
+
+    @abstractmethod
+    def trigger(self, on: bool) -> str:
+        """The block that switches the trigger."""
+
+    @abstractmethod
+    def path(self, path: TimedPath | SplinePath) -> list[str]:
+        """Blocks of a path of poses."""
+
+    def text(self, program: NeutralProgram, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
+        """The whole program, plain ASCII: title, header, and the blocks between those that begin and end it."""
+        header = [comment for line in program.header for comment in comments(line)]
+        blocks = [line for block in program.blocks for line in self.lines(block)]
+        return ("\n".join([*title, *header, *start, *blocks, *end]) + "\n").encode("ascii")
+
+    def coordinates(self, pose: Array) -> list[str]:
+        """Numbers of the coordinates."""
+        return coordinates(pose, self.limits.turns)
+
+    def pose(self, pose: Array) -> str:
+        """Coordinates as words."""
+        return " ".join(word + value for word, value in zip(self.words, self.coordinates(pose), strict=True))
+
+    def group(self, *turning: bool) -> list[str]:
+        """The command that makes F count axes that slide (False) or turn (True), where it does not yet."""
+        names = tuple(a for a, turns in zip(self.axes, self.limits.turns, strict=True) if bool(turns) in turning)
+        if names == self.counted:
+            return []
+        self.counted = names
+        return [self.grouping.format(",".join(names))]
+
+    def lines(self, block: Block) -> list[str]:
+        """The lines of a block; raises HexciteError for a path in a machine's own axes."""
+        match block:
+            case Comment():
+                return comments(block.text)
+            case ToHome():
+                group = self.group(False, True) if self.own_axes else self.group(False)
+                move = f"{self.straight} {self.pose(block.pose)} F{home_feed(block, self.limits, self.own_axes)}"
+                return [*self.to_home(), *group, move]
+            case ExactStopMove():
+                linear, value = written_feed(block, self.limits, self.guarantees)
+                return [*self.group(not linear), f"{self.straight} {self.pose(block.move.end)} F{value}"]
+            case Dwell():
+                return [f"{self.dwell}{number(block.duration, 6)}"]
+            case Trigger():
+                return [self.trigger(block.on)]
+            case _ if self.own_axes:
+                raise HexciteError(
+                    f"{self.name} programs in the machine's own axes are made of moves from rest to rest; plan with "
+                    "--family ptp"
+                )
+            case Arc():
+                words = arc_words(block.move, self.words, self.coordinates(block.move.end))
+                value = feed(feed_of(block, self.limits, self.guarantees), True)
+                arc = f"{self.arcs[0] if block.move.angle > 0.0 else self.arcs[1]} {words} F{value}"
+                return [*self.group(False), f"{PLANE_WORDS[block.move.plane]} {arc}", "G17"]
+            case TimedPath() | SplinePath():
+                return self.path(block)

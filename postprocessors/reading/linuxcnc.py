@@ -68,9 +68,8 @@ class _LinuxCncInterpreter(ModalState):
 
     def __init__(self, file: str, chain: Chain | None = None) -> None:
         axes = "XYZABC" if chain is None else axis_letters(chain, "LinuxCNC", file)
-        self.own_axes = chain is not None  # each axis is a joint; else they are the pose of a platform
         scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
-        super().__init__(file, SPELLING, list(axes), ("A", "B", "C"), scale)
+        super().__init__(file, SPELLING, list(axes), "ABC", scale, chain is not None)
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.said: set[str] = set()
@@ -155,10 +154,7 @@ class _LinuxCncInterpreter(ModalState):
         timing, value = self.timing(block, end, first)
         if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
-        known = not np.isnan(self.pose).any()
-        move = self.straight(end, timing, value, exact)
-        axes = np.flatnonzero(self.linear if move.linear else ~self.linear)
-        self.events.append(replace(move, counted=tuple(map(int, axes))) if self.own_axes and known else move)
+        self.events.append(self.straight(end, timing, value, exact))
 
 
 def _words(text: str, line: int, file: str) -> list[Word]:

@@ -16,60 +16,6 @@ ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC
 STILL = 1e-7  # [mm] between places that are the same
 
 
-class PlaneProblem(Exception):
-    """Words that do not describe an arc.
-
-    Args:
-        word: the one that is wrong, empty where they are as a whole.
-        problem: what is wrong and how to mend it.
-    """
-
-    def __init__(self, word: str, problem: str) -> None:
-        super().__init__(problem)
-        self.word = word
-
-
-def arc_through(
-    plane: Plane, counter_clockwise: bool, start: Array, end: Array, centres: dict[str, float]
-) -> tuple[Array, float]:
-    """Centre of an arc in its plane, shape (2,) [mm], and signed angle [rad].
-
-    Args:
-        counter_clockwise: G3, seen from the positive end of the plane's normal; else G2.
-        start: shape (6,) [mm, deg].
-        end: shape (6,) [mm, deg].
-        centres: I, J, K as written, relative to the start [mm].
-
-    Raises:
-        PlaneProblem: no arc.
-    """
-    first, second, normal = plane.axes
-    if "IJK"[normal] in centres:
-        name = "IJK"[normal]
-        raise PlaneProblem(name, f"{name} is not a centre in this plane; remove it, or choose another plane")
-    if not centres:
-        raise PlaneProblem("", f"an arc without a centre; add {'IJK'[first]} and {'IJK'[second]}")
-    if abs(end[normal] - start[normal]) > STILL:
-        raise PlaneProblem("XYZ"[normal], "helices are not used here; write an arc in its plane")
-    offset = np.array([centres.get("IJK"[k], 0.0) for k in (first, second)])
-    centre = start[[first, second]] + offset
-    target = end[[first, second]] - centre
-    radius, end_radius = float(np.hypot(*offset)), float(np.hypot(*target))
-    if radius <= 0.0:
-        raise PlaneProblem("", "the arc has no radius; correct its centre")
-    if abs(end_radius - radius) > ROUND:
-        raise PlaneProblem(
-            "", f"radius {radius:g} mm at the start and {end_radius:g} mm at the end of the arc; correct its centre"
-        )
-    if float(np.hypot(*(target + offset))) <= STILL:
-        angle = 2 * np.pi
-    else:
-        arm = -offset
-        angle = float(np.arctan2(arm[0] * target[1] - arm[1] * target[0], arm @ target)) % (2 * np.pi)
-        angle = angle if counter_clockwise else 2 * np.pi - angle
-    return centre, angle if counter_clockwise else -angle
-
-
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
 PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
@@ -110,15 +56,19 @@ class ModalState(ABC):
         axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
         angles: names of the others where F counts them.
         scale: what the coordinates count, shape (k,) [m or rad].
+        own_axes: whether the coordinates are the machine's own axes; else they are the pose of a platform.
     """
 
-    def __init__(self, file: str, spelling: Spelling, axes: list[str], angles: tuple[str, ...], scale: Array) -> None:
+    def __init__(
+        self, file: str, spelling: Spelling, axes: list[str], angles: Iterable[str], scale: Array, own_axes: bool
+    ) -> None:
         self.file = file
         self.spelling = spelling
         self.group_of = {name: k for k, group in enumerate(spelling.groups) for name in group}
         self.axes = axes
-        self.angles = angles
+        self.angles = tuple(angles)
         self.scale = scale
+        self.own_axes = own_axes
         self.line = 0
         self.events: list[Event] = []
         self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
@@ -235,7 +185,12 @@ class ModalState(ABC):
         if self.feed is None:
             self.fail(first, f"{spelling.straight} without a feed; add F")
         linear = self.moves_origin(end)
-        self._require_counted(first, linear)
+        if self.own_axes and spelling.feed_group and np.isnan(self.pose).any():
+            if set(self.feed_axes or ()) != set(self.axes):
+                group = spelling.feed_group.format(",".join(self.axes))
+                self.fail(first, f"the first move comes from anywhere; write {group} and F, so that F counts all axes")
+        else:
+            self._require_counted(first, linear)
         return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
     def _require_counted(self, first: Word, linear: bool) -> None:
@@ -246,7 +201,11 @@ class ModalState(ABC):
 
     def straight(self, end: Array, timing: Timing, value: float, exact: bool) -> Move:
         """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
-        move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end))
+        known, linear = not np.isnan(self.pose).any(), self.moves_origin(end)
+        axes = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
+        move = Move(
+            self.line, end * self.scale, timing, value, exact, linear, axes if self.own_axes and known else None
+        )
         self.pose = end
         return move
 
@@ -262,9 +221,26 @@ class ModalState(ABC):
         self._require_counted(first, linear=True)
         end = self.end_of(seen, first)
         centres = {name: float(seen[name].value or 0.0) for name in "IJK" if name in seen}
-        try:
-            centre, angle = arc_through(plane, self.active("G3"), self.pose, end, centres)
-        except PlaneProblem as problem:
-            self.fail(seen.get(problem.word, first), str(problem))
+        axis, other, normal = plane.axes
+        if (name := "IJK"[normal]) in centres:
+            self.fail(seen[name], f"{name} is not a centre in this plane; remove it, or choose another plane")
+        if not centres:
+            self.fail(first, f"an arc without a centre; add {'IJK'[axis]} and {'IJK'[other]}")
+        if abs(end[normal] - self.pose[normal]) > STILL:
+            self.fail(seen["XYZ"[normal]], "helices are not used here; write an arc in its plane")
+        offset = np.array([centres.get("IJK"[k], 0.0) for k in (axis, other)])
+        centre = self.pose[[axis, other]] + offset
+        target = end[[axis, other]] - centre
+        radius, end_radius = float(np.hypot(*offset)), float(np.hypot(*target))
+        if radius <= 0.0:
+            self.fail(first, "the arc has no radius; correct its centre")
+        if abs(end_radius - radius) > ROUND:
+            problem = f"radius {radius:g} mm at the start and {end_radius:g} mm at the end of the arc"
+            self.fail(first, f"{problem}; correct its centre")
+        angle, left = 2 * np.pi, self.active("G3")  # counter-clockwise, seen from the positive end of the normal
+        if float(np.hypot(*(target + offset))) > STILL:
+            turned = float(np.arctan2(offset[1] * target[0] - offset[0] * target[1], -offset @ target)) % (2 * np.pi)
+            angle = turned if left else 2 * np.pi - turned
+        angle = angle if left else -angle
         self.pose = end
         return Turn(self.line, end * self.scale, plane, centre * MM, angle, self.feed * MM / MINUTE, exact)

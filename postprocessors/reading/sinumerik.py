@@ -1,7 +1,8 @@
 """Reads SINUMERIK 840D sl / ONE programs as the controller would, as far as a hexapod's program can go.
 
 Everything else is refused with line and column. Words: 840D sl / ONE programming manuals; the orientation words, the
-transformation and the trigger's output are those of the case.
+transformation and the trigger's output are those of the case. In a machine's own axes no transformation is active, and
+moves go from rest to rest.
 """
 
 import re
@@ -9,10 +10,11 @@ from typing import NoReturn
 
 import numpy as np
 
-from cases.controller import SINUMERIK_NAME, Sinumerik
+from cases.chain import Chain
+from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Event, Pause, Reading, Switch, Timing, program_lines
+from postprocessors.reading import Event, Pause, Reading, Switch, Timing, axis_letters, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
@@ -30,22 +32,38 @@ SPELLING = Spelling(
 )  # fmt: skip
 
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
+_OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G710", "G500", "G60", "COMPOF", "SOFT"}  # modal words
+SAME_RADIUS = 1e-5  # [mm] of FGREF
+MM_A_DEGREE = 180.0 / np.pi
 
 
 class _SinumerikInterpreter(ModalState):
     """What the words mean."""
 
-    def __init__(self, file: str, settings: Sinumerik) -> None:
-        numbered = any(w[-1].isdigit() for w in settings.orientation_words)
-        axes = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in settings.orientation_words)]
-        scale = np.r_[np.full(3, MM), np.full(3, DEG)]
-        super().__init__(file, SPELLING, axes, settings.orientation_axes, scale)
+    def __init__(self, file: str, settings: SinumerikAxes, chain: Chain | None) -> None:
         self.settings = settings
+        self.of_pose = settings if isinstance(settings, Sinumerik) else None  # None: in the machine's own axes
+        self.said: set[str] = set()  # settings that stand in blocks of their own
+        if self.of_pose is not None:
+            words = self.of_pose.orientation_words
+            axes = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in words)]
+            angles = list(self.of_pose.orientation_axes)
+            rpy = ["ORIWKS", "ORIRPY"] if any(w[-1].isdigit() for w in words) else []
+            self.needed = ["G90", "G710", "G500", "SOFT", "ORIAXES", *rpy]
+        else:
+            assert chain is not None  # `Case` sees to it
+            axes = list(axis_letters(chain, "SINUMERIK", file, endless=False))
+            angles = [axis for axis in axes if axis in "ABC"]
+            radii = (f"FGREF[{axis}]" for axis in angles)
+            self.needed = ["G90", "G710", "G500", "SOFT", "TRAFOOF", "COMPOF", "G94", *radii]
+        scale = np.array([MM if axis in ("X", "Y", "Z") else DEG for axis in axes])
+        super().__init__(file, SPELLING, axes, angles, scale, self.of_pose is None)
         self.trigger: Switch | None = None
-        self.rpy_needed = numbered
 
     def read(self, words: list[Word]) -> None:
         polynomials = [word for word in words if word.name == "PO"]
+        if polynomials and self.own_axes:
+            self._refuse("PO", polynomials[0])
         block = self.once_each(word for word in words if word.name != "PO")
         self.require_one_of_each_group(block)
         for name, word in block.items():
@@ -60,9 +78,9 @@ class _SinumerikInterpreter(ModalState):
     def _modal(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in NEUTRAL or name in ("G4", "M2", "M30"):
             return
-        if name in MODAL:
+        if name in (_OF_OWN_AXES if self.own_axes else MODAL):
             self.activate(name)
-        elif name in self.axes or name in ("F", "PL=", "I", "J", "K"):
+        elif name in (*self.axes, "F") or (name in ("PL=", "I", "J", "K") and not self.own_axes):
             largest = LARGEST_FEED if name == "F" else LARGEST
             if word.value is None or abs(word.value) > largest:
                 self.fail(word, f"{name.rstrip('=')} needs a plain number of a machine's size; correct it")
@@ -70,30 +88,42 @@ class _SinumerikInterpreter(ModalState):
             self._program_name(word)
         elif name == "FGROUP":
             self.feed_axes = word.arguments or ()
-        elif name in ("CTOL=", "OTOL="):
-            self._tolerance(name[:-1], word)
         elif name == "DO":
             self._action(word)
-        elif self._called(word) == self.settings.transformation:
-            self._alone(word, block)
-            self.transformed = True
-        elif self._called(word) == self.settings.transformation_off:
-            self._alone(word, block)
-            self.transformed = False
+        elif self.of_pose is None:
+            self._of_own_axes(name, word)
+        elif name in ("CTOL=", "OTOL="):
+            s, short = self.of_pose, name == "CTOL="
+            self._tolerance(name[:-1], word, s.contour_tolerance_mm if short else s.orientation_tolerance_deg)
+        elif self._called(word) in (self.of_pose.transformation, self.of_pose.transformation_off):
+            if set(block) - {word.name, "N"}:
+                self.fail(word, f"{word.name} stands in a block of its own; move the other words")
+            self.transformed = self._called(word) == self.of_pose.transformation
+        else:
+            self._refuse(name, word)
+
+    def _of_own_axes(self, name: str, word: Word) -> None:
+        if name == "TRAFOOF":
+            self.said.add(name)
+        elif name == "FGREF":
+            radius = float((word.arguments or ("nan",))[0])
+            if word.selector not in self.angles or not abs(radius - MM_A_DEGREE) <= SAME_RADIUS:
+                self.fail(word, f"FGREF[{word.selector}]={radius:g} is not 1 mm a degree; write {MM_A_DEGREE:.6f}")
+            self.said.add(f"FGREF[{word.selector}]")
         else:
             self._refuse(name, word)
 
     def _refuse(self, name: str, word: Word) -> NoReturn:
-        angles = self.settings.orientation_words
-        if name in ("A", "B", "C") and name not in angles:
-            self.fail(
-                word, f"{name} is a rotary axis of the machine; the angles are {', '.join(angles)}, as {angles[0]}="
-            )
+        if (s := self.of_pose) is not None:
+            angles = s.orientation_words
+            if name in ("A", "B", "C") and name not in angles:
+                remedy = f"the angles are {', '.join(angles)}, as {angles[0]}="
+                self.fail(word, f"{name} is a rotary axis of the machine; {remedy}")
+            if name.startswith("TRA"):
+                remedy = f"{s.transformation} and {s.transformation_off}"
+                self.fail(word, f"{self._called(word)} is not the case's transformation; write {remedy}")
         if name.endswith("=") and name[:-1] in REMEDY | dict.fromkeys("XYZABCF"):
             self.fail(word, f"{name[:-1]} is not read here as an assignment; write {name[:-1]} and its number")
-        if name in ("TRAORI", "TRAFOOF") or name.startswith("TRA"):
-            remedy = f"{self.settings.transformation} and {self.settings.transformation_off}"
-            self.fail(word, f"{self._called(word)} is not the case's transformation; write {remedy}")
         label = "Q" if name == "Q" else name.rstrip("=")
         self.fail(word, f"{label} is {REMEDY.get(name, 'not a word of an excitation; remove it')}")
 
@@ -101,18 +131,12 @@ class _SinumerikInterpreter(ModalState):
     def _called(word: Word) -> str:
         return word.name if word.arguments is None else f"{word.name}({','.join(word.arguments)})"
 
-    def _alone(self, word: Word, block: dict[str, Word]) -> None:
-        if set(block) - {word.name, "N"}:
-            self.fail(word, f"{word.name} stands in a block of its own; move the other words")
-
     def _program_name(self, word: Word) -> None:
         name = (word.arguments or ("",))[0]
         if re.match(SINUMERIK_NAME, name) is None:
             self.fail(word, f"program name {name!r} is not taken; at most 24 letters, digits and _, two letters first")
 
-    def _tolerance(self, name: str, word: Word) -> None:
-        s = self.settings
-        limit = s.contour_tolerance_mm if name == "CTOL" else s.orientation_tolerance_deg
+    def _tolerance(self, name: str, word: Word, limit: float) -> None:
         if word.value is None or not 0.0 < word.value <= limit:
             self.fail(word, f"{name} is not above 0 and at most {limit:g}, the tolerance of the case; correct it")
 
@@ -138,7 +162,7 @@ class _SinumerikInterpreter(ModalState):
             other = next(w for name, w in block.items() if name not in ("G4", "F", "N"))
             self.fail(other, "G4 stands in a block of its own with its seconds as F; write G4 F0.3")
         seconds = block["F"].value if "F" in block else None
-        if seconds is None or seconds < 0.0:
+        if seconds is None or not 0.0 <= seconds <= LARGEST:
             self.fail(word, "G4 needs a duration in seconds that is not negative; write G4 F0.3")
         self._flush_trigger(before_motion=False)
         self.events.append(Pause(self.line, seconds))
@@ -151,8 +175,8 @@ class _SinumerikInterpreter(ModalState):
             return
         first = polynomials[0] if polynomials else block[coordinates[0]]
         self._require_ready(first)
-        if polynomials or self.active("POLY"):
-            self._move(polynomial(self, self.settings, block, polynomials, first))
+        if self.of_pose is not None and (polynomials or self.active("POLY")):
+            self._move(polynomial(self, self.of_pose, block, polynomials, first))
         elif self.active("G2", "G3"):
             self._arc(block, first)
         elif "PL=" in block:
@@ -162,12 +186,11 @@ class _SinumerikInterpreter(ModalState):
         self.flowing = self.active("G64", "G642")
 
     def _require_ready(self, word: Word) -> None:
-        codes = ["G90", "G710", "G500", "SOFT", "ORIAXES"] + (["ORIWKS", "ORIRPY"] if self.rpy_needed else [])
-        for name in codes:
-            if not self.active(name):
+        for name in self.needed:
+            if name not in self.said and not self.active(name):
                 self.fail(word, f"a move before {name}; what it means is not known, add {name}")
-        if not self.transformed:
-            name = self.settings.transformation
+        if self.of_pose is not None and not self.transformed:
+            name = self.of_pose.transformation
             self.fail(word, f"a move before {name}; without it X, Y, Z are not coordinates of the platform, add it")
         if not self.active("G60", "G64", "G642"):
             self.fail(word, "a move before G60 or G64; whether the machine stops after it is not known, add one")
@@ -213,8 +236,8 @@ class _SinumerikInterpreter(ModalState):
         if self.trigger is not None:
             self.line = self.trigger.line
             self.fail(None, "the action waits for a next block that never comes; write a dwell after it")
-        if self.transformed:
-            self.fail(word, f"the transformation is still on; write {self.settings.transformation_off} before")
+        if self.of_pose is not None and self.transformed:
+            self.fail(word, f"the transformation is still on; write {self.of_pose.transformation_off} before")
         self.ended = True
 
 
@@ -223,12 +246,12 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
 
     Args:
         file: its name, for messages.
-        case: gives the words of the machine's transformation and the limits of its program memory.
+        case: gives the words of the machine's transformation, or its axes, and the limits of its program memory.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
         CaseError: the case has no settings of this dialect.
     """
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik_axes(case.name)
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
-    return _SinumerikInterpreter(file, settings).read_program(lines, sinumerik_words)
+    return _SinumerikInterpreter(file, settings, case.chain).read_program(lines, sinumerik_words)

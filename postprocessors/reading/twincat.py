@@ -1,17 +1,18 @@
 """Reads TwinCAT CNC (TF5200, ISG kernel) programs as the controller would, as far as a hexapod's program can go.
 
 Everything else is refused with line and column. Words: the TF5200 programming manual; kinematics, sign of B and M
-functions are those of the case.
+functions are those of the case. In a machine's own axes no transformation is active, and moves go from rest to rest.
 """
 
 import re
 
 import numpy as np
 
-from cases.controller import TWINCAT_NAME, TwinCat
+from cases.chain import Chain
+from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Pause, Reading, Switch, Timing, program_lines
+from postprocessors.reading import Pause, Reading, Switch, Timing, axis_letters, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
@@ -28,16 +29,29 @@ SPELLING = Spelling(
     block_time="F, the block's time in seconds", inverse_time=False, feed_group="#FGROUP [{}]",
 )  # fmt: skip
 
+_OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
+_COMMANDS_OF_OWN_AXES = ("#SLOPE", "#TRAFO OFF", "#FGROUP", "#MSG", "#MSG SYN", "#TIME")
+
 
 class _TwinCatInterpreter(ModalState):
     """What the words mean."""
 
-    def __init__(self, file: str, settings: TwinCat) -> None:
-        scale = np.r_[np.full(3, MM), np.full(3, DEG)] * [1, 1, 1, 1, settings.angle_sign_b, 1]
-        super().__init__(file, SPELLING, list("XYZABC"), ("A", "B", "C"), scale)
+    def __init__(self, file: str, settings: TwinCatAxes, chain: Chain | None) -> None:
         self.settings = settings
-        self.slope = self.kinematics = False
-        self.path = PointPath(self, settings)
+        self.of_pose = settings if isinstance(settings, TwinCat) else None  # None: in the machine's own axes
+        letters, sign_b = "XYZABC", 1
+        if self.of_pose is not None:
+            sign_b = self.of_pose.angle_sign_b
+            self.needed = {f"#KIN ID[{self.of_pose.kinematic_id}]": "#KIN ID", "#TRAFO ON": "#TRAFO ON"}
+        else:
+            assert chain is not None  # `Case` sees to it
+            letters = axis_letters(chain, "TwinCAT", file, endless=False)
+            self.needed = {"G94": "G94", "#TRAFO OFF": "#TRAFO OFF"}
+        scale = np.array([MM if a in "XYZ" else DEG * (sign_b if a == "B" else 1) for a in letters])
+        angles = (a for a in letters if a in "ABC")
+        super().__init__(file, SPELLING, list(letters), angles, scale, self.of_pose is None)
+        self.said: set[str] = set()  # commands that a move needs before it
+        self.path = PointPath(self)
         self.messages = 0
 
     def read(self, words: list[Word]) -> None:
@@ -61,9 +75,9 @@ class _TwinCatInterpreter(ModalState):
     def _word(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in ("N", "G4", "G60", "M2", "M30", ""):
             return
-        if name in MODAL and word.value is None:
+        if name in (_OF_OWN_AXES if self.own_axes else MODAL) and word.value is None:
             self._mode(name, word)
-        elif name in (*self.axes, "F", "I", "J", "K"):
+        elif name in (*self.axes, "F") or (name in ("I", "J", "K") and not self.own_axes):
             if word.value is None or abs(word.value) > (LARGEST_FEED if name == "F" else LARGEST):
                 self.fail(word, f"{name} is not a machine's number; correct it")
         elif name == "%":
@@ -92,23 +106,27 @@ class _TwinCatInterpreter(ModalState):
         self.events.append(Switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True))
 
     def _command(self, word: Word) -> None:
-        name, s = word.name, self.settings
+        name, s = word.name, self.of_pose
         if self.path.kind and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
+        if s is None and name not in _COMMANDS_OF_OWN_AXES:
+            self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of a program in own axes; remove it')}")
         match name:
             case "#SLOPE":
-                self._equal(word, (f"TYPE={s.slope}",), f"[TYPE={s.slope}]")
-                self.slope = True
-            case "#KIN ID":
+                slope = f"TYPE={self.settings.slope}"
+                self._equal(word, (slope,), f"[{slope}]")
+                self.said.add(name)
+            case "#KIN ID" if s is not None:
                 self._equal(word, (str(s.kinematic_id),), f"[{s.kinematic_id}]")
                 if self.transformed:
                     self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
-                self.kinematics = True
+                self.said.add(name)
             case "#TRAFO ON" | "#TRAFO OFF":
-                self._equal(word, (), "alone")
-                if name == "#TRAFO ON" and not self.kinematics:
+                self._equal(word, (), "")
+                if s is not None and name == "#TRAFO ON" and "#KIN ID" not in self.said:
                     self.fail(word, f"#TRAFO ON before #KIN ID[{s.kinematic_id}]; add it")
                 self.transformed = name == "#TRAFO ON"
+                self.said = self.said - {"#TRAFO ON", "#TRAFO OFF"} | {name}
             case "#FGROUP":
                 self.feed_axes = word.arguments or ()
             case "#MSG" | "#MSG SYN":
@@ -123,20 +141,20 @@ class _TwinCatInterpreter(ModalState):
                 self.path.open("SPLINE", word)
             case "#SPLINE OFF":
                 self.path.close("SPLINE", word)
-            case "#HSC ON":
-                self.path.require_deviations(word, "BSPLINE")
+            case "#HSC ON" if s is not None:
+                self.path.require_deviations(word, "BSPLINE", s)
                 self.path.open("HSC", word)
             case "#HSC OFF":
                 self.path.close("HSC", word)
-            case "#CONTOUR MODE":
-                self.path.require_deviations(word, "DEV")
+            case "#CONTOUR MODE" if s is not None:
+                self.path.require_deviations(word, "DEV", s)
                 self.path.contour = True
             case _:
                 self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of an excitation; remove it')}")
 
     def _equal(self, word: Word, expected: tuple[str, ...], written: str) -> None:
         if (word.arguments or ()) != expected or word.value is not None:
-            self.fail(word, f"{word.name} is not what the case says; write {word.name}{written.replace('alone', '')}")
+            self.fail(word, f"{word.name} is not what the case says; write {word.name}{written}")
 
     def _pause(self, word: Word, seconds: float | None) -> None:
         if seconds is None or not 0.0 <= seconds <= LARGEST:
@@ -175,13 +193,8 @@ class _TwinCatInterpreter(ModalState):
         for name in ("G90", "G71"):
             if not self.active(name):
                 self.fail(word, f"a move before {name}; what it means is not known, add {name}")
-        s = self.settings
-        for ready, name in (
-            (self.slope, f"#SLOPE [TYPE={s.slope}]"),
-            (self.kinematics, f"#KIN ID[{s.kinematic_id}]"),
-            (self.transformed, "#TRAFO ON"),
-        ):
-            if not ready:
+        for name, said in {f"#SLOPE [TYPE={self.settings.slope}]": "#SLOPE", **self.needed}.items():
+            if said not in self.said and not self.active(said):
                 self.fail(word, f"a move before {name}; what it means is not known, add it")
 
     def _line(self, block: dict[str, Word], first: Word, exact: bool) -> None:
@@ -222,12 +235,12 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
 
     Args:
         file: its name, for messages.
-        case: gives kinematics, sign of B, M functions and the limits of the program memory.
+        case: gives kinematics, sign of B or axes, M functions and the limits of the program memory.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
         CaseError: the case has no settings of this dialect.
     """
-    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
+    settings = case.need_controller("a TwinCAT program").need_twincat_axes(case.name)
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
-    return _TwinCatInterpreter(file, settings).read_program(lines, twincat_words)
+    return _TwinCatInterpreter(file, settings, case.chain).read_program(lines, twincat_words)

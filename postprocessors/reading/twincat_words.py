@@ -166,16 +166,10 @@ _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+
 
 
 class PointPath:
-    """The path of points that is open, if one is.
+    """The path of points that is open in a state of the controller, if one is."""
 
-    Args:
-        state: state of the controller.
-        settings: settings of the case.
-    """
-
-    def __init__(self, state: ModalState, settings: TwinCat) -> None:
+    def __init__(self, state: ModalState) -> None:
         self.state = state
-        self.settings = settings
         self.kind = ""  # SPLINE, HSC or CONTOUR while one is open
         self.akima = self.contour = False  # whether what SPLINE and CONTOUR need was said
         self.points = 0
@@ -228,13 +222,13 @@ class PointPath:
         self.points += 1
         self.stopped = exact
 
-    def require_deviations(self, word: Word, kind: str) -> None:
+    def require_deviations(self, word: Word, kind: str, settings: TwinCat) -> None:
         """The curve may leave its points by what the case allows; both must be stated, the defaults are loose.
 
         Raises:
             ProgramError: they are not stated, or larger.
         """
-        s, arguments = self.settings, word.arguments or ()
+        s, arguments = settings, word.arguments or ()
         limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
         text = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
         deviations = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
