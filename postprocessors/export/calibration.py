@@ -1,4 +1,4 @@
-"""A saved result together with its case and model: what is exported, and whether it may be."""
+"""A saved result together with its case and model: what is exported, and whether it may be; all of it as JSON."""
 
 import hashlib
 import re
@@ -119,6 +119,59 @@ def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, r
         s0=s0,
         result_hash=hashlib.sha256(content).hexdigest()[:16],
         warnings=(*warnings, *remarks),
+    )
+
+
+def json_document(calibration: Calibration) -> str:
+    """The calibrated model as JSON, everything that an implementation of its own needs, in SI units and radians.
+
+    `calibration.schema.json` beside this file, a JSON Schema, describes each entry.
+    """
+    case, result, model = calibration.case, calibration.result, calibration.model
+    kinematics = None
+    if case.hexapod is not None:
+        drives = case.recording.drives
+        kinematics = {
+            "base_m": case.hexapod.base.points.tolist(),
+            "platform_m": case.hexapod.platform.points.tolist(),
+            "home": case.hexapod.home.vector.tolist(),
+            "drives": drives and {"drive": drives.order, "sign": drives.sign, "offset_m": drives.offset.tolist()},
+        }
+    deviations = [np.sqrt(np.maximum(c.diagonal(), 0.0)) for c in (result.covariance, result.covariance_robust)]
+    linear = zip(model.parameters, result.values.tolist(), *(d.tolist() for d in deviations), strict=True)
+    return json_text(
+        {
+            "schema_version": 1,
+            "kind": "hexcite calibration",
+            "origin": {
+                "hexcite": version("hexcite"),
+                "result": result.source,
+                "result_sha256": calibration.result_hash,
+                "recording": calibration.recording,
+                "samples": calibration.samples,
+                "s0": calibration.s0,
+                "case": case.name,
+                "case_hash": case.hash,
+            },
+            "warnings": calibration.warnings,
+            "model": model.number,
+            "error_terms": result.terms,
+            "gravity_m_s2": case.gravity.tolist(),
+            "structure": model.structure.tolist() if model.struts is None else None,
+            "struts": model.struts and {"at": model.struts.sensors.at},
+            "force_delay_s": result.delay,
+            "kinematics": kinematics,
+            "linear": [
+                {"name": p.name, "unit": p.unit, "value": value, "std": std, "std_robust": robust}
+                for p, value, std, robust in linear
+            ],
+            "covariance": result.covariance.tolist(),
+            "covariance_robust": result.covariance_robust.tolist(),
+            "physical": [
+                {"name": name, "unit": v.unit, "value": v.value, "std": v.std, "std_robust": v.std_robust}
+                for name, v in calibration.physical.items()
+            ],
+        }
     )
 
 

@@ -21,9 +21,9 @@ from postprocessors.export.calibration import (
     checked_name,
     comment_lines,
     default_name,
+    json_document,
 )
 from postprocessors.export.code import c_sources, linuxcnc_component, structured_text
-from postprocessors.export.document import json_document
 
 
 @dataclass(frozen=True, slots=True)
