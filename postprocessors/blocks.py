@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Joined, TimedPoints, Trajectory
-from identification.trajectories.curves import PolynomialMotion
+from identification.trajectories.curves import Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import Profile
 
@@ -42,29 +42,12 @@ class ExactStopMove:
 
     move: StraightMove  # where from, where to, and the planned time law
 
-    @property
-    def feed(self) -> float:
-        """Largest speed of the planned move: of the origin [m/s], or of the angles where the origin rests [rad/s]."""
-        return self.move.profile.peak_velocity * self.length
-
-    @property
-    def length(self) -> float:
-        """Way of the origin [m], or of the angles where the origin rests [rad]: what feeds count."""
-        way = self.move.end - self.move.start
-        linear = float(np.linalg.norm(way[:3]))
-        return linear if linear > 0.0 else float(np.linalg.norm(way[3:]))
-
 
 @dataclass(frozen=True, slots=True)
 class Arc:
     """A circular move in a coordinate plane from rest to rest, exact stop at its end; full circles too."""
 
     move: CircularMove  # where from, about what, how far, and the planned time law
-
-    @property
-    def feed(self) -> float:
-        """Largest speed of the origin in the planned move [m/s]."""
-        return self.move.profile.peak_velocity * self.move.length
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +98,6 @@ class NeutralProgram:
     header: tuple[str, ...]  # comment lines that say where it comes from and what it was proven against
     blocks: tuple[Block, ...]
 
-    @property
-    def paths(self) -> tuple[TimedPath, ...]:
-        """Its timed paths."""
-        return tuple(b for b in self.blocks if isinstance(b, TimedPath))
-
 
 CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # subdivisions of a piece before giving up
@@ -127,27 +105,6 @@ FINEST = 64  # subdivisions of a piece before giving up
 
 class TooCoarse(ValueError):
     """No subdivision keeps the tolerance."""
-
-
-@dataclass(frozen=True, slots=True)
-class Pieces:
-    """Polynomials of one parameter p from 0 to 1 each."""
-
-    times: Array  # start of each and end of the last, shape (k + 1,) [s]
-    coefficients: Array  # coefficients of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad]
-
-    def at(self, p: Array) -> Array:
-        """Poses of every piece at parameters p, shape (m,); shape (k, m, 6)."""
-        powers = p[:, None] ** np.arange(self.coefficients.shape[1])
-        return np.asarray(np.einsum("mi,kij->kmj", powers, self.coefficients))
-
-
-@dataclass(frozen=True, slots=True)
-class PieceDeviation:
-    """Largest distance from the plan at the same instant."""
-
-    position: float  # [m]
-    angle: float  # [rad]
 
 
 def knots(motion: Trajectory) -> Array:
@@ -162,8 +119,15 @@ def knots(motion: Trajectory) -> Array:
     return np.array([0.0, motion.duration])
 
 
-def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[float, float]) -> Pieces:
-    """Pieces that share pose and rates with the motion at their ends; of degree 5 the accelerations too.
+def divided(ends: Array, counts: ArrayLike) -> Array:
+    """Instants that divide each interval between ends, shape (k,) [s], into a number of equal ones, shape (k - 1,)."""
+    numbers = np.broadcast_to(counts, len(ends) - 1)
+    parts = (np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], numbers, strict=False))
+    return np.append(np.concatenate([*parts]), ends[-1])
+
+
+def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[float, float]) -> PolynomialMotion:
+    """Polynomials that share pose and rates with the motion at their ends; of degree 5 the accelerations too.
 
     A motion of polynomials of that degree is met exactly.
 
@@ -175,88 +139,69 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
     Raises:
         TooCoarse: no subdivision keeps the tolerance.
     """
-    if isinstance(motion, PolynomialMotion) and (exact := _exact(motion, degree, longest)) is not None:
-        return exact
     base = knots(motion)
     counts = np.ceil(np.diff(base) / longest - 1e-9).astype(int).clip(1)
+    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any():
+        return _cut(motion, counts, degree)
     finer = 1
     while finer <= FINEST:
-        times = np.append(
-            np.concatenate(
-                [np.linspace(a, b, n * finer, endpoint=False) for a, b, n in zip(base, base[1:], counts, strict=False)]
-            ),
-            base[-1],
-        )
-        spline = _hermite(motion, times, degree)
-        off = even_deviation(spline, motion)
-        if off.position <= tolerance[0] and off.angle <= tolerance[1]:
+        spline = _hermite(motion, divided(base, counts * finer), degree)
+        position, angle = even_deviation(spline, motion)
+        if position <= tolerance[0] and angle <= tolerance[1]:
             return spline
         finer *= 2
-    raise TooCoarse(f"polynomials of degree {degree} stay {off.position * 1e3:.2g} mm off the motion")
+    raise TooCoarse(f"polynomials of degree {degree} stay {position * 1e3:.2g} mm off the motion")
 
 
-def _exact(motion: PolynomialMotion, degree: int, longest: float) -> Pieces | None:
-    """The motion's own polynomials, cut where they are too long; None where one of them is of a higher degree."""
-    coefficients, steps = [], []
-    for piece in motion.pieces:
-        own = np.zeros((max(degree + 1, len(piece.coefficients)), 6))
+def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:
+    """The same motion, each of its pieces in a number of equal ones, with coefficients up to a degree."""
+    cut = []
+    for piece, count in zip(motion.pieces, counts, strict=True):
+        step, own = piece.duration / count, np.zeros((max(degree + 1, len(piece.coefficients)), 6))
         own[: len(piece.coefficients)] = piece.coefficients
-        if own[degree + 1 :].any():
-            return None
-        count = max(1, int(np.ceil(piece.duration / longest - 1e-9)))
-        step = piece.duration / count
-        for k in range(count):
-            # c_i of p in [0, 1] is the i-th derivative where it begins, times step^i / i!.
-            at, scaled = own[: degree + 1], []
-            for i in range(degree + 1):
-                scaled.append(np.polynomial.polynomial.polyval(k * step, at) * step**i / factorial(i))
+        for start in step * np.arange(count):
+            at, shifted = own[: degree + 1], []
+            for i in range(degree + 1):  # c_i is the i-th derivative where it begins, over i!
+                shifted.append(np.polynomial.polynomial.polyval(start, at) / factorial(i))
                 at = np.asarray(np.polynomial.polynomial.polyder(at)) if len(at) > 1 else np.zeros((1, 6))
-            coefficients.append(np.array(scaled))
-            steps.append(step)
-    return Pieces(np.concatenate([[0.0], np.cumsum(steps)]), np.array(coefficients))
+            cut.append(Piece(np.array(shifted), step))
+    return PolynomialMotion(tuple(cut))
 
 
-def _hermite(motion: Trajectory, times: Array, degree: int) -> Pieces:
+def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
     at, steps = motion.at(times), np.diff(times)[:, None]
-    order = (degree - 1) // 2
-    values = [at.pose, at.rates, at.accelerations][: order + 1]
-    coefficients = [v[:-1] * steps**k / (1, 1, 2)[k] for k, v in enumerate(values)]  # c_0 .. c_order
-    # The other half from the end: sum_i i!/(i-k)! c_i = x1^(k) T^k.
-    high = np.arange(order + 1, degree + 1)
-    falling = np.array(
-        [[np.prod(high[c] - np.arange(k)) for c in range(len(high))] for k in range(order + 1)], dtype=float
-    )
-    targets = []
-    for k, v in enumerate(values):
-        rest = sum(np.prod(i - np.arange(k)) * coefficients[i] for i in range(k, order + 1))
-        targets.append(v[1:] * steps**k - rest)
-    rest_coefficients = np.einsum("ck,knj->cnj", np.linalg.inv(falling), np.stack(targets))
-    return Pieces(times, np.stack([*coefficients, *rest_coefficients], axis=1))
+    p, v, a = at.pose[:-1], at.rates[:-1] * steps, at.accelerations[:-1] * steps**2
+    way, w, b = at.pose[1:] - p, at.rates[1:] * steps, at.accelerations[1:] * steps**2
+    if degree == 3:
+        shares = np.stack([p, v, 3 * way - 2 * v - w, v + w - 2 * way])
+    else:
+        d, e, f = way - v - a / 2, w - v - a, b - a
+        shares = np.stack([p, v, a / 2, 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2])
+    table = shares / steps ** np.arange(degree + 1)[:, None, None]
+    return PolynomialMotion(tuple(Piece(table[:, k], float(step)) for k, step in enumerate(steps[:, 0])))
 
 
-def even_deviation(found: Pieces, motion: Trajectory) -> PieceDeviation:
-    """If the parameter of each piece passes evenly in time."""
-    p = np.linspace(0.0, 1.0, CHECKS + 1)
-    return _deviation(found, motion, found.at(p), p)
+def even_deviation(found: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
+    """Largest distance from a motion at the same instant, positions [m] and angles [rad]."""
+    t = _within(found, np.linspace(0.0, 1.0, CHECKS + 1))
+    return _distance(found.at(t).pose, motion, t)
 
 
-def path_speed_deviation(found: Pieces, motion: Trajectory) -> PieceDeviation:
-    """If each piece is passed at constant speed of the origin along its path, in the time planned for it."""
-    p = np.linspace(0.0, 1.0, 8 * CHECKS + 1)
-    poses = found.at(p)
-    way = np.cumsum(np.linalg.norm(np.diff(poses[:, :, :3], axis=1), axis=2), axis=1)
-    share = np.concatenate([np.zeros((len(way), 1)), way], axis=1)
-    rests = share[:, -1:] <= 1e-12
-    share = np.where(rests, p, share / np.where(rests, 1.0, share[:, -1:]))
-    even = np.linspace(0.0, 1.0, CHECKS + 1)
-    parameters = np.array([np.interp(even, row, p) for row in share])
-    powers = parameters[:, :, None] ** np.arange(found.coefficients.shape[1])
-    return _deviation(found, motion, np.einsum("kmi,kij->kmj", powers, found.coefficients), even)
+def path_speed_deviation(found: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
+    """The same if each piece is passed at constant speed of the origin along its path, in the time planned for it."""
+    p, even = np.linspace(0.0, 1.0, 8 * CHECKS + 1), np.linspace(0.0, 1.0, CHECKS + 1)
+    origins = found.at(_within(found, p)).pose[:, :3].reshape(len(found.pieces), len(p), 3)
+    ways = np.cumsum(np.linalg.norm(np.diff(origins, axis=1, prepend=origins[:, :1]), axis=2), axis=1)
+    shares = [way / way[-1] if way[-1] > 1e-12 else p for way in ways]
+    passed = np.array([np.interp(even, share, p) for share in shares])
+    return _distance(found.at(_within(found, passed)).pose, motion, _within(found, even))
 
 
-def _deviation(spline: Pieces, motion: Trajectory, poses: Array, p: Array) -> PieceDeviation:
-    starts, steps = spline.times[:-1, None], np.diff(spline.times)[:, None]
-    instants = np.minimum(starts + steps * p, motion.duration)
-    exact = motion.at(instants.ravel()).pose.reshape(poses.shape)
-    off = poses - exact
-    return PieceDeviation(float(np.linalg.norm(off[..., :3], axis=2).max()), float(np.abs(off[..., 3:]).max()))
+def _within(found: PolynomialMotion, shares: Array) -> Array:
+    """Instants at shares of each piece's duration, one after the other [s]; shape (m,), or (pieces, m)."""
+    return np.asarray((found.times[:-1, None] + np.diff(found.times)[:, None] * shares).ravel())
+
+
+def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]:
+    off = poses - motion.at(np.minimum(t, motion.duration)).pose
+    return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())

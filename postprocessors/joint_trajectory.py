@@ -12,9 +12,6 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill, Trajectory
-from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Profile
 from postprocessors.blocks import (
     Comment,
     Dwell,
@@ -24,6 +21,7 @@ from postprocessors.blocks import (
     TimedPath,
     ToHome,
     Trigger,
+    knots,
 )
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading import Reading
@@ -116,7 +114,7 @@ def _instants(motion: Joined, step: float) -> Array:
         if isinstance(part, Standstill):
             instants.append(np.array([start + part.duration]))
             continue
-        for a, b in pairwise(_apart(_ends(part))):
+        for a, b in pairwise(_apart(knots(part).tolist())):
             count = max(1, int(np.ceil((b - a) / step - 1e-9)))
             instants.append(start + np.linspace(a, b, count + 1)[1:])
     return np.concatenate(instants)
@@ -131,16 +129,6 @@ def _apart(ends: list[float]) -> list[float]:
         elif end == ends[-1] and len(instants) > 1:
             instants[-1] = end
     return instants if len(instants) > 1 else [ends[0], ends[-1]]
-
-
-def _ends(part: Trajectory) -> list[float]:
-    """Where the polynomials of a motion begin and end [s]; of another motion its ends."""
-    if isinstance(part, PolynomialMotion):
-        return [float(t) for t in part.times]
-    if isinstance(part, StraightMove) and isinstance(part.profile, Profile):
-        ends = np.cumsum([0.0, *(length for length in part.profile.lengths if length > 1e-9)])
-        return [float(t) for t in ends]
-    return [0.0, part.duration]
 
 
 def _number(value: float) -> str:

@@ -12,9 +12,9 @@ from cases.errors import CaseError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Trajectory
+from identification.trajectories.curves import PolynomialMotion
 from postprocessors.blocks import (
     NeutralProgram,
-    Pieces,
     SplinePath,
     TimedPath,
     TooCoarse,
@@ -85,26 +85,26 @@ class _SinumerikWriter(GroupedWriter):
     def wrong(self, key: str, problem: str) -> CaseError:
         return CaseError(self.place, f"controller.sinumerik.{key}", problem)
 
-    def stated(self, name: str, found: Pieces, motion: Trajectory) -> list[str]:
+    def stated(self, name: str, found: PolynomialMotion, motion: Trajectory) -> list[str]:
         """How far the path is from the plan: its law of time is the controller's own."""
-        lines = [f"{name}: {len(found.coefficients)} POLY blocks of degree {found.coefficients.shape[1] - 1}, "]
-        lines[0] += f"{found.times[-1]:.6f} s"
-        for law, off in (
+        degree = len(found.pieces[0].coefficients) - 1
+        lines = [f"{name}: {len(found.pieces)} POLY blocks of degree {degree}, {found.duration:.6f} s"]
+        for law, (position, angle) in (
             ("the polynomials' parameter passes evenly in time", even_deviation(found, motion)),
             ("the path speed stays the same within each block", path_speed_deviation(found, motion)),
         ):
-            lines.append(f"off the plan by {off.position / MM:.2g} mm, {off.angle / DEG:.2g} deg at most if {law}")
+            lines.append(f"off the plan by {position / MM:.2g} mm, {angle / DEG:.2g} deg at most if {law}")
         return [c for line in lines for c in comments(line)]
 
-    def poly(self, found: Pieces) -> list[str]:
+    def poly(self, found: PolynomialMotion) -> list[str]:
         """Finely rounded, lest rates step between pieces; the last ends as a pose does, where the next move starts."""
         decimals = (POLY_LENGTH_DECIMALS,) * 3 + (POLY_ANGLE_DECIMALS,) * 3
         units = (MM,) * 3 + (DEG,) * 3
         lines = []
-        steps = np.diff(found.times)
-        for count, (coefficients, step) in enumerate(zip(found.coefficients, steps, strict=True), start=1):
+        for piece in found.pieces:
+            coefficients = piece.coefficients * piece.duration ** np.arange(len(piece.coefficients))[:, None]
             end = coefficients.sum(axis=0)
-            ends = coordinates(end) if count == len(steps) else None
+            ends = coordinates(end) if piece is found.pieces[-1] else None
             words = []
             for k, axis in enumerate(self.axes):
                 items = [number(v[k] / units[k], decimals[k]) for v in (end, *coefficients[2:])]
@@ -112,7 +112,7 @@ class _SinumerikWriter(GroupedWriter):
                 while len(items) > 1 and items[-1] == "0":
                     items.pop()  # the last zero coefficients are omitted
                 words.append(f"PO[{axis}]=({','.join(items)})")
-            lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / step, FEED_DECIMALS)}")
+            lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / piece.duration, FEED_DECIMALS)}")
         return lines
 
     def compressed(self, path: TimedPath, settings: Sinumerik) -> list[str]:

@@ -24,6 +24,7 @@ from postprocessors.blocks import (
     TimedPath,
     ToHome,
     Trigger,
+    divided,
 )
 from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -173,13 +174,6 @@ def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:
     return replace(program, blocks=tuple(blocks))
 
 
-def _block_ends(trajectory: Trajectory, block: float) -> Array:
-    knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
-    counts = np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2)
-    steps = zip(knots, knots[1:], counts, strict=False)
-    return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in steps]), knots[-1])
-
-
 def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:
     """A trajectory as equally timed poses; of a spline the ends of its pieces are among them.
 
@@ -187,7 +181,8 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
         block: duration of a block at full speed, at most [s].
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
-    times = _block_ends(trajectory, block)
+    knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
+    times = divided(knots, np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2))
     source = trajectory if speed == 1.0 else Slowed(trajectory, speed)
     return TimedPath(name, times / speed, trajectory.at(times).pose, source)
 

@@ -13,7 +13,7 @@ from identification.limited_quantities import Box
 from identification.motion import Array
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
-from postprocessors.blocks import Pieces, path_speed_deviation
+from postprocessors.blocks import path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading import Polynomial, Reading
@@ -243,8 +243,7 @@ def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
     motions = [s.points for s in stretches(reading) if isinstance(s, Timed) and isinstance(s.points, PolynomialMotion)]
     if not motions:
         return Forecast()
-    off = [path_speed_deviation(_pieces(motion), motion) for motion in motions]
-    position, angle = max(o.position for o in off), max(o.angle for o in off)
+    position, angle = np.max([path_speed_deviation(motion, motion) for motion in motions], axis=0)
     return Forecast(
         1.0,
         (
@@ -253,12 +252,3 @@ def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
             "poly_block_ms leaves it less",
         ),
     )
-
-
-def _pieces(motion: PolynomialMotion) -> Pieces:
-    degree = max(len(p.coefficients) for p in motion.pieces)
-    coefficients = np.zeros((len(motion.pieces), degree, 6))
-    for k, piece in enumerate(motion.pieces):
-        powers = piece.duration ** np.arange(len(piece.coefficients))
-        coefficients[k, : len(powers)] = piece.coefficients * powers[:, None]
-    return Pieces(motion.times, coefficients)
