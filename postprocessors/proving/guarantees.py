@@ -23,8 +23,8 @@ Law = Callable[[float, float, float], TimeLaw]
 
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
 """
-ArcLaw = Callable[[float, float, float, float], TimeLaw]
-"""The same for an arc, whose angle [rad] is the last argument: turning needs a part of the acceleration."""
+ARC_SHARES = math.sqrt(0.75), 0.5
+"""Shares of the acceleration limit that an arc is assumed to spend along its path and on turning."""
 
 
 def limits_jerk(law: Law) -> bool:
@@ -40,18 +40,24 @@ class Guarantees:
     controller: str  # its name, for messages
     shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
     longest_block: float  # a timed block must not be longer: beyond it nothing is known of its time law [s]
-    # whether it passes timed points at their times along the assumed curve between them; then what a timed path reaches
-    # is proven from the text, else only its geometry and rates are
-    follows_paths: bool
-    # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
-    # at one feed): then rates are proven also where it does not follow the assumed curve
-    even_blocks: bool
     enforced: frozenset[LimitKind]  # families of limits that it keeps by itself, whatever the program asks for
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
-    arc_law: ArcLaw
     jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
+    # whether it passes timed points at their times along the assumed curve between them; then what a timed path reaches
+    # is proven from the text, else only its geometry and rates are
+    follows_paths: bool = False
+    # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
+    # at one feed): then rates are proven also where it does not follow the assumed curve
+    even_blocks: bool = False
     whole_cycles: bool = False  # whether it leaves out what a timed block lasts beyond whole cycles
     block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
+    arc_shares: tuple[float, float] = ARC_SHARES  # of its acceleration limit, along an arc and on turning
+
+    def arc_law(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+        """Its time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
+        along, across = self.arc_shares
+        turning = math.sqrt(across * acceleration / angle)  # v^2 / r over the length r angle
+        return self.law(min(velocity, turning), along * acceleration, along * jerk)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +104,6 @@ class Answering:
         return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
 
 
-ALONG, ACROSS = math.sqrt(0.75), 0.5
-"""Shares of the acceleration limit that an arc is assumed to spend along its path and on turning."""
-
 SHORTEST_POINTS = 1e-3
 """[s] between points of a joint trajectory: rounding of closer ones would make jerks of its own."""
 
@@ -116,48 +119,16 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
     return fastest_profile(1.0, velocity, acceleration)
 
 
-def _seven_segment_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-    turning = math.sqrt(ACROSS * acceleration / angle)  # v^2 / r over the length r angle
-    return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration, ALONG * jerk)
-
-
-def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-    turning = math.sqrt(ACROSS * acceleration / angle)
-    return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration)
-
-
-def _of_own_axes(controller: str, limits: Iterable[str], smooth: bool, step: float) -> Guarantees:
-    """Of a machine whose axes are its joints: moves from rest to rest alone; `step` is the time of a cycle [s]."""
-    return Guarantees(
-        controller=controller,
-        shortest_block=step,
-        longest_block=0.0,
-        follows_paths=False,
-        even_blocks=False,
-        enforced=frozenset(map(LimitKind, limits)),
-        law=_seven_segments if smooth else _trapezoid,
-        arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
-        jerk_time=0.0 if smooth else step,
-    )
-
-
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
-    controller = case.need_controller("a SINUMERIK program")
-    if case.chain is not None:
-        axes = controller.need_sinumerik_axes(case.name)
-        return _of_own_axes("SINUMERIK", axes.controller_keeps, smooth=True, step=axes.shortest_block)
-    settings = controller.need_sinumerik(case.name)
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik_axes(case.name)
     polynomial = any(isinstance(e, Polynomial) for e in reading.events)
     return Guarantees(
         controller="SINUMERIK",
         shortest_block=settings.shortest_block,
         longest_block=math.inf if polynomial else LONGEST_POINTS,
-        follows_paths=False,
-        even_blocks=False,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments,
-        arc_law=_seven_segment_arc,
         jerk_time=0.0,
         block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
     )
@@ -173,21 +144,14 @@ def sinumerik_tolerance(case: Case) -> Array:
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
-    controller = case.need_controller("a TwinCAT program")
-    if case.chain is not None:
-        axes = controller.need_twincat_axes(case.name)
-        return _of_own_axes("TwinCAT", axes.controller_keeps, axes.slope == "TRAPEZ", axes.shortest_block)
-    settings = controller.need_twincat(case.name)
+    settings = case.need_controller("a TwinCAT program").need_twincat_axes(case.name)
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
         controller="TwinCAT",
         shortest_block=settings.shortest_block,
         longest_block=LONGEST_POINTS,
-        follows_paths=False,
-        even_blocks=False,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments if smooth else _trapezoid,
-        arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else settings.shortest_block,
     )
 
@@ -198,11 +162,8 @@ def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
         controller="the robot",
         shortest_block=0.0,
         longest_block=0.0,
-        follows_paths=False,
-        even_blocks=False,
         enforced=frozenset(),
         law=_trapezoid,
-        arc_law=_trapezoid_arc,
         jerk_time=case.need_controller("a URScript program").cycle,
     )
 
@@ -213,12 +174,10 @@ def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
         controller="joint_trajectory_controller",
         shortest_block=SHORTEST_POINTS,
         longest_block=math.inf,
-        follows_paths=True,
-        even_blocks=False,
         enforced=frozenset(),
         law=_seven_segments,
-        arc_law=_seven_segment_arc,
         jerk_time=0.0,
+        follows_paths=True,
     )
 
 
@@ -229,12 +188,10 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
         controller="setpoint generator",
         shortest_block=settings.cycle,
         longest_block=settings.cycle,
-        follows_paths=True,
-        even_blocks=False,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments,
-        arc_law=_seven_segment_arc,
         jerk_time=settings.cycle,
+        follows_paths=True,
     )
 
 

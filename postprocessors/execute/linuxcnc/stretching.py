@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.limit import LimitKind
 from identification.motion import TimedPoints
-from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
+from identification.trajectories.profile import TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.proving.stretches import Timed, stretches
@@ -46,24 +46,17 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         controller="LinuxCNC",
         shortest_block=SERVO_PERIOD,
         longest_block=LONGEST_BLOCK,
-        follows_paths=False,
-        even_blocks=True,
         enforced=frozenset({LimitKind.VELOCITY, LimitKind.ACCELERATION} if real else {LimitKind.VELOCITY}),
-        law=partial(_line, headroom),
-        arc_law=partial(_arc, headroom),
+        law=partial(_trapezoid, headroom),
         jerk_time=SERVO_PERIOD,
+        even_blocks=True,
         whole_cycles=True,
+        arc_shares=(ARC_ALONG, ARC_ACROSS * headroom),
     )
 
 
-def _line(headroom: float, velocity: float, acceleration: float, jerk: float) -> Profile:
+def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
     return fastest_profile(1.0, velocity, headroom * acceleration)
-
-
-def _arc(headroom: float, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-    allowed = headroom * acceleration
-    turning = math.sqrt(ARC_ACROSS * allowed / angle)  # v^2 / r over the length r angle
-    return fastest_profile(1.0, min(velocity, turning), ARC_ALONG * allowed)
 
 
 Array = NDArray[np.float64]
