@@ -24,7 +24,6 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from identification.formats.checks import (
-    Marked,
     marked,
     require_gravity,
     require_increasing,
@@ -58,10 +57,10 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
         RecordingError: a value cannot be what it should, columns are missing, or time runs backwards.
     """
     if table.stamps is None:
-        return _stream(marked(table, form), None, case, form)
+        return _stream(table, None, case, form)
     require_increasing(table, form)
     t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table, form) - origin)
-    return with_lost_rows(_stream(marked(table, form), t, case, form))
+    return with_lost_rows(_stream(table, t, case, form))
 
 
 def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
@@ -83,8 +82,8 @@ def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
     return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
 
 
-def _stream(source: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
-    table = source.table
+def _stream(source: ColumnTable, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
+    table, missing, missing_in = marked(source, form)
     forces = _group(table, form, case.sensor_frame.channels)
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
@@ -104,8 +103,8 @@ def _stream(source: Marked, t: Array | None, case: Case, form: RecordingFormat) 
         poses=_group(table, form, POSE),
         specific_forces=_specific_forces(table, form),
         lines=table.lines,
-        missing=source.missing,
-        missing_in=source.columns,
+        missing=missing,
+        missing_in=missing_in,
     )
     if not stream.channels:
         raise RecordingError(table.source, _nothing(table, case.sensor_frame.channels, form))

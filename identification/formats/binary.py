@@ -212,15 +212,15 @@ def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
 
 def _row_groups(file: Path, parquet: "pq.ParquetFile", form: RecordingFormat) -> Iterator[ColumnTable]:
     names = tuple(parquet.schema_arrow.names)
-    selection = select(file, names, form)
-    if not selection.values:
+    chosen = select(file, names, form)
+    clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
+    if not chosen:
         raise RecordingError(file, unknown_columns(names, form))
-    clock = [] if selection.clock is None else [names[selection.clock]]
-    columns = [*(names[k] for k in selection.values.values()), *clock]
+    columns = [*(names[k] for k in chosen.values()), *clock]
     count = 0
     for group in range(parquet.num_row_groups):
         batch = parquet.read_row_group(group, columns=columns)
-        values = {ours: _numbers(file, names[k], batch) for ours, k in selection.values.items()}
+        values = {ours: _numbers(file, names[k], batch) for ours, k in chosen.items()}
         stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
         if stamps is None and form.clock.period is not None:
             stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period

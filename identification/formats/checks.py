@@ -4,7 +4,7 @@ Doubts about numbers that a sensor can give are findings: `identification.findin
 """
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from cases.recording_format import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, R
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.table import UNIFORMITY, Array, ColumnTable, crowded, lost_samples, shown
-from identification.recording import Channel, Stream
+from identification.recording import Channel, Rows, Stream
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
@@ -73,13 +73,11 @@ def require_override(table: ColumnTable, override: Array, form: RecordingFormat)
         )
 
 
-Flags = NDArray[np.bool_]
-
 LEVELS = 0.2  # of the way between two levels that a switch may be off either: noise of a voltage
 OFF = 0.3  # share of the level on, up to which the level off of a voltage may be
 
 
-def switched(values: Array) -> Flags | None:
+def switched(values: Array) -> Rows | None:
     """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None where it is no switch."""
     low, high = float(np.min(values)), float(np.max(values))
     if low == high:
@@ -88,7 +86,7 @@ def switched(values: Array) -> Flags | None:
     return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
 
 
-def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> Flags:
+def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> Rows:
     """Whether the trigger is on, shape (n,).
 
     Raises:
@@ -155,25 +153,16 @@ def require_gravity(stream: Stream, case: Case) -> None:
         )
 
 
-Rows = NDArray[np.bool_]
-
-# Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
 _KEPT = frozenset((*ROTATION, TRIGGER, OVERRIDE))
 MOST_PUT_BACK = 3  # samples in a row
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # keep their last value
 
 
-class Marked(NamedTuple):
-    """A table with numbers only."""
+def marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Rows | None, tuple[str, ...]]:
+    """A table in which every value is finite, the rows in which one stands for nothing, and the columns in which.
 
-    table: ColumnTable  # table in which every value is finite
-    missing: Rows | None  # rows in which one stands for nothing, shape (n,); None: there are none
-    columns: tuple[str, ...]  # those in which they are, as the file calls them
-
-
-def marked(table: ColumnTable, form: RecordingFormat) -> Marked:
-    """A table with what was not measured marked and replaced.
+    Rows have the shape (n,), None: there are none; columns are named as in the file.
 
     Raises:
         RecordingError: a column lacks too many values to be a channel with some damage.
@@ -199,8 +188,8 @@ def marked(table: ColumnTable, form: RecordingFormat) -> Marked:
         missing |= ~good
         columns = (*columns, name)
     if not columns:
-        return Marked(table, None, ())
-    return Marked(replace(table, values={**table.values, **values}), missing, columns)
+        return table, None, ()
+    return replace(table, values={**table.values, **values}), missing, columns
 
 
 def _filled(column: Array, good: Rows, kept: bool) -> Array:

@@ -15,8 +15,7 @@ repeats the time for each signal, or leaves fields empty where signals have diff
 refused with their line.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,19 +23,11 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
 from identification.formats.table import ColumnTable, listed, shown
-from identification.formats.text import Fields, TextBlock, TextFormat, lines_of, not_text, parse, read_blocks, read_head
+from identification.formats.text import TextBlock, TextFormat, lines_of, not_text, parse, read_blocks, read_head
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
 _SEARCHED_LINES = 50  # no export known to us has a longer header
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
-
-
-@dataclass(frozen=True, slots=True)
-class ColumnChoice:
-    """Which of a file's columns are ours."""
-
-    values: dict[str, int]  # our column name -> position in the file
-    clock: int | None  # position of the time stamps
 
 
 def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str]:
@@ -65,8 +56,8 @@ def cells(line: str, dialect: TextFormat) -> list[str]:
     return [name.strip() for name in dialect.split(line)]
 
 
-def select(file: Path, names: Sequence[str], form: RecordingFormat) -> ColumnChoice:
-    """Our columns among those of a file.
+def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
+    """Our columns among those of a file, each with its position.
 
     Raises:
         RecordingError: one of ours is there twice.
@@ -80,7 +71,7 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> ColumnCho
             raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")
         if theirs in names:
             positions[ours] = names.index(theirs)
-    return ColumnChoice({k: p for k, p in positions.items() if k != CLOCK}, positions.get(CLOCK))
+    return positions
 
 
 def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form: RecordingFormat, row: int) -> None:
@@ -138,44 +129,45 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """
     dialect = TextFormat(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
     header_rows, names = _header(file, form, dialect)
-    selection = select(file, names, form)
-    tick = form.clock.period if selection.clock is None else form.tick
+    chosen = select(file, names, form)
+    tick = form.tick if CLOCK in chosen else form.clock.period
     blocks = read_blocks(file, header_rows, form.trailing_rows)
-    yield from rows_of(file, blocks, names, selection, dialect, tick)
+    yield from rows_of(file, blocks, names, chosen, dialect, tick)
 
 
 def rows_of(
     file: Path,
     blocks: Iterable[TextBlock],
     names: Sequence[str],
-    chosen: ColumnChoice,
+    chosen: Mapping[str, int],
     dialect: TextFormat,
     tick: float | None,
 ) -> Iterator[ColumnTable]:
     """Turns lines of numbers into tables.
 
     Args:
-        chosen: the fields that are wanted.
+        chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
 
     Raises:
         RecordingError: a line cannot be read, or there is none.
     """
-    fields = Fields(names, list(chosen.values.values()), [] if chosen.clock is None else [chosen.clock])
+    positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
+    at = chosen.get(CLOCK)
     count = 0
     for block in blocks:
-        columns = parse(file, block, fields, dialect)
+        columns = parse(file, block, dialect, names, positions.values(), [] if at is None else [at])
         rows = len(next(iter(columns.values())))
-        values = {ours: columns[k].to_numpy() for ours, k in chosen.values.items()}
+        values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
         stamps = None
         if tick is not None:
             stamps = np.arange(count, count + rows)
-            if chosen.clock is not None:
-                clock = columns[chosen.clock]
+            if at is not None:
+                clock = columns[at]
                 if clock.null_count:
                     place = lines_of(block, rows).place(int(np.argmin(clock.is_valid().to_numpy())))
                     raise RecordingError(
-                        f"{file}, {place}, {shown(names[chosen.clock])}",
+                        f"{file}, {place}, {shown(names[at])}",
                         "is empty where a time stamp is needed",
                         "remove the row",
                     )
@@ -208,17 +200,17 @@ _NUMBER_OF_SAMPLE = "sample number"
 
 
 def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file batch by batch; see `delimited.halsampler_tables`."""
+    """Reads a file of LinuxCNC's halsampler batch by batch; errors as `tables`."""
     assert form.column_names is not None  # the case is checked
     dialect = TextFormat(form.delimiter or " ", form.decimal or ".")
     names, numbered = _columns(file, list(form.column_names), dialect)
-    selection = select(file, names, form)
-    tick = form.clock.period if selection.clock is None else form.tick
-    if selection.clock is None and numbered:
-        selection = replace(selection, clock=0)
+    chosen = select(file, names, form)
+    tick = form.tick if CLOCK in chosen else form.clock.period
+    if numbered:
+        chosen.setdefault(CLOCK, 0)
     lines = read_blocks(file, form.header_rows or 0, form.trailing_rows)
-    blocks = (_without_overruns(file, block, selection.clock is not None) for block in lines)
-    yield from rows_of(file, (b for b in blocks if b.data.strip()), names, selection, dialect, tick)
+    blocks = (_without_overruns(file, block, CLOCK in chosen) for block in lines)
+    yield from rows_of(file, (b for b in blocks if b.data.strip()), names, chosen, dialect, tick)
 
 
 def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[str], bool]:

@@ -30,7 +30,7 @@ from identification.formats.looked import CLOCKS, RATES, Column, Look, look_at_b
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import bag_of, is_bag, read_run, read_tables
 from identification.formats.table import Array, require_file
-from identification.formats.text import Fields, parse, read_blocks
+from identification.formats.text import parse, read_blocks
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 _USUAL_RATE = 1000.0
@@ -108,7 +108,7 @@ def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int,
     piles: dict[int, list[Array]] = {k: [] for k in positions}
     trailing = 0 if layout.format == "twincat-scope" else layout.trailing_rows
     for block in read_blocks(file, layout.header_rows, trailing or layout.trailing_rows):
-        table = parse(file, block, Fields(layout.names, positions, []), layout.dialect)
+        table = parse(file, block, layout.dialect, layout.names, positions, [])
         for k in positions:
             piles[k].append(table[k].to_numpy())
     arrays = {k: np.concatenate(parts) for k, parts in piles.items() if parts}

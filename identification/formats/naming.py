@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 from cases.recording_format import (
     ACCELEROMETER,
@@ -65,31 +64,26 @@ GROUPS = (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, POSE, ROTATION, AC
 _OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
 
 
-class Named(NamedTuple):
-    """What the name of a column says."""
-
-    ours: str | None  # our name of it; None: it says nothing
-    unit: str | None  # unit that it states; None: none
-    commanded: bool = False  # whether it is what was asked for, not what was measured
-
-
-def named(theirs: str, unit: str = "") -> Named:
-    """What a name says.
+def named(theirs: str, unit: str = "") -> tuple[str | None, str | None]:
+    """Our name of a column and the unit that its own name states; None where it says nothing.
 
     Args:
         unit: what a line of units says of it.
     """
     if theirs in COLUMNS:
-        return Named(theirs, None)
+        return theirs, None
     match = _BRACKETED.search(theirs)
     symbol = unit_of(unit.strip("[]() ")) or (unit_of(match[1]) if match else None)
     bare = _BRACKETED.sub("", theirs).strip()
     suffix = _SUFFIX.search(bare)
     if symbol is None and suffix and unit_of(suffix[1]):
         symbol, bare = unit_of(suffix[1]), bare[: suffix.start()]
-    key = bare.lower()
-    commanded = _COMMANDED.search(key) is not None
-    return Named(_ours(key), symbol, commanded)
+    return _ours(bare.lower()), symbol
+
+
+def _is_command(theirs: str) -> bool:
+    """Whether a name calls its column what was asked for, not what was measured."""
+    return theirs not in COLUMNS and _COMMANDED.search(_BRACKETED.sub("", theirs).lower()) is not None
 
 
 def unit_of(text: str) -> str | None:
@@ -133,18 +127,16 @@ def matched(
         one of ours the first that is not a command counts; groups that are not whole are left out.
     """
     meanings = [named(name, units[k] if units else "") for k, name in enumerate(names)]
-    order = sorted(range(len(meanings)), key=lambda k: meanings[k].commanded)  # stable: measured ones first
     places: dict[str, int] = {}
-    for k in order:
-        ours = meanings[k].ours
-        if ours is not None:
+    for k in sorted(range(len(names)), key=lambda k: _is_command(names[k])):  # stable: measured ones first
+        if (ours := meanings[k][0]) is not None:
             places.setdefault(ours, k)
     shifted = dict(_from_one(places))
     if joints is not None:
         shifted = _of_joints(names, shifted, joints)
     groups = GROUPS if joints is None else (tuple(joints.values()), *(g for g in GROUPS if g not in _OF_DRIVES))
     whole = {ours: k for ours, k in shifted.items() if _is_whole(ours, shifted, groups)}
-    column_units = {ours: unit for ours, k in whole.items() if (unit := meanings[k].unit) is not None}
+    column_units = {ours: unit for ours, k in whole.items() if (unit := meanings[k][1]) is not None}
     return whole, column_units
 
 
@@ -165,7 +157,7 @@ def _of_joints(names: Sequence[str], places: Mapping[str, int], joints: Mapping[
     """Drives that are the joints of a chain: by the joints' own names in those of the columns, else by numbers."""
     columns = {ours: k for ours, k in places.items() if not any(ours in group for group in _OF_DRIVES)}
     for number, (joint, ours) in enumerate(joints.items()):
-        called = [k for k, name in enumerate(names) if joint.lower() in name.lower() and not named(name).commanded]
+        called = [k for k, name in enumerate(names) if joint.lower() in name.lower() and not _is_command(name)]
         numbered = places.get(f"q{number + 1}_mm", places.get(ours))
         place = called[0] if len(called) == 1 else numbered
         if place is not None:
@@ -197,11 +189,10 @@ def wrenches(names: Sequence[str], free: Sequence[int]) -> list[tuple[int, ...]]
         free: positions that may be meant.
     """
     found = [six for six in sixes(names, free) if _WRENCH.search(names[six[0]].lower())]
-    measured = [six for six in found if not named(names[six[0]]).commanded]
+    measured = [six for six in found if not _is_command(names[six[0]])]
     return sorted(measured, key=lambda six: ("raw" not in names[six[0]].lower(), "wrench" not in names[six[0]].lower()))
 
 
 def may_be_force(name: str) -> bool:
     """Whether a name says nothing, or that it is a force."""
-    said = named(name)
-    return not said.commanded and (said.ours is None or said.ours in (*BAR_FORCES, *WRENCH))
+    return not _is_command(name) and named(name)[0] in (None, *BAR_FORCES, *WRENCH)

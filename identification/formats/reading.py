@@ -19,7 +19,7 @@ from identification.formats import binary, delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.delimited import without
-from identification.formats.table import Array, ColumnTable, Stamps, require_file, unreadable
+from identification.formats.table import ColumnTable, require_file, unreadable
 from identification.recording import Recording, Rows, Stream
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
@@ -44,11 +44,10 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
     """
     reader = _reader(file, form)
     most = free_memory() // (2 * BYTES)
-    piles: dict[tuple[str, ...], _Pile] = {}
+    batches: dict[tuple[str, ...], list[ColumnTable]] = {}
     numbers = held
     for table in reader(file, form):
-        pile = piles.setdefault(tuple(table.values), _Pile(table))
-        pile.add(table)
+        batches.setdefault(tuple(table.values), []).append(table)
         numbers += table.rows * len(table.values)
         if numbers > most:
             others = " and the files before it" if held else ""
@@ -59,7 +58,7 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
                 f"cut the run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or "
                 "free memory",
             )
-    return tuple(pile.joined() for pile in piles.values())
+    return tuple(_whole(parts) for parts in batches.values())
 
 
 def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
@@ -91,31 +90,16 @@ def free_memory() -> int:
         return 1 << 60
 
 
-class _Pile:
-    """Batches of one clock, column by column: joined so that each number is held twice for a moment only."""
-
-    def __init__(self, first: ColumnTable) -> None:
-        self._first = first
-        self._values: dict[str, list[Array]] = {name: [] for name in first.values}
-        self._stamps: list[Stamps] = []
-        self._skipped: list[int] = []
-
-    def add(self, table: ColumnTable) -> None:
-        for name, column in table.values.items():
-            self._values[name].append(column)
-        if table.stamps is not None:
-            self._stamps.append(table.stamps)
-        self._skipped += table.lines.skipped
-
-    def joined(self) -> ColumnTable:
-        values = {name: _whole(self._values.pop(name)) for name in list(self._values)}
-        stamps: Any = _whole(self._stamps) if self._stamps else None
-        lines = replace(self._first.lines, skipped=tuple(self._skipped))
-        return replace(self._first, values=values, stamps=stamps, lines=lines)
-
-
-def _whole(parts: list[Any]) -> Any:
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+def _whole(parts: Sequence[ColumnTable]) -> ColumnTable:
+    """Batches of one clock, one after the other."""
+    first = parts[0]
+    stamps: list[Any] = [part.stamps for part in parts if part.stamps is not None]
+    return replace(
+        first,
+        values={name: np.concatenate([part.values[name] for part in parts]) for name in first.values},
+        stamps=np.concatenate(stamps) if stamps else None,
+        lines=replace(first.lines, skipped=tuple(k for part in parts for k in part.lines.skipped)),
+    )
 
 
 def read_run(paths: Sequence[Path], case: Case) -> Recording:

@@ -12,8 +12,7 @@ Not verified with a genuine file: Full Timestamp, marker tables and trigger info
 = Shift value, Timelines = None (refused), array channels, other versions of Scope.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,6 @@ from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.delimited import cells, decoded, select, unknown_columns
 from identification.formats.table import ColumnTable, Stamps
 from identification.formats.text import (
-    Fields,
     TextBlock,
     TextFormat,
     is_number,
@@ -41,17 +39,6 @@ _LATE = 2  # samples by which the last of channels with one clock may differ
 _LEAST_FILETIME = 1.26e17
 
 
-@dataclass(frozen=True, slots=True)
-class _Layout:
-    """What the header says: number of its lines, names of fields and channels, and the clock of each wanted column."""
-
-    header_rows: int
-    names: list[str]
-    channels: tuple[str, ...]
-    values: dict[str, int]
-    clocks: dict[str, int]
-
-
 def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch: one table for each clock and batch.
 
@@ -60,20 +47,19 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """
     lines = read_head(file)
     dialect = _dialect(file, lines[0], form)
-    layout = _layout(file, lines, dialect, form)
-    clocks = sorted(set(layout.clocks.values()))
-    fields = Fields(layout.names, list(layout.values.values()), clocks)
+    header_rows, names, channels, positions, clock_of = _layout(file, lines, dialect, form)
+    clocks = sorted(set(clock_of.values()))
     groups: list[tuple[str, ...]] = []
-    for block in read_blocks(file, layout.header_rows, form.trailing_rows):
-        filled = _filled(block, len(layout.names), dialect)
+    for block in read_blocks(file, header_rows, form.trailing_rows):
+        filled = _filled(block, len(names), dialect)
         if not filled.data.strip():
             continue
-        columns = parse(file, filled, fields, dialect)
+        columns = parse(file, filled, dialect, names, positions.values(), clocks)
         stamps = {k: _present(file, filled, columns[k]) for k in clocks}
-        groups = groups or _groups(layout, stamps)
+        groups = groups or _groups({ours: stamps[k] for ours, k in clock_of.items()})
         for group in groups:
-            clock = min((stamps[layout.clocks[ours]] for ours in group), key=len)
-            if not all(_alike(clock, stamps[layout.clocks[ours]]) for ours in group):
+            clock = min((stamps[clock_of[ours]] for ours in group), key=len)
+            if not all(_alike(clock, stamps[clock_of[ours]]) for ours in group):
                 raise RecordingError(
                     f"{file}, lines from {filled.first_line}",
                     f"the clocks of {', '.join(group)} part",
@@ -82,9 +68,9 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             _require_unit(file, clock, form)
             if not len(clock):
                 continue
-            values = {ours: columns[layout.values[ours]].to_numpy()[: len(clock)] for ours in group}
+            values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
             places = lines_of(filled, len(columns[clocks[0]]))
-            yield ColumnTable(str(file), layout.channels, values, clock, form.tick, places)
+            yield ColumnTable(str(file), channels, values, clock, form.tick, places)
     if not groups:
         raise RecordingError(file, "has a header but no rows", "export the recording again")
 
@@ -102,7 +88,10 @@ def _dialect(file: Path, line: bytes, form: RecordingFormat) -> TextFormat:
     return TextFormat(separator, form.decimal or ".", _MISSING, form.encoding)
 
 
-def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: RecordingFormat) -> _Layout:
+def _layout(
+    file: Path, lines: list[bytes], dialect: TextFormat, form: RecordingFormat
+) -> tuple[int, list[str], tuple[str, ...], dict[str, int], dict[str, int]]:
+    """Number of header lines, names of fields, names of channels, and position and clock of each wanted column."""
     start = (_NAME + dialect.delimiter).encode()
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
@@ -116,17 +105,17 @@ def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: Recording
     clocks = [k for k, name in enumerate(names) if name == _NAME]
     above = [max(c for c in clocks if c <= k) for k in range(len(names))]
     own = [name if k not in clocks else "" for k, name in enumerate(names)]
-    positions = select(file, own, form).values
+    positions = select(file, own, form)
     for line in lines[top + 1 : first]:
         if line.startswith((_SYMBOL + dialect.delimiter).encode()):
             symbols = cells(line.decode(dialect.encoding, "replace"), dialect)
-            positions = select(file, [*symbols, *names][: len(names)], form).values | positions
+            positions = select(file, [*symbols, *names][: len(names)], form) | positions
     positions.pop(CLOCK, None)
     channels = tuple(name for name in own if name)
     if not positions:
         raise RecordingError(file, unknown_columns(channels, form))
     labels = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
-    return _Layout(first, labels, channels, positions, {ours: above[k] for ours, k in positions.items()})
+    return first, labels, channels, positions, {ours: above[k] for ours, k in positions.items()}
 
 
 def _is_data(line: bytes, dialect: TextFormat) -> bool:
@@ -162,12 +151,12 @@ def _present(file: Path, block: TextBlock, column: pa.ChunkedArray) -> Stamps:
     return np.asarray(column.slice(0, count).to_numpy())
 
 
-def _groups(layout: _Layout, stamps: dict[int, Stamps]) -> list[tuple[str, ...]]:
+def _groups(stamps: Mapping[str, Stamps]) -> list[tuple[str, ...]]:
     """Wanted columns that share their clock: the same one, or equal ones; their last samples may be missing."""
     groups: list[list[str]] = []
-    for ours, clock in layout.clocks.items():
+    for ours, clock in stamps.items():
         for group in groups:
-            if _alike(stamps[layout.clocks[group[0]]], stamps[clock]):
+            if _alike(stamps[group[0]], clock):
                 group.append(ours)
                 break
         else:

@@ -5,7 +5,7 @@ pyarrow reads the numbers; what it cannot read is told by one message with line,
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -151,23 +151,26 @@ def _without_end(data: bytes, trailing_rows: int) -> bytes:
     return b"".join(lines)
 
 
-@dataclass(frozen=True, slots=True)
-class Fields:
-    """Which fields of each line are wanted."""
-
-    names: Sequence[str]  # names of all fields, as the file calls them, in their order
-    numbers: Sequence[int]  # positions of measured values
-    stamps: Sequence[int]  # positions of clocks; they stay integers where the file writes integers
-
-
-def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> Mapping[int, pa.ChunkedArray]:
+def parse(
+    file: Path,
+    block: TextBlock,
+    dialect: TextFormat,
+    fields: Sequence[str],
+    numbers: Iterable[int],
+    stamps: Sequence[int],
+) -> Mapping[int, pa.ChunkedArray]:
     """The wanted columns of a block by position: numbers as float64, stamps as int64 or float64.
+
+    Args:
+        fields: names of all fields of a line, as the file calls them.
+        numbers: positions of measured values.
+        stamps: positions of clocks; they stay integers where the file writes integers.
 
     Raises:
         RecordingError: a line or a value cannot be read; the message names it.
     """
-    positions = [*fields.numbers, *(k for k in fields.stamps if k not in fields.numbers)]
-    names = [str(k) for k in range(len(fields.names))]
+    positions = list(dict.fromkeys([*numbers, *stamps]))
+    names = [str(k) for k in range(len(fields))]
     try:
         table = pacsv.read_csv(
             pa.BufferReader(block.data),
@@ -175,7 +178,7 @@ def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> 
             read_options=pacsv.ReadOptions(column_names=names, use_threads=False),
             parse_options=pacsv.ParseOptions(delimiter=dialect.delimiter),
             convert_options=pacsv.ConvertOptions(
-                column_types={str(k): pa.float64() for k in fields.numbers},
+                column_types={str(k): pa.float64() for k in numbers},
                 include_columns=[str(k) for k in positions],
                 null_values=list(dialect.missing),
                 strings_can_be_null=bool(dialect.missing),
@@ -183,13 +186,13 @@ def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> 
             ),
         )
     except (pa.ArrowException, UnicodeDecodeError) as error:
-        raise explain(file, block, fields.names, positions, dialect, str(error)) from error
+        raise explain(file, block, fields, positions, dialect, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
-    for k in fields.stamps:
+    for k in stamps:
         if pa.types.is_null(columns[k].type):
             columns[k] = columns[k].cast(pa.float64())
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
-            raise explain(file, block, fields.names, positions, dialect, f"column {k} holds no numbers")
+            raise explain(file, block, fields, positions, dialect, f"column {k} holds no numbers")
     return columns
 
 
