@@ -23,7 +23,7 @@ from identification.limited_quantities import (
     strut_velocities,
 )
 from identification.motion import Motion, Trajectory
-from identification.overload import Loads, StrutLoads, sensor_loads
+from identification.overload import Loads, sensor_loads
 from identification.trajectories.moves import StraightMove
 
 Array = NDArray[np.float64]
@@ -77,23 +77,9 @@ def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]
     if case.hexapod is not None:
         machine, workspace, limits = case.need_machine("the proof of limits")
         yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
-    loads = loads_of(case)
+    loads = Loads.of(case)
     if loads is not None:
-        yield from sensor_loads(loaded_forces(loads, motion, rotation, acceleration), loads)
-
-
-def loads_of(case: Case) -> Loads | StrutLoads | None:
-    """What predicts the forces of a case's sensors; None where it names no range or no nominal body."""
-    return Loads.of(case) if case.sensor_frame.struts is None else StrutLoads.of(case)
-
-
-def loaded_forces(
-    loads: Loads | StrutLoads, motion: Motion, rotation: tuple[Array, Array, Array], acceleration: Array
-) -> Array:
-    """Forces of the sensors with every body, shape (n, channels) [N or N m]; the rest as `load_motion` gives it."""
-    if isinstance(loads, StrutLoads):
-        return loads.forces(motion, rotation, acceleration)
-    return loads.forces(rotation, acceleration)
+        yield from sensor_loads(loads.forces(motion, rotation, acceleration), loads)
 
 
 def load_shares(motion: Motion, case: Case) -> Array:
@@ -101,10 +87,10 @@ def load_shares(motion: Motion, case: Case) -> Array:
 
     Empty where nothing is limited.
     """
-    loads = loads_of(case)
+    loads = Loads.of(case)
     if loads is None:
         return np.zeros(0)
-    forces = loaded_forces(loads, motion, *load_motion(motion, case))
+    forces = loads.forces(motion, *load_motion(motion, case))
     return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))
 
 

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.limit_proof import MARGIN, loads_of, slowed_for_forces
+from identification.limit_proof import MARGIN, slowed_for_forces
 from identification.machines import kinetic
+from identification.overload import Loads
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
 from planner.poses.space import space_of
@@ -41,7 +42,7 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
         assert isinstance(move.profile, Profile)
         slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
         move = StraightMove(start, end, move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9))))
-    if loads_of(case) is not None or (case.chain is not None and case.chain.limits_effort):
+    if Loads.of(case) is not None or (case.chain is not None and case.chain.limits_effort):
         move = slowed_for_forces(move, case)
     return move
 

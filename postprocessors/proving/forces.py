@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 from cases.chain import Chain
 from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, Status
-from identification.limit_proof import load_motion, loaded_forces, loads_of
+from identification.limit_proof import load_motion
 from identification.limited_quantities import Box, rotation_motion
 from identification.motion import Array, Motion, Trajectory
-from identification.overload import PAIRS, Loads, StrutLoads
+from identification.overload import PAIRS, Loads
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import limits_along
 
@@ -50,25 +50,25 @@ class Steady(NamedTuple):
 class ForceBounds:
     """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits."""
 
-    loads: Loads | StrutLoads
+    loads: Loads
     limits: Box  # limits of rates and accelerations, which the controller keeps
     case: Case
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
         """Bounds for a case; None where it names no range or no nominal body."""
-        loads = loads_of(case)
+        loads = Loads.of(case)
         return None if loads is None else cls(loads, case.need_motion("the check of a program")[1], case)
 
     def anywhere(self, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
         """In whatever pose the motion is, with a share of the limits; of struts, which go with the pose, none."""
-        loads = self.loads
-        if isinstance(loads, StrutLoads):
+        if self.case.sensor_frame.struts is not None:
             return ()
+        linear, angular, spin = np.split(self.loads.coefficients, (3, 6), axis=1)
         omega, alpha, pull = self._largest(share * self.limits.rate, share * self.limits.acceleration)
-        pull += float(np.linalg.norm(loads.gravity))
-        most = np.linalg.norm(loads.linear, axis=1) * pull + np.linalg.norm(loads.angular, axis=1) * alpha
-        most += np.abs(np.linalg.eigvalsh(_matrices(loads.spin))).max(axis=1) * omega**2
+        pull += float(np.linalg.norm(self.case.gravity))
+        most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
+        most += np.abs(np.linalg.eigvalsh(_matrices(spin))).max(axis=1) * omega**2
         return self._checks(most[None], np.array([clock]))
 
     def _largest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
@@ -89,21 +89,21 @@ class ForceBounds:
         """At the poses of a path, whatever the motion along it or beside it."""
         t = np.linspace(0.0, path.duration, PATH_SAMPLES)
         pose = path.at(t).pose
-        loads = self.loads
-        if isinstance(loads, StrutLoads):
+        if self.case.sensor_frame.struts is not None:
             return self._in_struts(pose, t + clock)
+        linear, angular, products = np.split(self.loads.coefficients, (3, 6), axis=1)
         none = np.zeros_like(pose)
         turn = rotation_motion(Motion(t, pose.copy(), none, none, none))[0]
         rate, acceleration = self.limits.rate[3:], self.limits.acceleration
         axes = _rate_axes(pose[:, 3:])
-        along = np.einsum("ci,nij->ncj", loads.angular, axes)
-        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), loads.linear, loads.gravity))
-        most += np.abs(np.einsum("nki,ci->nck", turn, loads.linear)) @ acceleration[:3]
+        along = np.einsum("ci,nij->ncj", angular, axes)
+        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), linear, self.case.gravity))
+        most += np.abs(np.einsum("nki,ci->nck", turn, linear)) @ acceleration[:3]
         most += np.abs(along) @ acceleration[3:]
-        spin = np.einsum("nik,cij,njl->nckl", axes, _matrices(loads.spin), axes)
+        spin = np.einsum("nik,cij,njl->nckl", axes, _matrices(products), axes)
         cross_axes = _crossed_axes(pose[:, 3:])
         for i, j in PAIRS:
-            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + cross_axes[i, j] @ loads.angular.T
+            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + cross_axes[i, j] @ angular.T
             most += np.abs(share) * rate[i] * rate[j]
         return self._checks(most, t + clock)
 
@@ -158,7 +158,7 @@ class ForceBounds:
         return self._checks(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
     def _forces(self, motion: Motion) -> Array:
-        return loaded_forces(self.loads, motion, *load_motion(motion, self.case))
+        return self.loads.forces(motion, *load_motion(motion, self.case))
 
     def _checks(self, most: Array, times: Array) -> tuple[LimitCheck, ...]:
         """The worst force, and the worst moment where moments have a range."""

@@ -12,7 +12,7 @@ from identification.limit_proof import prove
 from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Standstill
-from identification.overload import Loads, sensor_forces
+from identification.overload import Loads
 from identification.parameters import body_parameters
 from identification.symbolic import over_samples
 from tests.helpers import HOME, Harmonic
@@ -23,18 +23,11 @@ def test_newton_euler_and_the_regressor_say_the_same(hexapod_case: Case):
     motion = Harmonic(seed=4).at(np.linspace(0.1, 2.9, 40))
     model = identification_model(hexapod_case, 6)
     matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
-    for body in hexapod_case.bodies:
+    found = Loads.of(hexapod_case).forces(motion, rotation_motion(motion), motion.accelerations[:, :3])
+    for body, forces in zip(hexapod_case.bodies, np.hsplit(found, len(hexapod_case.bodies)), strict=True):
         known = body_parameters(body)
         expected = matrices @ np.array([known.get(name, 0.0) for name in model.names])
-        found = sensor_forces(*rotation_motion(motion), motion.accelerations[:, :3], body, hexapod_case)
-        assert found == pytest.approx(expected, rel=1e-9, abs=1e-6)
-
-
-def test_forces_of_all_bodies_at_once_are_those_of_each(hexapod_case: Case):
-    motion = Harmonic(seed=7).at(np.linspace(0.1, 2.9, 40))
-    rotation, acceleration = rotation_motion(motion), motion.accelerations[:, :3]
-    each = [sensor_forces(*rotation, acceleration, body, hexapod_case) for body in hexapod_case.bodies]
-    assert Loads.of(hexapod_case).forces(rotation, acceleration) == pytest.approx(np.hstack(each), rel=1e-9, abs=1e-6)
+        assert forces == pytest.approx(expected, rel=1e-9, abs=1e-6)
 
 
 def test_the_reference_payloads_are_those_of_table_7(hexapod_case: Case):

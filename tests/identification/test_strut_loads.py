@@ -9,7 +9,7 @@ from identification.limit import LimitKind
 from identification.limit_proof import load_shares, prove, prove_at
 from identification.model import identification_model
 from identification.motion import Motion, Standstill
-from identification.overload import SHARE, StrutLoads
+from identification.overload import SHARE, Loads
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
 from identification.trajectories.moves import StraightMove
@@ -51,7 +51,7 @@ def test_proof_and_regressor_know_the_same_forces(kind: str) -> None:
     """Balances of moments in NumPy, and columns of Lagrange's equations in CasADi, share no line."""
     case = of(kind)
     motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 40))
-    loads = StrutLoads.of(case)
+    loads = Loads.of(case)
     assert loads is not None
     expected = forces(case, motion.pose, motion.rates, motion.accelerations)
     report = prove_at(Harmonic(seed=4, size=0.8), case, np.linspace(0.1, 2.9, 40), in_box=False)

@@ -12,7 +12,7 @@ from identification.limit_proof import load_shares, prove
 from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Motion
-from identification.overload import SHARE, sensor_forces
+from identification.overload import SHARE, Loads
 from planner.families import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
@@ -53,10 +53,10 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
     pose, rates, accelerations = states[:, :6], states[:, 6:12], states[:, 12:18]
     motion = Motion(np.arange(float(len(pose))), pose, rates, accelerations, np.zeros_like(pose))
     groups = [group for group in state_limits(weak, (0, 5)) if group.kind is LimitKind.SENSOR_FORCE]
+    forces = Loads.of(weak).forces(motion, rotation_motion(motion), accelerations[:, :3]).reshape(len(pose), -1, 6)
     for group, count in zip(groups, (0, 5), strict=True):
-        forces = sensor_forces(*rotation_motion(motion), accelerations[:, :3], weak.body(count), weak)
         shares = group.kernel.values(states)
-        assert np.allclose(shares, forces / (SHARE * 1000.0), rtol=1e-9, atol=1e-9)
+        assert np.allclose(shares, forces[:, count] / (SHARE * 1000.0), rtol=1e-9, atol=1e-9)
 
 
 def test_the_heaviest_load_is_limited_where_it_comes_close_and_none_where_it_does_not(weak: Case, hexapod_case: Case):

@@ -6,7 +6,7 @@ import pytest
 from cases.loading import load_case
 from identification.limited_quantities import rotation_motion
 from identification.motion import Motion
-from identification.overload import sensor_forces
+from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, Plane, StraightMove
 from identification.trajectories.profile import fastest_profile
 from postprocessors.proving.forces import ForceBounds, Steady
@@ -23,8 +23,7 @@ def forces(pose, rates, accelerations) -> np.ndarray:
     """Newton and Euler for each body."""
     none = np.zeros_like(pose)
     motion = Motion(np.zeros(len(pose)), pose.copy(), rates.copy(), accelerations.copy(), none)
-    turned = (*rotation_motion(motion), motion.accelerations[:, :3])
-    return np.abs(np.hstack([sensor_forces(*turned, body, CASE) for body in CASE.bodies]))
+    return np.abs(Loads.of(CASE).forces(motion, rotation_motion(motion), motion.accelerations[:, :3]))
 
 
 def corners(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
