@@ -230,6 +230,12 @@ FAIR_PART = 8_000
 STRETCHES = 8  # that these are in
 
 
+def stretches(on: NDArray[np.bool_]) -> list[slice]:
+    """Where neighbours are on, shape (n,), one slice for each stretch of them."""
+    edges = np.flatnonzero(np.diff(np.r_[False, on, False].astype(np.int8))).tolist()
+    return [slice(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
     """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
 

@@ -27,7 +27,7 @@ from identification.model import Model
 from identification.recording import Recording
 from identification.result import Delay
 from identification.samples import Samples
-from identification.signals import FAIR_PART, fair_part
+from identification.signals import FAIR_PART, fair_part, stretches
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -119,14 +119,12 @@ def find_contacts(
     # Where all channels but one leap, noise of the one that hardly changes is not contact.
     own = np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * calm.noise, axis=1)
     clear = (distance >= CLEAR) & own
-    above = distance > 1.0
-    edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
     contacts: list[Contact] = []
-    for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
-        if last - first + 1 < FEWEST or not clear[first : last + 1].any():
+    for rows in stretches(distance > 1.0):
+        if rows.stop - rows.start < FEWEST or not clear[rows].any():
             continue
-        contact = Contact(float(t[first]), float(t[last]), float(wrench[first : last + 1].max()))
+        contact = Contact(float(t[rows.start]), float(t[rows.stop - 1]), float(wrench[rows].max()))
         if contacts and contact.start - contacts[-1].end < NEAR:
             before = contacts.pop()
             contact = Contact(before.start, contact.end, max(before.peak, contact.peak))

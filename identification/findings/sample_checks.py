@@ -17,6 +17,7 @@ from cases.units import MM
 from identification.findings import Finding, Kind, Severity, sentences, warning
 from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
 from identification.recording import Recording, Stream
+from identification.signals import stretches
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -55,8 +56,7 @@ class Scan(NamedTuple):
 
 def places(lines: Lines, rows: Rows) -> str:
     """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
-    edges = np.flatnonzero(np.diff(np.r_[False, rows, False].astype(np.int8)))
-    spans = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    spans = [(span.start, span.stop - 1) for span in stretches(rows)]
     ranges = []
     for first, last in spans[:MOST_NAMED]:
         start, end = (lines.place(k).rsplit(" ", 1)[1] for k in (first, last))
@@ -184,12 +184,12 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
         still = np.diff(recording.forces[:, k]) == 0.0
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
         least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
-        edges = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
-        long = edges[1::2] - edges[::2] >= least
         rows = np.zeros(len(recording.forces), dtype=bool)
-        for first, last in zip(edges[::2][long], edges[1::2][long], strict=True):
+        for steps in stretches(still):
+            if steps.stop - steps.start < least:
+                continue
             # The other channels tell a sensor that is stuck from forces that are constant.
-            span = slice(first, last + 1)
+            span = slice(steps.start, steps.stop + 1)
             others = np.ptp(np.delete(recording.forces[span], k, axis=1), axis=0).max()
             moves = np.abs(np.diff(recording.struts[span], axis=0)).max(axis=1) > travel
             if others > 0.0 and moves.mean() > 0.5:

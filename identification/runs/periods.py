@@ -16,6 +16,7 @@ from identification.findings import Finding, Kind, warning
 from identification.findings.sample_checks import places
 from identification.recording import Recording
 from identification.runs.repeating import FourierSeries, RepeatingPart, fit_series
+from identification.signals import stretches
 
 Array = NDArray[np.float64]
 
@@ -113,11 +114,11 @@ def longest_window(recording: Recording) -> NDArray[np.int64]:
     """
     if recording.trigger is None:
         return np.arange(len(recording.forces))
-    edges = np.flatnonzero(np.diff(np.r_[False, recording.trigger, False].astype(np.int8)))
-    if not len(edges):
+    on = stretches(recording.trigger)
+    if not on:
         raise RecordingError(f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out")
-    longest = int(np.argmax(edges[1::2] - edges[::2]))
-    return np.arange(edges[2 * longest], edges[2 * longest + 1])
+    longest = max(on, key=lambda part: part.stop - part.start)
+    return np.arange(longest.start, longest.stop)
 
 
 def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[Finding, ...]]:

@@ -16,7 +16,7 @@ from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
 from identification.samples import Standstills
-from identification.signals import Filter
+from identification.signals import Filter, stretches
 
 Array = NDArray[np.float64]
 
@@ -145,11 +145,10 @@ def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter)
     np.add.at(change, np.maximum(cuts - margin, 0), 1)
     np.add.at(change, np.minimum(cuts + margin, count), -1)
     ends = {0, count, *cuts.tolist()}  # of sections, beyond which there is nothing to bridge to
-    edges = np.flatnonzero(np.diff(np.r_[False, bad, False].astype(np.int8)))
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
-        if end - first > MOST_BRIDGED or first in ends or end in ends:
-            change[max(first - margin, 0)] += 1
-            change[min(end + margin, count)] -= 1
+    for part in stretches(bad):
+        if part.stop - part.start > MOST_BRIDGED or part.start in ends or part.stop in ends:
+            change[max(part.start - margin, 0)] += 1
+            change[min(part.stop + margin, count)] -= 1
     invalid = np.cumsum(change)[:-1] > 0
     return np.asarray(invalid[margin : count - margin])
 

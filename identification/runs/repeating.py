@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
+from identification.signals import stretches
 
 Array = NDArray[np.float64]
 
@@ -158,11 +159,8 @@ def _away(x: Array, lag: int) -> float:
 def _longest(x: Array, lag: int, tolerance: float) -> tuple[int, int]:
     """The longest stretch of rows that are where they were a lag before: first row and the one behind the last."""
     close = np.sqrt(np.mean((x[lag:] - x[: len(x) - lag]) ** 2, axis=1)) < tolerance
-    edges = np.flatnonzero(np.diff(np.r_[False, close, False].astype(np.int8)))
-    if not len(edges):
-        return 0, 0
-    longest = int(np.argmax(edges[1::2] - edges[::2]))
-    return int(edges[2 * longest]), int(edges[2 * longest + 1])
+    longest = max(stretches(close), key=lambda part: part.stop - part.start, default=slice(0, 0))
+    return longest.start, longest.stop
 
 
 def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motion: float) -> RepeatingPart:

@@ -1,7 +1,7 @@
 """Standstills in a recorded run: found with or without a trigger, matched to the poses of a program, and averaged."""
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from identification.formats.table import Lines
 from identification.machines import machine_of
 from identification.recording import Recording
 from identification.runs.preparation import MOVING
+from identification.signals import stretches
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -26,42 +27,23 @@ _COUNTED = Lines(first=1, word="standstill")
 BATCHES = 10  # of a standstill, whose means tell how well its own mean is known, noise of any colour included
 
 
-class Window(NamedTuple):
-    """Rows of a standstill: from `start` up to but without `end`."""
-
-    start: int
-    end: int
-
-
-@dataclass(frozen=True, slots=True)
-class Standing:
-    """The averaged standstills of a run."""
-
-    averages: Recording  # one row a standstill, without a clock, each weighted by one over its scatter
-    windows: tuple[Window, ...]  # the rows that were averaged
-    # standard deviation of the averaged forces, pooled over the channels in units of each channel's own scatter, shape
-    # (n,): 1 is usual, larger is restless
-    scatter: Array
-
-
 def stands_only(recording: Recording) -> bool:
     """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
     if recording.t is None or recording.trigger is None or recording.struts is None:
         return False
-    runs = _runs(recording.trigger)
-    if len(runs) < 2:
+    if not delimited(recording.trigger):
         return False
-    ranges = [np.ptp(recording.struts[w.start : w.end], axis=0).max() for w in runs if w.end > w.start + 1]
-    return bool(len(ranges) > 0 and max(ranges) < SAME_POSITION / 4)
+    ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
+    return bool(ranges) and bool(max(ranges) < SAME_POSITION / 4)
 
 
 def delimited(trigger: Flags | None) -> bool:
     """Whether a trigger, shape (n,), tells standstills apart: it comes on more than once."""
-    return trigger is not None and len(_runs(trigger)) > 1
+    return trigger is not None and len(stretches(trigger)) > 1
 
 
-def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
-    """Standstills of a run.
+def find_standstills(recording: Recording, settle: float) -> list[slice]:
+    """Rows of the standstills of a run.
 
     With a trigger that comes on several times: where it is on. Else, as in a joint trajectory, which switches none:
     where the struts stand, less the time to settle.
@@ -78,9 +60,9 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     moving = _moving(recording.struts, step)
     trigger = recording.trigger
     if trigger is not None and delimited(trigger):
-        stretches = _runs(trigger)
-        for k, w in enumerate(stretches, 1):
-            if moving[w.start : w.end].mean() > 0.5:
+        windows = stretches(trigger)
+        for k, w in enumerate(windows, 1):
+            if moving[w].mean() > 0.5:
                 raise RecordingError(
                     f"{recording.source}, {recording.lines.place(w.start)}",
                     f"the machine moves while the trigger is on (standstill {k})",
@@ -89,8 +71,8 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     else:
         settling = round(settle / step)
         standing = ~moving if trigger is None or not trigger.any() else ~moving & trigger
-        stretches = tuple(Window(w.start + settling, w.end) for w in _runs(standing))
-    windows = tuple(w for w in stretches if (w.end - w.start) * step >= SHORTEST)
+        windows = [slice(w.start + settling, w.stop) for w in stretches(standing)]
+    windows = [w for w in windows if (w.stop - w.start) * step >= SHORTEST]
     if len(windows) < 2:
         raise RecordingError(
             recording.source,
@@ -100,18 +82,21 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     return windows
 
 
-def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
-    """Means of forces and struts over each standstill.
+def average(recording: Recording, windows: Sequence[slice]) -> Recording:
+    """Means of forces and struts over each standstill, one row each, without a clock.
+
+    Each is weighed by one over the standard deviation of its forces, pooled over the channels in units of each
+    channel's own scatter: 1 is usual, less is restless.
 
     Args:
-        windows: windows of at least ten rows each.
+        windows: rows of each, at least ten.
 
     Raises:
         RecordingError: a standstill has too few samples with all values.
     """
     assert recording.struts is not None
     bad = unmeasured(recording).bad
-    rows = [w.start + np.flatnonzero(~bad[w.start : w.end]) for w in windows]
+    rows = [w.start + np.flatnonzero(~bad[w]) for w in windows]
     for w, measured in zip(windows, rows, strict=True):
         if len(measured) < BATCHES:
             raise RecordingError(
@@ -125,28 +110,31 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
     degrees = recording.temperature
-    averages = replace(
+    return replace(
         recording, temperature=None if degrees is None else np.array([degrees[r].mean() for r in rows]),
         t=None, struts=struts, forces=forces, trigger=None, poses=None,
         rotations=None, specific_forces=None, others=(), lines=_COUNTED,
         weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip
-    return Standing(averages, windows, scatter)
 
 
-def match(standing: Standing, case: Case, expected: Array, names: str) -> Standing:
-    """The standstills that belong to the poses of a program, in its order; those at home around them are left out.
+def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple[Recording, slice]:
+    """The standstills that belong to the poses of a program, in its order, and which of all they are.
+
+    Those at home around them are left out.
 
     Args:
+        averages: standstills of `average`.
         expected: poses of the program, in the coordinates of the machine, shape (k, n) [m or rad].
         names: the recording, for messages.
 
     Raises:
         StandstillMismatch: a pose of the program was not measured, or one that is none of its.
     """
-    assert standing.averages.struts is not None
+    assert averages.struts is not None
+    assert averages.weights is not None
     home, limits = case.need_motion("the match of poses")
-    poses, turns = machine_of(case).coordinates(standing.averages.struts), limits.turns
+    poses, turns = machine_of(case).coordinates(averages.struts), limits.turns
     indices = list(range(len(poses)))
     while (
         len(indices) > len(expected) and _same(poses[indices[0]], home, turns) and not _same(expected[0], home, turns)
@@ -185,15 +173,10 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
             f"program's {len(expected)} poses",
             "cut the recording at its end, or name the right plan",
         )
-    rows = np.array(indices)
-    averages = standing.averages
-    assert averages.struts is not None
-    scatter = standing.scatter[rows]
-    degrees = None if averages.temperature is None else averages.temperature[rows]
-    averages = replace(
-        averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=1.0 / scatter, temperature=degrees
-    )
-    return Standing(averages, tuple(standing.windows[k] for k in indices), scatter)
+    part = slice(indices[0], indices[-1] + 1)
+    degrees = None if averages.temperature is None else averages.temperature[part]
+    struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
+    return replace(averages, struts=struts, forces=forces, weights=weights, temperature=degrees), part
 
 
 def _same(pose: Array, other: Array, turns: Flags) -> bool:
@@ -207,12 +190,6 @@ def _moving(struts: Array, step: float) -> Flags:
     before, after = np.maximum(rows - half, 0), np.minimum(rows + half, len(struts) - 1)
     span = np.maximum(after - before, 1)[:, None] * step
     return np.asarray(np.abs((struts[after] - struts[before]) / span).max(axis=1) > MOVING)
-
-
-def _runs(on: Flags) -> tuple[Window, ...]:
-    edges = np.diff(np.r_[False, on, False].astype(int))
-    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    return tuple(Window(int(a), int(b)) for a, b in zip(starts, ends, strict=True))
 
 
 def _variance_of_mean(forces: Array) -> Array:

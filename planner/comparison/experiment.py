@@ -59,9 +59,9 @@ class Excitation:
         recording, parts = sensed(self.case, run, self.trigger, self.seed + weights, source, around)
         if not len(self.poses):
             return recording, parts
-        standing = match(average(recording, find_standstills(recording, 0.0)), self.case, self.poses, source)
-        means = (np.array([part[w.start : w.end].mean(axis=0) for w in standing.windows]) for part in parts)
-        return standing.averages, ForceParts(*means)
+        windows = find_standstills(recording, 0.0)
+        averages, those = match(average(recording, windows), self.case, self.poses, source)
+        return averages, ForceParts(*(np.array([part[w].mean(axis=0) for w in windows[those]]) for part in parts))
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:

@@ -220,16 +220,17 @@ def standing_of(
     if expected is None and not asked and not stands_only(recording):
         return recording, None
     settle = case.poses.settle_s if case.poses is not None else 0.5
-    standing = average(recording, find_standstills(recording, settle))
+    averages = average(recording, find_standstills(recording, settle))
     if expected is not None:
-        standing = match(standing, case, expected, recording.source)
+        averages, _ = match(averages, case, expected, recording.source)
+    assert averages.weights is not None
     entries = {
-        "count": len(standing.windows),
+        "count": len(averages.forces),
         "matched_to_poses": expected is not None,
         "found_by": "trigger" if delimited(recording.trigger) else "motion",
-        "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
+        "restless": [k for k, weight in enumerate(averages.weights, 1) if weight * RESTLESS < 1.0],
     }
-    return standing.averages, entries
+    return averages, entries
 
 
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:

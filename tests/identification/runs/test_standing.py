@@ -51,7 +51,7 @@ PLAIN = replace(RUN, trigger=None)
 def test_the_trigger_marks_the_standstills() -> None:
     windows = find_standstills(RUN, SETTLE)
     assert len(windows) == 6
-    assert all(abs(w.end - w.start - 300) <= 1 for w in windows)
+    assert all(abs(w.stop - w.start - 300) <= 1 for w in windows)
     assert stands_only(RUN)
 
 
@@ -62,27 +62,27 @@ def test_without_a_trigger_the_same_standstills_are_found_after_settling_and_tho
     for theirs, ours in zip(with_trigger, without[1:-1], strict=True):
         assert abs(theirs.start - ours.start) < 40
         assert theirs.start - 20 <= ours.start
-        assert abs(theirs.end - ours.end) < 25
+        assert abs(theirs.stop - ours.stop) < 25
 
 
 def test_averages_are_the_struts_of_the_poses_and_as_precise_as_the_number_of_samples_makes_them() -> None:
-    standing = average(RUN, find_standstills(RUN, SETTLE))
-    struts = standing.averages.struts
+    averages = average(RUN, find_standstills(RUN, SETTLE))
+    struts = averages.struts
     assert struts is not None
-    assert standing.averages.t is None
+    assert averages.t is None
     np.testing.assert_allclose(struts, Hexapod.of(CASE).strut_lengths(poses()), atol=1e-7)
-    np.testing.assert_allclose(np.median(standing.scatter), 1.0, atol=0.2)
+    np.testing.assert_allclose(np.median(1.0 / averages.weights), 1.0, atol=0.2)
 
 
 def test_the_run_is_matched_to_its_program_with_and_without_the_trigger() -> None:
     for recording in (RUN, PLAIN):
-        found = match(average(recording, find_standstills(recording, SETTLE)), CASE, poses(), "run")
-        assert len(found.windows) == len(found.averages.forces) == 6
+        found, part = match(average(recording, find_standstills(recording, SETTLE)), CASE, poses(), "run")
+        assert part.stop - part.start == len(found.forces) == 6
 
 
 def test_identification_of_averages_is_within_its_error_bars_and_says_how_noisy_an_average_is() -> None:
     many = measured(poses(20))
-    estimate = identify(average(many, find_standstills(many, SETTLE)).averages, CASE, 5)
+    estimate = identify(average(many, find_standstills(many, SETTLE)), CASE, 5)
     for name, truth in {"m": 31.83, "zC": 0.10505, "k0": 24.05, "k2": 37.38, "k3": 28.27}.items():
         value = estimate.physical[name]
         assert abs(value.value - truth) < 4.5 * value.std
@@ -94,13 +94,13 @@ def test_a_restless_standstill_counts_less() -> None:
     windows = find_standstills(many, SETTLE)
     shaken = many.forces.copy()
     restless = windows[7]
-    t = np.arange(restless.end - restless.start) * 1e-3
-    shaken[restless.start : restless.end] += 40.0 * np.sin(2 * np.pi * 2.3 * t)[:, None]
+    t = np.arange(restless.stop - restless.start) * 1e-3
+    shaken[restless] += 40.0 * np.sin(2 * np.pi * 2.3 * t)[:, None]
     standing = average(replace(many, forces=shaken), windows)
-    assert int(np.argmax(standing.scatter)) == 7
-    assert standing.scatter[7] > 20.0
-    weighted = identify(standing.averages, CASE, 5)
-    plain = identify(replace(standing.averages, weights=None), CASE, 5)
+    assert int(np.argmin(standing.weights)) == 7
+    assert standing.weights[7] < 1.0 / 20.0
+    weighted = identify(standing, CASE, 5)
+    plain = identify(replace(standing, weights=None), CASE, 5)
     truth = 31.83
     assert abs(weighted.physical["m"].value - truth) < 0.3 * abs(plain.physical["m"].value - truth)
     assert weighted.physical["m"].std < 0.2 * plain.physical["m"].std
@@ -148,4 +148,4 @@ def test_a_run_that_never_stands_still_is_refused() -> None:
 def test_averages_without_a_clock_have_no_standstills_to_find() -> None:
     standing = average(RUN, find_standstills(RUN, SETTLE))
     with pytest.raises(RecordingError, match="with a clock"):
-        find_standstills(standing.averages, SETTLE)
+        find_standstills(standing, SETTLE)
