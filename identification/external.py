@@ -18,9 +18,9 @@ from identification.findings import Severity, sentences
 from identification.findings.readings import drifted_since, shifted_all_along
 from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
-from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block, physical_form
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block
 from identification.recording import Recording
-from identification.result import Value
+from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, standstills
 from identification.saved_result import SavedResult
 
@@ -254,11 +254,4 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
     if not abs(difference[0]) > 3.0 * std:
         raise _no_payload(before, after, float(difference[0]), std)
     warnings = _about(before, after, float(difference[0]))
-    form = physical_form(body)
-    values, physical = form.of(difference, covariance)
-    white, long_run = np.sqrt(np.diag(physical)), np.sqrt(np.diag(form.of(difference, robust)[1]))
-    parameters = {
-        p.name: Value(float(v), float(s), float(r), p.unit)
-        for p, v, s, r in zip(form.parameters, values, white, long_run, strict=True)
-    }
-    return parameters, tuple(warnings)
+    return physical_values(body, difference, covariance, robust), tuple(warnings)

@@ -15,7 +15,6 @@ from identification.estimation.estimators import FitProblem, Method, gauss_marko
 from identification.estimation.fit import Fit, of_forces, w_of, whitened
 from identification.model import Model
 from identification.parameters import MASS
-from identification.result import Delay
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.wrist import WristRun
 from identification.samples import Samples
@@ -28,6 +27,13 @@ CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so 
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
+
+
+class Delay(NamedTuple):
+    """How much later than the motion the forces were recorded, and its standard deviation [s]."""
+
+    value: float
+    std: float
 
 
 class Fitted(NamedTuple):

@@ -29,7 +29,7 @@ from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.model import RIGID, Model, full_model, identification_model
 from identification.parameters import MASS
 from identification.recording import Recording
-from identification.result import Estimate, Evaluation, estimate_of
+from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, Smoothing, smoothed, smoothing_of
 from identification.runs.preparation import moving_run, standstills
@@ -81,7 +81,7 @@ def identify(
             except (IdentificationError, RecordingError) as error:
                 require_wiring(recording, case, model, negative=isinstance(error, NegativeMass))
                 raise
-            if estimate.warnings or leaves_much(estimate.fit, estimate.evaluation.evaluated.forces, case):
+            if estimate.warnings or leaves_much(estimate.fit, estimate.evaluated.forces, case):
                 require_wiring(recording, case, model)
         return estimate
     except (IdentificationError, RecordingError) as error:
@@ -179,8 +179,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
         good = ~scanned.bad
         bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
-    about = Evaluation(fitted.samples, fitted.residuals, fitted.delay, noise, bias, conditioning)
-    return estimate_of(fitted.fit, recording.source, case, method, about, tuple(findings))
+    return estimate_of(fitted, recording.source, case, method, noise, bias, tuple(findings))
 
 
 def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None:
@@ -195,9 +194,9 @@ def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None
 
 def identifiability(estimate: Estimate) -> Identifiability:
     """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
-    samples = estimate.evaluation.evaluated.excerpt()
+    samples = estimate.evaluated.excerpt()
     selection = estimate.how.selection(samples.model)
-    matrices = samples.regressors(estimate.evaluation.at)
+    matrices = samples.regressors(estimate.at)
     return analyse(matrices @ selection.basis, selection.names)
 
 

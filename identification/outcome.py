@@ -219,7 +219,7 @@ class Residuals:
 
 def residuals_of(estimate: Estimate) -> Residuals:
     """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`."""
-    samples, delay, u = estimate.evaluation.evaluated, estimate.evaluation.at, estimate.fit.values
+    samples, delay, u = estimate.evaluated, estimate.at, estimate.fit.values
     if isinstance(samples, Standstills):
         return Residuals(samples.t, samples.recorded, samples.matrices @ u, None)
     if isinstance(samples, WristRun):

@@ -13,41 +13,14 @@ from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
 from identification.estimation.noise_sources import Attenuation, NoiseSources, attenuation_of
 from identification.findings import Finding, Severity, quantities, sentences
+from identification.fitting import Delay, Fitted
 from identification.model import ERROR_TERMS, Model, identification_model
 from identification.parameters import physical_form
-from identification.samples import USUAL, Conditioning, Samples
+from identification.samples import Samples
 
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
-
-
-class Delay(NamedTuple):
-    """How much later than the motion the forces were recorded, and its standard deviation [s]."""
-
-    value: float
-    std: float
-
-
-class Evaluation(NamedTuple):
-    """What an estimate was made from, and what the run says beside; not saved but for its figures."""
-
-    evaluated: Samples
-    residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
-    delay: Delay | None  # delay of the forces, where it was estimated
-    noise: NoiseSources | None  # what s0 consists of, where the case states noise
-    accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
-    conditioning: Conditioning = USUAL
-
-    @property
-    def at(self) -> float:
-        """The delay, 0 where nothing moves [s]."""
-        return 0.0 if self.delay is None else self.delay.value
-
-    @property
-    def residual_rms(self) -> Array:
-        """Residuals' rms of each channel, shape (6,) [N, or N and N m]."""
-        return np.asarray(np.sqrt(np.mean(self.residuals**2, axis=0)))
 
 
 class Value(NamedTuple):
@@ -75,22 +48,40 @@ class Estimate:
 
     case: Case
     source: str  # the recording
-    model: Model
     how: Method
     # u alone, without nuisances; `s0` of a moving run is that of the noise in the pass band, as white noise of the
     # recorded forces; `residuals`, not saved, are those behind the filter; `weights` are ones where only ratios count
     fit: Fit
-    evaluation: Evaluation
+    evaluated: Samples  # samples that it was made from
+    residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
+    delay: Delay | None  # delay of the forces, where it was estimated
+    noise: NoiseSources | None  # what s0 consists of, where the case states noise
+    accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     physical: dict[str, Value]  # physical parameters by name
     # attenuation of physical parameters by name, where the case states noise of the struts
     attenuation: dict[str, Attenuation] | None
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
 
     @property
+    def model(self) -> Model:
+        """The model that was identified."""
+        return self.evaluated.model
+
+    @property
+    def at(self) -> float:
+        """The delay, 0 where nothing moves [s]."""
+        return 0.0 if self.delay is None else self.delay.value
+
+    @property
+    def residual_rms(self) -> Array:
+        """Residuals' rms of each channel, shape (6,) [N, or N and N m]."""
+        return np.asarray(np.sqrt(np.mean(self.residuals**2, axis=0)))
+
+    @property
     def s0_N(self) -> float:
         """Rms residual of the recorded forces, over the channels in newtons [N]."""
         newtons = slice(0, 3 if self.case.sensor_frame.has_moments else 6)
-        return float(np.sqrt(np.mean(self.evaluation.residuals[:, newtons] ** 2)))
+        return float(np.sqrt(np.mean(self.residuals[:, newtons] ** 2)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -109,7 +100,7 @@ class Estimate:
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the residuals, SI units."""
-        fit, how, about = self.fit, self.how, self.evaluation
+        fit, how = self.fit, self.how
         standard = identification_model(self.case, self.model.number).names == self.model.names
         terms = () if standard else tuple(n for n, b in ERROR_TERMS.items() if b in self.model.blocks)
         return {
@@ -123,22 +114,22 @@ class Estimate:
             "known": dict(how.known),
             "dropped": list(how.dropped),
             "biases": None if how.biases is None else how.biases.to_json(),
-            "accelerometer": None if about.accelerometer is None else about.accelerometer.to_json(),
+            "accelerometer": None if self.accelerometer is None else self.accelerometer.to_json(),
             "priors": {p.name: {"value": p.value, "std": p.std} for p in how.priors},
             "s0": fit.s0,
             "s0_N": self.s0_N,
-            "residual_rms": about.residual_rms.tolist(),
-            "samples": about.evaluated.samples,
+            "residual_rms": self.residual_rms.tolist(),
+            "samples": self.evaluated.samples,
             "degrees_of_freedom": fit.freedom,
             "rank": fit.rank,
             "condition": fit.condition,
             "weights": how.weights or self.case.sensors.weights,
             "w_diagonal": fit.weights.tolist(),
-            "noise_sources": None if about.noise is None else about.noise.to_json(),
+            "noise_sources": None if self.noise is None else self.noise.to_json(),
             "attenuation": None
             if self.attenuation is None
             else {name: value._asdict() for name, value in self.attenuation.items()},
-            "delay_s": None if about.delay is None else about.delay._asdict(),
+            "delay_s": None if self.delay is None else self.delay._asdict(),
             "parameters": {name: value._asdict() for name, value in self.physical.items()},
             "intervals_95": {name: list(value.interval(fit.freedom)) for name, value in self.physical.items()},
             "linear": {"names": list(self.model.names), "values": fit.values.tolist()},
@@ -150,30 +141,43 @@ class Estimate:
         }
 
 
+def physical_values(model: Model, u: Array, covariance: Array, robust: Array) -> dict[str, Value]:
+    """Physical parameters by name.
+
+    Args:
+        u: linear parameters, shape (u,).
+        covariance: covariance of these by (28), shape (u, u).
+        robust: the autocorrelation-robust one.
+    """
+    form = physical_form(model)
+    values, white = form.of(u, covariance)
+    std, std_robust = (np.sqrt(np.diag(c).clip(0.0)) for c in (white, form.of(u, robust)[1]))
+    return {
+        p.name: Value(float(v), float(s), float(r), p.unit)
+        for p, v, s, r in zip(form.parameters, values, std, std_robust, strict=True)
+    }
+
+
 def estimate_of(
-    fit: Fit, source: str, case: Case, how: Method, evaluation: Evaluation, findings: tuple[Finding, ...]
+    fitted: Fitted,
+    source: str,
+    case: Case,
+    how: Method,
+    noise: NoiseSources | None,
+    accelerometer: AccelerometerBias | None,
+    findings: tuple[Finding, ...],
 ) -> Estimate:
     """Makes an estimate of a fit; columns of the fit beyond the model's parameters are nuisances and left out."""
-    model = evaluation.evaluated.model
+    fit, model = fitted.fit, fitted.samples.model
     own = slice(len(model.parameters))
-    fit = replace(
-        fit,
-        values=fit.values[own],
-        covariance=fit.covariance[own, own],
-        covariance_robust=fit.covariance_robust[own, own],
-    )
-    form = physical_form(model)
-    values = form.of(fit.values, fit.covariance)[0]
-    std, robust = (
-        np.sqrt(np.maximum(np.diag(form.of(fit.values, covariance)[1]), 0.0))
-        for covariance in (fit.covariance, fit.covariance_robust)
-    )
-    physical = {
-        p.name: Value(float(v), float(s), float(r), p.unit)
-        for p, v, s, r in zip(form.parameters, values, std, robust, strict=True)
-    }
-    noise, attenuation = evaluation.noise, None
+    u, white, robust = fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own]
+    fit = replace(fit, values=u, covariance=white, covariance_robust=robust)
+    physical = physical_values(model, u, white, robust)
+    attenuation = None
     if noise is not None and noise.bias is not None:
         reported = np.array([value.reported for value in physical.values()])
-        attenuation = attenuation_of(form, fit.values, noise.bias, reported)
-    return Estimate(case, source, model, how, fit, evaluation, physical, attenuation, findings)
+        attenuation = attenuation_of(physical_form(model), u, noise.bias, reported)
+    return Estimate(
+        case, source, how, fit, fitted.samples, fitted.residuals, fitted.delay, noise, accelerometer,
+        physical, attenuation, findings,
+    )  # fmt: skip

@@ -15,7 +15,7 @@ from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
-from identification.result import SCHEMA_VERSION, Value
+from identification.result import SCHEMA_VERSION, physical_values
 
 Array = NDArray[np.float64]
 
@@ -182,22 +182,15 @@ def with_tare(
         notes: what else there is to say.
     """
     data = dict(result.about)
-    form = physical_form(result.model_of(case))
-    physical, spread = form.of(values, covariance)
-    std = np.sqrt(np.diag(spread))
     robust_covariance = result.covariance_robust.copy()
     offsets = [k for k, name in enumerate(data["linear"]["names"]) if name.startswith("f_q0")]
     robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
     robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
-    parameters, freedom = dict(data["parameters"]), float(data.get("degrees_of_freedom", np.inf))
-    intervals: dict[str, list[float]] = {}
-    for p, value, deviation in zip(form.parameters, physical, std, strict=True):
-        robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
-        parameters[p.name] = Value(float(value), float(deviation), robust, p.unit)._asdict()
-        intervals[p.name] = list(Value(**parameters[p.name]).interval(freedom))
+    physical = physical_values(result.model_of(case), values, covariance, robust_covariance)
+    freedom = float(data.get("degrees_of_freedom", np.inf))
     return data | {
-        "parameters": parameters,
-        "intervals_95": intervals,
+        "parameters": {name: value._asdict() for name, value in physical.items()},
+        "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
         "linear": {"names": data["linear"]["names"], "values": values.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": robust_covariance.tolist(),

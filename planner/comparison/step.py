@@ -58,7 +58,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     else:
         run = moving_run(recording, case, model, found=scan(recording, case))
         run = replace(run, smoothing="smoothing_s2" in estimate.told)
-        delay = estimate.evaluation.at
+        delay = estimate.at
         forces, columns = run.forces, run.linearised(delay, estimate.fit.values)
         matrices = columns[:, :, : len(estimate.fit.values)]
         weights = np.ones(len(matrices))
@@ -135,7 +135,7 @@ class MethodStep:
     @property
     def s0(self) -> float:
         """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
-        forces = 6 * self.estimate.evaluation.evaluated.samples
+        forces = 6 * self.estimate.evaluated.samples
         return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.model.names))))
 
     def deviation(self, name: str) -> float | None:
@@ -164,7 +164,7 @@ class MethodStep:
             "load_kg": self.load,
             "duration_s": self.duration,
             "model": self.estimate.model.number,
-            "samples": self.estimate.evaluation.evaluated.samples,
+            "samples": self.estimate.evaluated.samples,
             "s0_N": self.s0,
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},

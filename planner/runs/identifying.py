@@ -126,7 +126,7 @@ def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]
     """What a result says of its run: the file of the case, the plan that it followed, the time that it took."""
     seconds = run.record.get("executed_s")
     if seconds is None and run.t is not None:
-        seconds = estimate.evaluation.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
+        seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
 
 

@@ -105,7 +105,7 @@ def _moving_wrist() -> Rows:
     delays = []
     for cutoff in (5.0, 10.0, 20.0, 40.0):
         form = case.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
-        delay = identify(run, case.model_copy(update={"recording": form})).evaluation.delay
+        delay = identify(run, case.model_copy(update={"recording": form})).delay
         assert delay is not None
         delays.append(1e3 * delay.value)
     free, fixed = masses

@@ -22,8 +22,8 @@ def leaps() -> list[list[str]]:
     for seed in range(SEEDS):
         found = identify(simulate_recording(CASE, execution, window, seed), CASE)
         errors.append([(v.value - t) / v.reported for v, t in zip(found.physical.values(), truth, strict=True)])
-        assert found.evaluation.delay is not None
-        delays.append((found.evaluation.delay.value - late) / found.evaluation.delay.std)
+        assert found.delay is not None
+        delays.append((found.delay.value - late) / found.delay.std)
     z = np.array(errors)
     inside = 100.0 * float(np.mean(np.abs(z) < 1.96))
     centre = float(np.abs(z.mean(axis=0)).max()) * np.sqrt(SEEDS)

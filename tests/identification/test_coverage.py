@@ -49,7 +49,7 @@ def test_the_delay_is_as_sure_as_it_says_also_under_noise_with_memory(colour: fl
     for seed in range(20):
         drawn = np.random.default_rng(seed).normal(size=(len(clean.forces) + 1000, 6))
         noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
-        delay = identify(replace(clean, forces=clean.forces + noise), CASE).evaluation.delay
+        delay = identify(replace(clean, forces=clean.forces + noise), CASE).delay
         errors.append(delay.value / delay.std)
     assert 0.65 < np.sqrt(np.mean(np.square(errors))) < 1.4  # 20 runs tell it to 16 %
 

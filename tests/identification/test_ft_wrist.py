@@ -89,8 +89,8 @@ def test_the_first_twelve_poses_predict_the_other_twelve(recording: Recording) -
 def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Recording) -> None:
     estimate = identify(recording, CASE)
     assert estimate.fit.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
-    np.testing.assert_allclose(estimate.evaluation.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
-    np.testing.assert_allclose(estimate.evaluation.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
+    np.testing.assert_allclose(estimate.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
+    np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
 
 
 @pytest.mark.parametrize("cutoff", few(5.0, 40.0, 7.0, 10.0, kept=2))
@@ -99,8 +99,8 @@ def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -
     form = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
     case = CASE.model_copy(update={"recording": form})
     estimate = identify(moving(case), case)
-    assert estimate.evaluation.delay is not None
-    assert -6.5e-3 < estimate.evaluation.delay.value < -5.2e-3
+    assert estimate.delay is not None
+    assert -6.5e-3 < estimate.delay.value < -5.2e-3
     mass = estimate.physical["m"]
     assert abs(mass.value - 0.932) < 1.96 * mass.reported
     assert mass.reported < 0.007
@@ -119,14 +119,14 @@ def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
     others = tuple(less if s is felt else s for s in whole.others)
     run = replace(whole, t=whole.t[keep], forces=whole.forces[keep], others=others)
     sound, estimate = identify(whole, CASE), identify(run, CASE)
-    assert sound.evaluation.evaluated.samples - estimate.evaluation.evaluated.samples > 0.3 * 690
+    assert sound.evaluated.samples - estimate.evaluated.samples > 0.3 * 690
     assert sum("samples are missing; no filter reaches across" in w for w in estimate.warnings) == 2
     mass, before = estimate.physical["m"], sound.physical["m"]
     assert abs(mass.value - before.value) < 2.0 * before.reported
     assert abs(mass.value - 0.932) < 1.96 * mass.reported
-    assert estimate.evaluation.delay is not None
-    assert sound.evaluation.delay is not None
-    assert abs(estimate.evaluation.delay.value - sound.evaluation.delay.value) < 1e-3
+    assert estimate.delay is not None
+    assert sound.delay is not None
+    assert abs(estimate.delay.value - sound.delay.value) < 1e-3
 
 
 @pytest.mark.parametrize("push", [0.0, 5.0])
@@ -148,4 +148,4 @@ def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float)
     assert peak == pytest.approx(push, rel=0.2)
     free = identify(run, CASE)
     assert abs(estimate.physical["m"].value - free.physical["m"].value) < 0.3 * free.physical["m"].reported
-    assert abs(estimate.evaluation.delay.value - free.evaluation.delay.value) < free.evaluation.delay.std
+    assert abs(estimate.delay.value - free.delay.value) < free.delay.std

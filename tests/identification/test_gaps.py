@@ -103,7 +103,7 @@ def test_damage_costs_itself_and_the_filters_reach(
     edit, lost, says = DAMAGES[damage]
     estimate = identified(damaged(lines, tmp_path, edit))
     expected = 3600 - (1e3 if "pause" not in damage else 0.0) * lost - 2e3 * MARGIN
-    assert estimate.evaluation.evaluated.samples == pytest.approx(expected, abs=4)
+    assert estimate.evaluated.samples == pytest.approx(expected, abs=4)
     apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert apart.max() < 3.0
     assert all(any(w.startswith(text) for w in estimate.warnings) for text in says)
@@ -137,7 +137,7 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
 )
 def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], sound: Estimate, tmp_path: Path) -> None:
     estimate = identified(damaged(lines, tmp_path, edit))
-    assert estimate.evaluation.evaluated.samples == sound.evaluation.evaluated.samples
+    assert estimate.evaluated.samples == sound.evaluated.samples
     assert len(estimate.warnings) == len(sound.warnings) + 1
     apart = np.abs(estimate.fit.values - sound.fit.values) / np.sqrt(np.diag(sound.fit.covariance))
     assert 0.0 < apart.max() < 1.0
@@ -161,9 +161,9 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
 
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
-    assert sound.evaluation.delay is not None
+    assert sound.delay is not None
     covariances = sound.fit.covariance, sound.fit.covariance_robust
-    result = SavedResult("here", CASE.name, 9, sound.fit.values, *covariances, (), sound.evaluation.delay.value)
+    result = SavedResult("here", CASE.name, 9, sound.fit.values, *covariances, (), sound.delay.value)
     before = external_force(read(damaged(lines, tmp_path), CASE), CASE, result)
     force = external_force(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))

@@ -38,7 +38,7 @@ def test_an_ideal_machine_gives_its_parameters_back() -> None:
     estimate = identify(run(ideal(CASE)), CASE)
     found = np.array([v.value for v in estimate.physical.values()])
     np.testing.assert_allclose(found, PHYSICAL, rtol=1e-4, atol=1e-5)
-    assert estimate.evaluation.delay.value == pytest.approx(0.0, abs=1e-6)
+    assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
     assert estimate.fit.s0 < 1e-2
     assert (estimate.fit.rank, estimate.model.number) == (20, 9)
 
@@ -59,14 +59,14 @@ def test_delay_and_sampling_offset_are_found_together(delay_ms: float, cycles: f
     case = simulated(CASE, force_delay_ms=delay_ms, force_sampling_offset_cycles=cycles)
     estimate = identify(run(case), case)
     late = delay_ms * 1e-3 + cycles / case.simulation.encoder_rate_Hz
-    assert abs(estimate.evaluation.delay.value - late) < 4 * estimate.evaluation.delay.std
+    assert abs(estimate.delay.value - late) < 4 * estimate.delay.std
     assert abs(estimate.physical["m"].value - 31.83) < 4.5 * estimate.physical["m"].std
 
 
 @pytest.mark.parametrize("delay_ms", few(8.5, 2.5, 15.5))
 def test_without_noise_the_delay_is_found_to_ten_microseconds(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
-    assert identify(run(case), case).evaluation.delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
+    assert identify(run(case), case).delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
 
 
 @pytest.mark.parametrize("cutoff", few(100.0, 15.0, 190.0))
@@ -75,7 +75,7 @@ def test_the_cutoff_of_the_filter_is_no_matter_of_truth(cutoff: float) -> None:
     recording = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
     case = simulated(ideal(CASE), force_delay_ms=15.0).model_copy(update={"recording": recording})
     estimate = identify(run(case, Harmonic(duration=4.0)), case)
-    assert estimate.evaluation.delay.value == pytest.approx(0.015, abs=1e-5)
+    assert estimate.delay.value == pytest.approx(0.015, abs=1e-5)
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.01)
 
 
@@ -128,7 +128,7 @@ def test_standstills_give_the_static_parameters(number: int) -> None:
     recording = Recording("poses.csv", None, Hexapod.of(CASE).strut_lengths(poses), None, forces, None)
     estimate = identify(recording, CASE, number)
     np.testing.assert_allclose(estimate.fit.values, u[: len(estimate.fit.values)], rtol=1e-7, atol=1e-6)
-    assert estimate.evaluation.delay is None
+    assert estimate.delay is None
 
 
 def test_by_default_the_model_is_what_the_recording_can_carry() -> None:

@@ -52,11 +52,11 @@ def test_parameters_and_delay_are_those_of_the_whole_run(monkeypatch: pytest.Mon
     np.testing.assert_allclose(
         begun.fit.covariance, whole.fit.covariance, rtol=1e-3, atol=1e-3 * np.outer(std, std).max()
     )
-    assert whole.evaluation.delay is not None
-    assert begun.evaluation.delay is not None
-    assert abs(begun.evaluation.delay.value - whole.evaluation.delay.value) < 0.01 * whole.evaluation.delay.std
-    assert (begun.evaluation.evaluated.samples, begun.fit.freedom) == (
-        whole.evaluation.evaluated.samples,
+    assert whole.delay is not None
+    assert begun.delay is not None
+    assert abs(begun.delay.value - whole.delay.value) < 0.01 * whole.delay.std
+    assert (begun.evaluated.samples, begun.fit.freedom) == (
+        whole.evaluated.samples,
         whole.fit.freedom,
     )
     assert begun.s0_N == pytest.approx(whole.s0_N, rel=1e-6)
@@ -92,7 +92,7 @@ def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.Mon
     places = [[w.split(", up to")[0] for w in e.warnings if "external contact" in w] for e in (whole, begun)]
     assert places[0] == places[1]
     assert f"from {start:.1f}" in places[1][0]
-    assert begun.evaluation.evaluated.samples == whole.evaluation.evaluated.samples
+    assert begun.evaluated.samples == whole.evaluated.samples
 
 
 def test_what_a_part_tells_of_identifiability_is_that_of_the_whole(few: None) -> None:

@@ -43,7 +43,7 @@ def noisy(exact: Recording, seed: int) -> Recording:
 @pytest.mark.slow
 def test_shares_and_attenuation_are_those_of_the_noise_that_was_added(exact: Recording) -> None:
     found = [identify(noisy(exact, seed), NOISY) for seed in range(SEEDS)]
-    sources = [f.evaluation.noise for f in found]
+    sources = [f.noise for f in found]
     # The share of the forces is known exactly, that of the accelerations is the rest of s0^2.
     s0_squared = np.mean([f.fit.s0**2 for f in found])
     assert np.mean([s.force_sensors for s in sources]) == pytest.approx(FORCE_NOISE**2 / s0_squared, rel=0.02)

@@ -43,7 +43,7 @@ def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
     assert back["intervals_95"]["m"] == list(estimate.physical["m"].interval(estimate.fit.freedom))
     assert back["linear"]["values"] == estimate.fit.values.tolist()
     assert np.array(back["covariance"]).shape == (20, 20)
-    assert back["delay_s"]["value"] == estimate.evaluation.delay.value
+    assert back["delay_s"]["value"] == estimate.delay.value
 
 
 def test_physical_standard_deviations_follow_from_the_covariance_of_the_linear_ones(estimate: Estimate) -> None:
@@ -59,9 +59,9 @@ def test_physical_standard_deviations_follow_from_the_covariance_of_the_linear_o
 
 def test_rms_residuals_are_those_of_the_recorded_forces(estimate: Estimate) -> None:
     """The simulated noise is white with 1 N, so this is what is left of each channel."""
-    np.testing.assert_allclose(estimate.evaluation.residual_rms, CASE.simulation.force_noise_N, rtol=0.1)
-    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.evaluation.residual_rms**2)))
+    np.testing.assert_allclose(estimate.residual_rms, CASE.simulation.force_noise_N, rtol=0.1)
+    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.residual_rms**2)))
 
 
 def test_a_result_without_delay_says_so(estimate: Estimate) -> None:
-    assert replace(estimate, evaluation=estimate.evaluation._replace(delay=None)).to_json()["delay_s"] is None
+    assert replace(estimate, delay=None).to_json()["delay_s"] is None

@@ -94,7 +94,7 @@ def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     assert np.mean([e.fit.s0 for e in estimates["stated"]]) == pytest.approx(
         1.0, abs=0.05
     )  # as stated, in its own units
-    share = [e.evaluation.noise for e in estimates["stated"]]
+    share = [e.noise for e in estimates["stated"]]
     assert np.mean([s.explained for s in share]) == pytest.approx(1.0, abs=0.05)
     assert all(s.acceleration_std is None for s in share)  # of struts nothing is stated
 

@@ -149,7 +149,7 @@ def test_a_run_gives_the_true_parameters_within_their_deviations(joints: int, pl
     rows = truth_rows(plan.case, result.estimate)
     assert len(rows) == 16
     assert max(abs(row["error"] / row["std"]) for row in rows) < 4.0
-    delay = result.estimate.evaluation.delay
+    delay = result.estimate.delay
     assert delay is not None
     assert delay.value == pytest.approx(4e-3, abs=4.0 * delay.std + 1e-4)  # 3 ms and half a cycle
     predicted = np.array([row["std"] / plan.predicted_std[row["name"]] for row in rows])

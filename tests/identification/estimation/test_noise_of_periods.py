@@ -31,7 +31,7 @@ def squares(recording: Recording) -> float:
 def test_shares_are_those_that_each_noise_alone_leaves() -> None:
     """Averaging takes noise of forces and struts alike; the struts' grows with the square of the frequency."""
     case, seeds = stated(CASE, force_noise_N=0.5, strut_noise_um=5.0), range(4)
-    said = [identify(noisy(forces_of(EXACT, k, 0.5), k, 5.0), case, conditioning=WISH).evaluation.noise for k in seeds]
+    said = [identify(noisy(forces_of(EXACT, k, 0.5), k, 5.0), case, conditioning=WISH).noise for k in seeds]
     total = np.mean([squares(noisy(forces_of(EXACT, k, 0.5), k, 5.0)) for k in seeds])
     forces = np.mean([squares(forces_of(EXACT, k, 0.5)) for k in seeds]) / total
     struts = np.mean([squares(noisy(EXACT, k, 5.0)) for k in seeds]) / total
@@ -45,9 +45,7 @@ def test_shares_are_those_that_each_noise_alone_leaves() -> None:
 def test_steps_of_encoders_that_repeat_are_not_averaged_away(period: float, repeats: bool) -> None:
     case = simulated(CASE, encoder_resolution_um=20.0)
     run = forces_of(recorded(case, Repeating(period, 3)), 0, 0.5)
-    found = identify(
-        run, stated(CASE, force_noise_N=0.5, encoder_resolution_um=20.0), conditioning=WISH
-    ).evaluation.noise
+    found = identify(run, stated(CASE, force_noise_N=0.5, encoder_resolution_um=20.0), conditioning=WISH).noise
     assert found.explained == pytest.approx(1.0, abs=0.25)
     above = 15  # harmonics of the struts beside those of the forces
     orders = np.arange(1, 40 + above + 1) * 2 * np.pi / period

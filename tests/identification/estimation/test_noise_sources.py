@@ -70,7 +70,7 @@ def test_shares_are_those_that_each_noise_alone_leaves() -> None:
     total = np.mean([squares(both, k) for k in seeds])
     shares = [np.mean([squares(case, k) for k in seeds]) / total for case in alone]
     assert min(shares) > 0.2  # the test sees both
-    said = [identify(run(both, k), stated(both, **sources)).evaluation.noise for k in seeds]
+    said = [identify(run(both, k), stated(both, **sources)).noise for k in seeds]
     assert np.mean([s.force_sensors for s in said]) == pytest.approx(shares[0], rel=0.15)
     assert np.mean([s.accelerations for s in said]) == pytest.approx(shares[1], rel=0.15)
     assert np.mean([s.explained for s in said]) == pytest.approx(1.0, abs=0.1)
@@ -79,8 +79,8 @@ def test_shares_are_those_that_each_noise_alone_leaves() -> None:
 def test_what_is_not_stated_is_left_unexplained() -> None:
     case = simulated(CASE, force_noise_N=2.0)
     found = identify(run(case), stated(case, force_noise_N=1.0))
-    assert found.evaluation.noise.to_json()["unexplained"] == pytest.approx(0.75, abs=0.08)
-    assert found.evaluation.noise.accelerations is None
+    assert found.noise.to_json()["unexplained"] == pytest.approx(0.75, abs=0.08)
+    assert found.noise.accelerations is None
     assert found.attenuation is None
 
 
@@ -157,5 +157,5 @@ def test_too_much_stated_noise_is_told() -> None:
 
 def test_an_estimator_without_comparison_says_so() -> None:
     found = identify(run(CASE), stated(CASE, force_noise_N=1.0), how=method("full"))
-    assert found.evaluation.noise is None
+    assert found.noise is None
     assert any("gauss-markov and consistent" in w for w in found.warnings)

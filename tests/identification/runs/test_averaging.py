@@ -58,9 +58,7 @@ def test_with_little_noise_of_the_struts_it_agrees_with_the_low_pass() -> None:
     clean, usual = identify(run, CASE, conditioning=AUTO), identify(run, CASE)
     assert np.abs((values(clean) - values(usual)) / reported(usual)).max() < 0.3
     np.testing.assert_allclose(reported(clean), reported(usual), rtol=0.35)
-    assert clean.evaluation.delay.value == pytest.approx(
-        usual.evaluation.delay.value, abs=2 * usual.evaluation.delay.std
-    )
+    assert clean.delay.value == pytest.approx(usual.delay.value, abs=2 * usual.delay.std)
     assert clean.fit.s0 == pytest.approx(CASE.simulation.force_noise_N, rel=0.15)
     assert clean.warnings == ()
 
@@ -97,7 +95,7 @@ def test_more_noise_of_the_struts_leaves_fewer_harmonics() -> None:
 def test_the_delay_is_found(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
     estimate = identify(recorded(case, Repeating(periods=2)), case, conditioning=AUTO)
-    assert estimate.evaluation.delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-7)
+    assert estimate.delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-7)
 
 
 def test_forces_and_regressor_pass_the_same_filter() -> None:
@@ -164,7 +162,7 @@ def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() ->
 
 def test_residuals_are_told_at_every_sample_of_the_periods(clean: Estimate) -> None:
     left = residuals_of(clean)
-    assert len(left.t) == clean.evaluation.evaluated.samples == 8000
+    assert len(left.t) == clean.evaluated.samples == 8000
     assert left.values.std() == pytest.approx(CASE.simulation.force_noise_N, rel=0.05)
     assert clean.s0_N == pytest.approx(left.values.std(), rel=1e-3)
 

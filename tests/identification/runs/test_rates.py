@@ -78,7 +78,7 @@ def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
     estimate = identify(on_one_clock(two_rates(10.0), CASE), CASE)
     values = np.array([v.value for v in estimate.physical.values()])
     np.testing.assert_allclose(values, PHYSICAL, rtol=2e-4, atol=2e-5)
-    assert estimate.evaluation.delay.value == pytest.approx(0.0, abs=1e-6)
+    assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -88,7 +88,7 @@ def test_errors_are_those_of_ten_times_the_samples() -> None:
     values, std = (np.array([getattr(v, k) for v in many.physical.values()]) for k in ("value", "reported"))
     assert many.fit.s0 == pytest.approx(3.0 / np.sqrt(10.0), rel=0.12)
     assert np.abs((values - PHYSICAL) / std).max() < 4.0
-    assert many.evaluation.delay.value == pytest.approx(0.003, abs=4 * many.evaluation.delay.std)
+    assert many.delay.value == pytest.approx(0.003, abs=4 * many.delay.std)
     thinned = two_rates(1.0, noise=3.0)
     few = identify(on_one_clock(thinned, CASE), CASE)
     ratio = [few.physical[n].std / v.std for n, v in many.physical.items()]
@@ -116,7 +116,7 @@ def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
     )  # the first average needs what is before it
     assert joined.t[7] == recording.t[3 % ratio + ratio + 7 * ratio]
     estimate = identify(joined, CASE)
-    assert estimate.evaluation.delay.value == pytest.approx(0.0, abs=1e-6)
+    assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=3e-3)
 
 
