@@ -15,9 +15,10 @@ from identification.estimation.estimators import FitProblem, Method, gauss_marko
 from identification.estimation.fit import Fit, of_forces, w_of, whitened
 from identification.model import Model
 from identification.parameters import MASS
-from identification.runs.evaluation import MOST_DELAY
+from identification.runs.averaging import PeriodicRun
+from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.wrist import WristRun
-from identification.samples import Samples
+from identification.samples import Standstills
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,13 @@ CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so 
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
+
+
+Samples = Run | PeriodicRun | WristRun | Standstills
+"""What an estimate is made from, whatever the recording was: times, forces, regressors at a delay, how noise came in.
+
+Estimators and checks ask for what these have in common, and for nothing else.
+"""
 
 
 class Delay(NamedTuple):
@@ -82,7 +90,7 @@ def fit_samples(
     names = [*model.names, *samples.nuisances[:beside]]
     near = None
     for times in EXCERPTS:
-        part = samples.excerpt(times)
+        part = excerpt(samples, times)
         if part is not samples:
             with suppress(IdentificationError):  # where a part tells too little, the whole is asked alone
                 steps = DELAY_STEPS if near is None else 1
@@ -113,6 +121,11 @@ def fit_samples(
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
     return Fitted(samples, fit, held, residuals, whitening, columns, forces)
+
+
+def excerpt(samples: Samples, times: int = 1) -> Samples:
+    """A part of a long run that stands for all of it, `fair_part`; other samples as they are."""
+    return samples.excerpt(times) if isinstance(samples, Run) else samples
 
 
 def _converged(

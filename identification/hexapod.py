@@ -6,6 +6,7 @@ as CasADi functions; NumPy arrays go through them sample by sample.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -61,10 +62,15 @@ class Hexapod:
         home: pose in {B}, shape (6,) [m, rad].
     """
 
+    count: ClassVar[int] = 6
+    of_pose: ClassVar[bool] = True
+    elastic: ClassVar[bool] = True  # a platform's deformation makes forces
+
     def __init__(self, base: ArrayLike, platform: ArrayLike, home: ArrayLike) -> None:
         self.base = np.asarray(base, dtype=float)
         self.platform = np.asarray(platform, dtype=float)
         self.home = np.asarray(home, dtype=float)
+        self.turns = np.zeros(6, dtype=bool)  # struts slide
 
     @staticmethod
     def of(case: Case) -> "Hexapod":
@@ -75,29 +81,9 @@ class Hexapod:
         joints, home = np.stack([machine.base.points, machine.platform.points]), machine.home.vector
         return _of_joints(joints.tobytes(), home.tobytes())
 
-    @property
-    def count(self) -> int:
-        """Coordinates of a pose."""
-        return 6
-
-    @property
-    def of_pose(self) -> bool:
-        """They are."""
-        return True
-
-    @property
-    def elastic(self) -> bool:
-        """A platform's deformation makes forces."""
-        return True
-
-    @property
-    def turns(self) -> NDArray[np.bool_]:
-        """Struts slide."""
-        return np.zeros(6, dtype=bool)
-
     def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B} from the pose and its derivatives, (37) and (38)."""
-        return FrameMotion(pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations))
+        return pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations)
 
     def shares(self, case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Limits of struts, joints, singularities and boxes."""

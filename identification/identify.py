@@ -25,7 +25,7 @@ from identification.findings.contact import contacts_told, free_of_contact, touc
 from identification.findings.fit_checks import CHECKS, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
-from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
+from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, Samples, excerpt, fit_samples
 from identification.model import RIGID, Model, full_model, identification_model
 from identification.parameters import MASS
 from identification.recording import Recording
@@ -34,7 +34,7 @@ from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, Smoothing, smoothed, smoothing_of
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import WristRun, delay_band, wrist_run
-from identification.samples import USUAL, Conditioning, Samples
+from identification.samples import USUAL, Conditioning
 
 Array = NDArray[np.float64]
 
@@ -194,7 +194,7 @@ def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None
 
 def identifiability(estimate: Estimate) -> Identifiability:
     """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
-    samples = estimate.evaluated.excerpt()
+    samples = excerpt(estimate.evaluated)
     selection = estimate.how.selection(samples.model)
     matrices = samples.regressors(estimate.at)
     return analyse(matrices @ selection.basis, selection.names)

@@ -9,7 +9,7 @@ distances, and to drawing back.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -98,43 +98,29 @@ def _distance(point: ca.SX, corners: Array, rounding: float) -> ca.SX:
     return most + rounding * ca.log(ca.sum1(ca.exp((gaps - most) / rounding)) / 3)
 
 
-class Placed(NamedTuple):
-    """A frame in {B}: the number of its link, from 0 for the base, origin and R."""
-
-    link: int
-    origin: ca.SX
-    turn: ca.SX
-
-
-class _Balls(NamedTuple):
-    link: int
-    centres: list[ca.SX]
-    radius: float
-
-
-def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Placed], sensor: Placed) -> list[Share]:
+def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tuple[ca.SX, ca.SX]]) -> list[Share]:
     """Shares of what keeps bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
 
     Args:
         chain: chain with bodies of links and tool, and boxes to keep out of.
         q: positions of the joints, shape (n,).
         middle: middle of the motion box, shape (n,) [rad or m].
-        frames: moved frame of each joint.
+        frames: origin and R in {B} of the moved frame of each joint, then of the sensor's.
     """
-    still = Placed(0, ca.SX(3, 1), ca.SX.eye(3))
-    places = [(still, chain.base), *((f, j.bodies) for f, j in zip(frames, chain.joints, strict=True))]
-    bodies = [_balls(place, body) for place, own in (*places, (sensor, chain.tool)) for body in own]
+    still, last = (ca.SX(3, 1), ca.SX.eye(3)), len(chain.joints)
+    moved = zip(range(1, last + 1), frames, (joint.bodies for joint in chain.joints), strict=False)
+    places = ((0, still, chain.base), *moved, (last, frames[-1], chain.tool))
+    bodies = [(link, _balls(frame, body), body.radius_mm * MM) for link, frame, own in places for body in own]
     distances = []
-    for k, one in enumerate(bodies):
-        if one.link:
+    for k, (link, centres, radius) in enumerate(bodies):
+        if link:
             distances += [
-                _least([_distance(c, box.corners, BALL_ROUNDING) for c in one.centres], one.radius)
-                for box in chain.keep_out
+                _least([_distance(c, box.corners, BALL_ROUNDING) for c in centres], radius) for box in chain.keep_out
             ]
-        for other in bodies[k + 1 :]:
-            if abs(other.link - one.link) > 1:
-                gaps = [ca.norm_2(a - b) for a in one.centres for b in other.centres]
-                distances.append(_least(gaps, one.radius + other.radius))
+        for other_link, others, other_radius in bodies[k + 1 :]:
+            if abs(other_link - link) > 1:
+                gaps = [ca.norm_2(a - b) for a in centres for b in others]
+                distances.append(_least(gaps, radius + other_radius))
     if not distances:
         return []
     clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
@@ -145,13 +131,12 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Pla
     ]
 
 
-def _balls(place: Placed, body: Tool) -> _Balls:
-    """Balls along the axis of a body."""
-    low, high = body.axis
+def _balls(frame: tuple[ca.SX, ca.SX], body: Tool) -> list[ca.SX]:
+    """Centres of balls along the axis of a body."""
+    (origin, turn), (low, high) = frame, body.axis
     length, radius = float(np.linalg.norm(high - low)), body.radius_mm * MM
     count = int(np.clip(np.ceil(2 * length / max(radius, 1e-3)) + 1, 2, MOST_BALLS))
-    centres = [place.origin + place.turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
-    return _Balls(place.link, centres, radius)
+    return [origin + turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
 
 
 def _least(distances: list[ca.SX], radius: float) -> ca.SX:

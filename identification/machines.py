@@ -21,13 +21,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class FrameMotion(NamedTuple):
-    """Motion of the frame {P} of the load in {B}."""
-
-    position: ca.SX  # position of its origin, shape (3,) [m]
-    rotation: ca.SX  # R, shape (3, 3)
-    twist: ca.SX  # velocity of the origin and angular velocity, shape (6,) [m/s, rad/s]
-    twist_rate: ca.SX  # its time derivative, shape (6,) [m/s^2, rad/s^2]
+FrameMotion = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
+"""Motion of the frame {P} of the load in {B}: position of its origin, shape (3,) [m], R, shape (3, 3), twist, shape (6,)
+[m/s, rad/s], and twist rate, shape (6,) [m/s^2, rad/s^2]."""
 
 
 class Share(NamedTuple):

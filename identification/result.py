@@ -13,10 +13,9 @@ from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
 from identification.estimation.noise_sources import Attenuation, NoiseSources, attenuation_of
 from identification.findings import Finding, Severity, quantities, sentences
-from identification.fitting import Delay, Fitted
+from identification.fitting import Delay, Fitted, Samples
 from identification.model import ERROR_TERMS, Model, identification_model
 from identification.parameters import physical_form
-from identification.samples import Samples
 
 Array = NDArray[np.float64]
 

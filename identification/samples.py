@@ -1,84 +1,19 @@
-"""What an estimate is made from, whatever the recording was: times, forces, regressors at a delay, how noise came in.
-
-Runs behind a low-pass, periodic runs, runs of wrist sensors and averaged standstills are such samples; estimators and
-checks ask for nothing else.
-
-What is done to a moving run before the estimate, beyond the low-pass that every run passes.
-"""
+"""Averaged standstills as samples of a fit, and what may be done to a moving run before it, beyond its low-pass."""
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, Self
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identification.estimation.compressed import inverse_root, joint_triangle, scores
 from identification.estimation.estimator import independent_poses
-from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, long_run_covariance
+from identification.estimation.fit import UNFILTERED, Filtered, Robust, long_run_covariance
 from identification.findings import Finding
 from identification.model import Model
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
-
-
-class Samples(Protocol):
-    """Samples that are ready to be evaluated at any delay between forces and motion."""
-
-    @property
-    def model(self) -> Model:
-        """Gives A."""
-
-    @property
-    def t(self) -> Array:
-        """Times, shape (n,) [s]; of standstills their number from 1."""
-
-    @property
-    def forces(self) -> Array:
-        """As the estimator sees them, shape (n, 6) [N, or N and N m]."""
-
-    @property
-    def samples(self) -> int:
-        """Recorded samples that they stand for."""
-
-    @property
-    def consecutive(self) -> bool:
-        """Whether neighbours follow each other in time, so that a contact is a stretch of them."""
-
-    @property
-    def nuisances(self) -> tuple[str, ...]:
-        """Names of what is estimated beside the model, the delay last; none where nothing moves."""
-
-    @property
-    def filtered(self) -> Filtered:
-        """What was done to white noise of the recorded forces."""
-
-    @property
-    def noise_correlation(self) -> float:
-        """Of white noise, between neighbours."""
-
-    def regressors(self, delay: float) -> Array:
-        """A at the instants t_k - delay, shape (n, 6, u)."""
-
-    def linearised(self, delay: float, values: Array) -> Array:
-        """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances)."""
-
-    def left(self, matrices: Array, values: Array) -> Array:
-        """Recorded forces less the model, A u, shape (m, 6)."""
-
-    def robust_covariance(
-        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
-    ) -> Robust | None:
-        """Covariance of u for noise that is not white; None where too few samples tell."""
-
-    def without(self, left_out: Rows) -> Self:
-        """The same without some samples, shape (n,)."""
-
-    def excerpt(self, times: int = 1) -> Self:
-        """A part that stands for all of them, `fair_part`; all of them where they are no more."""
-
-    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
-        """What they themselves tell, with a fit to them and W for one sample, shape (6, 6)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +26,11 @@ class Standstills:
     matrices: Array  # A, shape (n, 6, u)
     scale: Array  # what forces and A of each are multiplied by in a fit, shape (n,)
     clocked: bool = False  # whether they have a clock, so that noise may have memory
-
-    @property
-    def consecutive(self) -> bool:
-        """They may stand in any order."""
-        return False
+    window: ClassVar[tuple[Finding, ...]] = ()
+    nuisances: ClassVar[tuple[str, ...]] = ()
+    consecutive: ClassVar[bool] = False  # they may stand in any order
+    filtered: ClassVar[Filtered] = UNFILTERED
+    noise_correlation: ClassVar[float] = 1.0  # nothing is said of neighbours
 
     @property
     def forces(self) -> Array:
@@ -106,21 +41,6 @@ class Standstills:
     def samples(self) -> int:
         """Their number."""
         return len(self.recorded)
-
-    @property
-    def nuisances(self) -> tuple[str, ...]:
-        """None."""
-        return ()
-
-    @property
-    def filtered(self) -> Filtered:
-        """Not at all."""
-        return UNFILTERED
-
-    @property
-    def noise_correlation(self) -> float:
-        """Nothing is said of neighbours, which may stand in any order."""
-        return 1.0
 
     def regressors(self, delay: float) -> Array:
         """A, weighted, shape (n, 6, u)."""
@@ -157,16 +77,6 @@ class Standstills:
         return Standstills(
             self.model, self.t[mask], self.recorded[mask], self.matrices[mask], self.scale[mask], self.clocked
         )
-
-    def excerpt(self, times: int = 1) -> "Standstills":
-        """All of them."""
-        del times
-        return self
-
-    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
-        """Nothing."""
-        del fit, w
-        return ()
 
 
 class Periodic(NamedTuple):

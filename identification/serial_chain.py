@@ -8,7 +8,7 @@ slides).
 import math
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -19,7 +19,7 @@ from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.hexapod import Kinematics
 from identification.limit import LimitKind
-from identification.machine_limits import Placed, clearance_shares
+from identification.machine_limits import clearance_shares
 from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
 from identification.symbolic import over_samples, rpy
@@ -48,41 +48,30 @@ class SerialChain:
         chain: geometry, from the base to the sensor.
     """
 
+    of_pose: ClassVar[bool] = False
+    elastic: ClassVar[bool] = False  # the error terms are those of a hexapod's platform
+
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
         self.home = chain.home
         self.count = len(chain.joints)
+        self.turns = np.array([joint.turns for joint in chain.joints])
 
     @classmethod
     def of(cls, case: Case) -> "SerialChain":
         """The chain of a case; raises CaseError where its machine is none."""
         return cls(case.need_chain("the kinematics")[0])
 
-    @property
-    def of_pose(self) -> bool:
-        """They are those of the joints."""
-        return False
-
-    @property
-    def elastic(self) -> bool:
-        """The error terms are those of a hexapod's platform."""
-        return False
-
-    @property
-    def turns(self) -> NDArray[np.bool_]:
-        """Which joints turn, shape (n,)."""
-        return np.array([joint.turns for joint in self.chain.joints])
-
     def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B}."""
-        return FrameMotion(*self._motion(q, rates, accelerations))
+        *_, last = self._links(q, rates, accelerations)
+        return last.p, last.turn, ca.vertcat(last.v, last.omega), ca.vertcat(last.a, last.alpha)
 
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
-        *links, sensor = self._links(q, rates, accelerations)
-        placed = [Placed(k, frame.p, frame.turn) for k, frame in enumerate(links, 1)]
+        frames = [(frame.p, frame.turn) for frame in self._links(q, rates, accelerations)]
         middle = self.home + case.need_chain("planning")[1].pose.mean(axis=0)
-        distances = clearance_shares(self.chain, q, middle, placed, Placed(self.count, sensor.p, sensor.turn))
+        distances = clearance_shares(self.chain, q, middle, frames)
         if not self.chain.limits_effort:
             return distances
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
@@ -128,11 +117,6 @@ class SerialChain:
                 torques.append(ca.dot(frame.axis, about if self.chain.joints[k].turns else force))
         return ca.vertcat(*reversed(torques))
 
-    def _motion(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """Position, R, twist and twist rate of {P} in {B}."""
-        *_, last = self._links(q, rates, accelerations)
-        return last.p, last.turn, ca.vertcat(last.v, last.omega), ca.vertcat(last.a, last.alpha)
-
     def _links(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Iterator[_Link]:
         """The moved frame of each joint, then {P}, which has the last joint's axis."""
         p, v, a, omega, alpha = (ca.SX(3, 1) for _ in range(5))
@@ -162,7 +146,7 @@ class SerialChain:
     def motion(self) -> ca.Function:
         """(q, q', q'') -> position [m], R column by column, twist [m/s, rad/s], twist rate [m/s^2, rad/s^2], in {B}."""
         q, rates, accelerations = (ca.SX.sym(name, self.count) for name in ("q", "rates", "accelerations"))
-        position, turn, twist, twist_rate = self._motion(q, rates, accelerations)
+        position, turn, twist, twist_rate = self.frame(q, rates, accelerations)
         outputs = [position, ca.vec(turn), twist, twist_rate]
         return ca.Function(
             "chain_motion",
@@ -180,7 +164,7 @@ class SerialChain:
         Where the pitch is a right angle, roll and yaw are not unique, see `kinematics`.
         """
         q, still = ca.SX.sym("q", self.count), ca.SX(self.count, 1)
-        position, turn, _, _ = self._motion(q, still, still)
+        position, turn, _, _ = self.frame(q, still, still)
         return ca.Function(
             "chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], ["q"], ["pose"], {"cse": True}
         )

@@ -117,7 +117,8 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
         force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / averaged / squared
     if sensors.strut_variance is None and sensors.acceleration_noise is None:
         return NoiseSources(force_share, None, None, None, None)
-    moment, samples, variance = regressor_noise(run.excerpt(), w, delay, sensors)
+    part = run.excerpt() if isinstance(run, Run) else run
+    moment, samples, variance = regressor_noise(part, w, delay, sensors)
     if isinstance(run, Run):  # of which the excerpt is a fair choice
         moment, samples = moment * (len(run.rows) / samples), len(run.rows)
     unknowns = len(moment)

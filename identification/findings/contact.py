@@ -22,10 +22,9 @@ from identification.estimation.compressed import column_scale
 from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.findings.fit_checks import systematic
 from identification.findings.sample_checks import MOST_NAMED, places
-from identification.fitting import Delay, Fitted, fit_samples
+from identification.fitting import Delay, Fitted, Samples, fit_samples
 from identification.model import Model
 from identification.recording import Recording
-from identification.samples import Samples
 from identification.signals import FAIR_PART, fair_part, stretches
 
 Array = NDArray[np.float64]

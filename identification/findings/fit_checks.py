@@ -132,7 +132,9 @@ def _cut_off(recording: Recording, _case: Case, _how: Method, fitted: Fitted) ->
 
 def _own(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
     """What samples and estimator themselves tell."""
-    return [*fitted.fit.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
+    samples = fitted.samples
+    repeats = samples.findings(fitted.fit, fitted.w) if isinstance(samples, PeriodicRun) else ()
+    return [*fitted.fit.findings, *samples.window, *repeats]
 
 
 def _placed(_recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:

@@ -8,6 +8,7 @@ stays white. What differs between periods is noise whatever the model says, and 
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +63,9 @@ class PeriodicRun:
     chosen: bool  # whether the number of harmonics was chosen here
     limited: bool  # whether the filter's cut-off bounded it
     window: tuple[Finding, ...] = ()
+    nuisances: ClassVar[tuple[str, ...]] = ("delay",)  # estimated beside the model
+    consecutive: ClassVar[bool] = False  # averages; periods that a contact makes strange are left out before
+    noise_correlation: ClassVar[float] = 0.0  # of white noise between evaluated instants: none
 
     @property
     def samples(self) -> int:
@@ -87,11 +91,6 @@ class PeriodicRun:
     def filtered(self) -> Filtered:
         """What averaging did to white noise."""
         return Filtered(self.points / self.samples, self.samples / self.points)
-
-    @property
-    def noise_correlation(self) -> float:
-        """Of white noise between evaluated instants: none."""
-        return 0.0
 
     @cached_property
     def forces(self) -> Array:
@@ -127,20 +126,10 @@ class PeriodicRun:
         assert self.recording.t is not None
         return self.recording.t
 
-    @property
-    def nuisances(self) -> tuple[str, ...]:
-        """Names of what is estimated beside the model."""
-        return ("delay",)
-
     def linearised(self, delay: float, values: Array) -> Array:
         """A, and how the expected forces A u change with the delay, shape (2 H + 1, 6, u + 1)."""
         change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
         return np.dstack([self.regressors(delay), change / (2.0 * DELAY_STEP)])
-
-    def excerpt(self, times: int = 1) -> "PeriodicRun":
-        """All of it: a period is short."""
-        del times
-        return self
 
     def left(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model behind the filter, at all samples of the periods, shape (samples, 6)."""
@@ -178,11 +167,6 @@ class PeriodicRun:
         del left_out
         return self
 
-    @property
-    def consecutive(self) -> bool:
-        """They are averages; periods that a contact makes strange are left out before."""
-        return False
-
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
         """What repeats, how it was evaluated, and what the model leaves beyond what does not repeat."""
         p, series, scatter = self.part, self.struts, self.scatter
@@ -214,7 +198,6 @@ class PeriodicRun:
             else np.sqrt(np.diag(scatter.covariance(self.harmonics))).tolist(),
         }
         return (
-            *self.window,
             note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=entries),
             note(
                 Kind.WINDOW,

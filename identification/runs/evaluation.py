@@ -19,7 +19,7 @@ the low-pass is set to half of it.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,7 @@ class Run:
     smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
     # filtered samples that feel damage or a gap, shape (samples of the recording less two margins,)
     spoilt: NDArray[np.bool_] | None = None
+    consecutive: ClassVar[bool] = True
 
     @property
     def t(self) -> Array:
@@ -144,16 +145,6 @@ class Run:
                 row = int(self.filter.margin + self.rows[begin + error.sample])
                 raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
             yield piece, motions
-
-    @property
-    def consecutive(self) -> bool:
-        """They are."""
-        return True
-
-    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
-        """About the window."""
-        del fit, w
-        return self.window
 
     @property
     def nuisances(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ small angles is estimated with the parameters, as without that the delay is anyt
 """
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import Biases
 from identification.estimation.coloured_noise import coloured_covariance, turned
-from identification.estimation.fit import Filtered, Fit, Robust
+from identification.estimation.fit import Filtered, Robust
 from identification.findings import Finding
 from identification.findings.sample_checks import bridged
 from identification.formats.table import HOST_GAP, equal_steps, lost_samples
@@ -48,26 +48,13 @@ class WristRun:
     specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
     samples: int  # recorded samples that they stand for
     window: tuple[Finding, ...] = ()
+    consecutive: ClassVar[bool] = True
+    nuisances: ClassVar[tuple[str, ...]] = ("turn_x", "turn_y", "turn_z", "delay")  # estimated beside the model
 
     @property
     def filtered(self) -> Filtered:
         """What the filter did to white noise."""
         return Filtered(self.filter.noise_gain, self.filter.stride)
-
-    @property
-    def consecutive(self) -> bool:
-        """They are."""
-        return True
-
-    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
-        """About the window."""
-        del fit, w
-        return self.window
-
-    @property
-    def nuisances(self) -> tuple[str, ...]:
-        """Names of what is estimated beside the model."""
-        return ("turn_x", "turn_y", "turn_z", "delay")
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
@@ -88,11 +75,6 @@ class WristRun:
         """A, and how A u changes with small turns of the accelerometer and with the delay, shape (n, 6, u + 4)."""
         matrices = self.regressors(delay)
         return np.dstack([matrices, self.nuisance_columns(delay, matrices, values)])
-
-    def excerpt(self, times: int = 1) -> "WristRun":
-        """All of it: such runs are short."""
-        del times
-        return self
 
     def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
         """How A u changes with three small turns of the accelerometer and with the delay, shape (n, 6, 4)."""

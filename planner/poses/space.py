@@ -168,8 +168,8 @@ class JointSpace:
     def expression(self, share: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Position and R of one pose, shapes (3,) and (3, 3)."""
         still = ca.SX.zeros(self.size)
-        frame = self.machine.frame(self._pose(share), still, still)
-        return frame.position, frame.rotation
+        position, turn, _, _ = self.machine.frame(self._pose(share), still, still)
+        return position, turn
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """What must not be below 0: clearances, torques and sensor forces at rest; `like` is not needed."""
