@@ -2,6 +2,10 @@
 
 Every order that cables get into is tried on some instants of a run: exchanged pairs, one, two or three of them at once,
 shifts, and turned signs. An order that explains the run far better than the recorded one names what is wrong.
+
+Robots offer, beside the raw wrench of a wrist sensor, one without the tool's weight or in the axes of the base. Its
+force at rest does not turn with the wrist, and the mass comes out as nothing, as too little, or negative: told likewise
+by what a model leaves.
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,15 +14,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, IdentificationError
 from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.estimation.compressed import triangle
-from identification.findings.readings import compensated
 from identification.findings.sample_checks import scan
-from identification.hexapod import Hexapod
+from identification.hexapod import Hexapod, Kinematics
+from identification.machines import machine_of
 from identification.model import Model, regressors
+from identification.parameters import OFFSETS, nominal_parameters
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.preparation import moving_run, standstills
@@ -32,7 +38,11 @@ SAME = 1.001  # ratio of residuals below which two orders leave the same
 ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
 SMALL = 0.01  # share of what varies in forces and moments: a model that leaves less has its cables in order
 LEAST = 60  # forces beyond the unknowns
-INSTANTS = 90  # that are tried
+INSTANTS = 90  # that are tried of a hexapod, with hundreds of orders
+OF_CHAINS = 300  # that are tried of a chain
+NOTHING = 0.1  # of what the nominal body makes the readings change by; a sensor that shows less is compensated
+TURNS = 0.05  # of a unit vector: how much gravity must turn in the sensor's axes, rms
+RECORD_RAW = "record the raw wrench in the sensor's axes (of Universal Robots ft_raw_wrench)"
 
 
 def require_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> None:
@@ -43,7 +53,7 @@ def require_wiring(recording: Recording, case: Case, model: Model, negative: boo
         model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
-    explanation = compensated(recording, case, model) or other_wiring(recording, case, model, negative)
+    explanation = other_wiring(recording, case, model, negative)
     if explanation is not None:
         raise IdentificationError(explanation)
 
@@ -86,13 +96,14 @@ class Data(NamedTuple):
     forces: Array  # shape (n, 6) [N, or N and N m]
     slopes: Array | None  # their derivative, which a delay adds, shape (n, 6); None of standstills
     weights: Array  # weights of each channel, shape (6,)
-    # lengths, velocities and accelerations, each of shape (n, 6); None without struts
-    struts: tuple[Array, Array, Array] | None
+    # lengths (of a chain positions), velocities and accelerations, each of shape (n, k); None without drives
+    drives: list[Array] | None
+    motion: Kinematics | None  # of a chain's sensor, at n instants
     regressors: Array | None  # A as recorded, shape (n, 6, u); None where the struts do not close
 
 
 def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
-    """How struts or force channels seem to be exchanged, with the remedy; None where nothing else explains the run.
+    """How struts or force channels seem to be exchanged or compensated, with the remedy; None where nothing tells.
 
     Args:
         model: model that the forces are compared with.
@@ -102,6 +113,8 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
         data = _data(recording, case, model)
     except HexciteError:
         return None
+    if data.motion is not None and (explanation := _compensated(data, data.motion, case, model)) is not None:
+        return explanation
     if data.forces.size - len(model.names) < LEAST:
         return None
     mass = model.names.index("m") if "m" in model.names else None
@@ -109,7 +122,7 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     if not negative and weighted < SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
         return None
     candidates = [(_left(data, data.regressors, order, mass), "force", order) for order in orders_of(turned=True)]
-    if data.struts is not None:
+    if data.drives is not None and case.chain is None:  # the order of a chain's joints is not looked at
         orders = list(orders_of(turned=case.recording.drives is not None))
         tried = zip(_regressors_of(data, case, model, orders), orders, strict=True)
         candidates += [(_left(data, matrices, mass=mass), "strut", order) for matrices, order in tried]
@@ -202,15 +215,16 @@ def _exchanges(free: Sequence[int]) -> Iterator[tuple[int, ...]]:
 
 def _data(recording: Recording, case: Case, model: Model) -> Data:
     checks = scan(recording, case)
-    slopes = struts = matrices = None
+    slopes = drives = motion = matrices = None
+    most = INSTANTS if case.chain is None else OF_CHAINS
     if recording.t is None or case.setup == "1a":
         valid = np.flatnonzero(~checks.bad)
-        if recording.struts is None or case.chain is not None:
+        if recording.struts is None:
             matrices = standstills(recording, case, model, checks).matrices
         else:
-            valid = valid[:: max(1, -(-len(valid) // INSTANTS))]
-            lengths = recording.struts[valid]
-            struts = (lengths, np.zeros_like(lengths), np.zeros_like(lengths))
+            valid = valid[:: max(1, -(-len(valid) // most))]
+            places = recording.struts[valid]
+            drives = [places, np.zeros_like(places), np.zeros_like(places)]
         forces = recording.forces[valid]
     elif recording.struts is None:
         wrist = wrist_run(recording, case, model, MOST_DELAY, bad=checks.bad)
@@ -218,32 +232,69 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     else:
         run = moving_run(recording, case, model, found=checks)
         assert run.recording.struts is not None
-        rows = run.rows[:: max(1, -(-len(run.rows) // INSTANTS))]
-        lengths, velocities, accelerations = decimated(
-            run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)]
-        )
-        if case.chain is None:  # the order of a chain's joints is not looked at
-            struts = (lengths, velocities, accelerations)
-        else:
-            matrices = regressors(model, run.machine.kinematics(lengths, velocities, accelerations))
+        rows = run.rows[:: max(1, -(-len(run.rows) // most))]
+        drives = decimated(run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)])
         forces, slopes = decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)])
-    spread = forces.var(axis=0)
-    if case.sensor_frame.has_moments:  # newtons beside newton metres
-        spread = np.repeat([spread[:3].mean(), spread[3:].mean()], 3)
-    weights = np.ones(6) if not case.sensor_frame.has_moments else 1.0 / np.maximum(spread, np.finfo(float).tiny)
-    data = Data(forces, slopes, weights, struts, matrices)
-    if struts is not None:
+    if drives is not None and case.chain is not None:
+        motion = machine_of(case).kinematics(*drives)
+        matrices = regressors(model, motion)
+    weights = _weights(forces) if case.sensor_frame.has_moments else np.ones(6)
+    data = Data(forces, slopes, weights, drives, motion, matrices)
+    if drives is not None and matrices is None:
         data = data._replace(regressors=_regressors_of(data, case, model, [STRAIGHT])[0])
     return data
 
 
+def _weights(forces: Array) -> Array:
+    """For newtons beside newton metres: one over what forces and moments change by, squared, shape (6,)."""
+    spread = forces.var(axis=0)
+    return np.asarray(1.0 / np.maximum(np.repeat([spread[:3].mean(), spread[3:].mean()], 3), np.finfo(float).tiny))
+
+
+def _compensated(data: Data, motion: Kinematics, case: Case, model: Model) -> str | None:
+    """What has been done to the readings of a chain's sensor, with the remedy; None where nothing speaks for it."""
+    turn = Rotation.from_euler("xyz", motion.pose[:, 3:]).as_matrix()
+    if case.nominal is None or "m" not in model.names or np.sqrt(turn[:, 2].var(axis=0).sum()) < TURNS:
+        return None
+    whole, still = regressors(model, motion), np.zeros_like(motion.twist)
+    weightless = whole - regressors(model, Kinematics(motion.pose, still, still))
+    offsets = [model.names.index(p.name) for p in OFFSETS.parameters]
+    weightless[:, :, offsets] = whole[:, :, offsets]
+    expected = whole @ nominal_parameters(model, case.nominal)
+    changes = [np.sqrt(v.var(axis=0).reshape(2, 3).sum(axis=1)) for v in (data.forces, expected)]
+    if np.all(changes[0] < NOTHING * changes[1]):
+        return (
+            f"the force hardly changes, where that of the nominal load does: it is compensated, or none; {RECORD_RAW}"
+        )
+    of_base, slopes = _turned(turn, data.forces), None if data.slopes is None else _turned(turn, data.slopes)
+    in_base = data._replace(forces=of_base, slopes=slopes, weights=_weights(of_base))
+    mass = model.names.index("m")
+    tried = (
+        (_left(data, weightless, mass=mass), "the weight has been taken out of the readings"),
+        (_left(in_base, whole, mass=mass), "the readings are in the axes of the base, not in those of the sensor"),
+        (
+            _left(in_base, weightless, mass=mass),
+            "the weight has been taken out of the readings, which are in the axes of the base",
+        ),
+    )
+    recorded, ((least, _), words) = _left(data, whole)[0], min(tried)
+    if not least * FACTOR < recorded:
+        return None
+    return f"{words}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
+
+
+def _turned(turn: Array, readings: Array) -> Array:
+    """Readings in the axes of the base, shape (n, 6), in those of the sensor."""
+    return np.hstack([np.einsum("nji,nj->ni", turn, readings[:, k : k + 3]) for k in (0, 3)])
+
+
 def _regressors_of(data: Data, case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:
     """A where the struts were recorded in other orders, shape (n, 6, u) each; None where no pose has such struts."""
-    assert data.struts is not None
+    assert data.drives is not None
     places = np.array([order.places for order in orders])
     signs = np.repeat([order.signs for order in orders], len(data.forces), axis=0)
     lengths, velocities, accelerations = (
-        np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in data.struts
+        np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in data.drives
     )  # those of each order in turn
     if case.recording.drives is not None:  # a turned drive mirrors its strut at the offset
         lengths = np.where(signs > 0, lengths, 2.0 * case.recording.drives.offset - lengths)
