@@ -22,8 +22,7 @@ Array = NDArray[np.float64]
 
 
 FrameMotion = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
-"""Motion of the frame {P} of the load in {B}: position of its origin, shape (3,) [m], R, shape (3, 3), twist [m/s, rad/s] and
-twist rate [m/s^2, rad/s^2], shapes (6,)."""
+"""Motion of the frame {P} of the load in {B}: position of its origin [m], R, twist [m/s, rad/s] and twist rate."""
 
 
 class Share(NamedTuple):
