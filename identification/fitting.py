@@ -99,7 +99,7 @@ def fit_samples(
     selection = how.selection(model)
     basis = block_diag(selection.basis, np.eye(beside))
     white = whitened(whitening, columns, forces)
-    fit = fit if fit is not None and how.plain else how.estimator(problem)(*white, names)
+    fit = fit if fit is not None and how.plain else how.estimate(*white, names, problem)
     if how.name in SANDWICHED and not how.priors:
         free = white[0] if np.array_equal(basis, np.eye(len(basis))) else white[0] @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
@@ -149,7 +149,7 @@ def _converged(
     Raises:
         IdentificationError: no delay brings forces and motion together.
     """
-    search, beside = gauss_markov_of(problem), problem.nuisance
+    beside = problem.nuisance
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
     selection, whitening, values, fit = method.selection(run.model), None, near, None
@@ -179,7 +179,7 @@ def _converged(
             whitening = problem.noise.whitening(values)
         rest = forces - matrices @ selection.offset
         free = columns if whole else np.dstack([matrices @ selection.basis, nuisances[:, :, :beside]])
-        fit = search(*whitened(whitening, free, rest), names)
+        fit = gauss_markov_of(*whitened(whitening, free, rest), names, problem)
         values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
         if len(run.nuisances) > beside:
             break

@@ -1,12 +1,11 @@
 """The estimators that a user can name, each as a function of one type, and what they are made for.
 
-`Maker`: what an estimator needs to know of a problem -> `Estimator`: regressors, forces and names -> Fit. Selections
-and consistency wrap an estimator, so that each combination that makes sense is a composition.
+`Maker`: regressors, forces, names, and what an estimator needs to know of a problem -> Fit. Selections and consistency
+wrap an estimator, so that each combination that makes sense is a composition.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.estimator import full_weights, gauss_markov, per_channel
-from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import consistent, huber
 from identification.estimation.selection import Selection, estimate_selected, nonlinear, select
@@ -64,15 +63,11 @@ class FitProblem:
         return cls(model, weights == "equal", alike=PER_UNIT if weights == "per_unit" else EACH)
 
 
-Maker = Callable[[FitProblem], Estimator]
-
-
 @dataclass(frozen=True, slots=True)
 class Method:
     """How parameters are estimated."""
 
-    maker: Maker  # function that makes the estimator
-    name: str  # name of the estimator, for results
+    name: str  # name of the estimator
     known: Mapping[str, float]  # exact values by linear or physical name [SI]
     dropped: tuple[str, ...]  # linear parameters without a column
     priors: tuple[Prior, ...]
@@ -84,7 +79,7 @@ class Method:
     @property
     def plain(self) -> bool:
         """Whether it is Gauss-Markov with all parameters free and nothing known beforehand."""
-        return self.maker is gauss_markov_of and not (self.known or self.dropped or self.priors)
+        return self.name == "gauss-markov" and not (self.known or self.dropped or self.priors)
 
     @property
     def without_biases(self) -> "Method":
@@ -98,71 +93,73 @@ class Method:
         Raises:
             IdentificationError: names that the model does not have, or known values that are not linear.
         """
-        return select(model, {} if self.maker is nonlinear_of else self.known, self.dropped)
+        return select(model, {} if self.name == "nonlinear" else self.known, self.dropped)
 
-    def estimator(self, problem: FitProblem) -> Estimator:
-        """The estimator of all parameters of a problem.
+    def estimate(self, regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
+        """The estimate of all parameters of a problem.
+
+        Args:
+            regressors: A_j, shape (n, 6, u).
+            forces: shape (n, 6) [N, or N and N m].
+            names: names of the u columns.
 
         Raises:
-            IdentificationError: a combination that is not defined, or names that the model does not have.
+            IdentificationError: a combination that is not defined, names that the model does not have, or as the
+                estimator does.
         """
-        partial_ = bool(self.known or self.dropped)
+        selected = bool(self.known or self.dropped)
         if self.priors:
-            if self.maker is not gauss_markov_of or partial_:
+            if self.name != "gauss-markov" or selected:
                 raise IdentificationError(
                     "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
                     "or give what is known exactly as a prior with a small standard deviation"
                 )
-            return partial(_with_priors, problem=problem, priors=self.priors)
-        if self.maker is nonlinear_of:
+            return _with_priors(regressors, forces, names, problem, self.priors)
+        if self.name == "nonlinear":
             if self.dropped:
                 raise IdentificationError(
                     "the estimator nonlinear knows values of physical parameters, no dropped columns; fix them to 0"
                 )
-            return partial(_nonlinear, problem=problem, known=self.known)
-        if not partial_:
-            return self.maker(problem)
-        if self.maker is consistent_of:
-            return partial(_consistent, problem=problem, free=self._selected(gauss_markov_of(problem), problem))
-        return self._selected(self.maker(problem), problem)
+            return _nonlinear(regressors, forces, names, problem, self.known)
 
-    def _selected(self, estimator: Estimator, problem: FitProblem) -> Estimator:
-        return partial(estimate_selected, selection=self.selection(problem.model), estimator=estimator)
+        def estimator(columns: Array, right: Array, free: Sequence[str]) -> Fit:
+            return ESTIMATORS[self.name](columns, right, free, problem)
+
+        if selected:
+            fit = estimate_selected(regressors, forces, names, self.selection(problem.model), estimator)
+        else:
+            fit = estimator(regressors, forces, names)
+        return _consistent(regressors, forces, names, fit) if self.name == "consistent" else fit
 
 
-def gauss_markov_of(problem: FitProblem) -> Estimator:
+def gauss_markov_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
     """(24) with W = 1, or from the variance of each channel."""
+    nuisance, filtered = problem.nuisance, problem.filtered
     if problem.pooled:
-        return partial(gauss_markov, weights=np.ones(6), nuisance=problem.nuisance, filtered=problem.filtered)
-    return partial(per_channel, nuisance=problem.nuisance, filtered=problem.filtered, alike=problem.alike)
+        return gauss_markov(regressors, forces, names, np.ones(6), nuisance, filtered)
+    return per_channel(regressors, forces, names, nuisance, filtered, problem.alike)
 
 
-def robust_of(problem: FitProblem) -> Estimator:
+def robust_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
     """Huber's M-estimate: gross errors of the forces lose their pull."""
-    return partial(_robust, problem=problem)
+    fit, kept = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
+    share = ", ".join(f"{100 * r:.0f}" for r in np.mean(kept < 1.0, axis=0))
+    sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
+    return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
 
 
-def full_of(problem: FitProblem) -> Estimator:
+def full_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
     """(24) with W from the full covariance of the channels."""
-    return partial(_full, problem=problem)
+    return full_weights(regressors, forces, names, problem.nuisance, problem.filtered)[0]
 
 
-def consistent_of(problem: FitProblem) -> Estimator:
-    """(24), then the nearest parameters that a body of positive density has."""
-    return partial(_consistent, problem=problem, free=gauss_markov_of(problem))
-
-
-def nonlinear_of(problem: FitProblem) -> Estimator:
-    """(18) in physical parameters, by Gauss-Newton."""
-    return partial(_nonlinear, problem=problem, known={})
-
-
+Maker = Callable[[Array, Array, Sequence[str], FitProblem], Fit]
 ESTIMATORS: dict[str, Maker] = {
     "gauss-markov": gauss_markov_of,
     "robust": robust_of,
     "full": full_of,
-    "consistent": consistent_of,
-    "nonlinear": nonlinear_of,
+    "consistent": gauss_markov_of,  # then the nearest parameters that a body of positive density has
+    "nonlinear": gauss_markov_of,  # (18) in physical parameters, by Gauss-Newton, which needs no estimator of u
 }
 
 
@@ -190,22 +187,11 @@ def method(
             other = f"{twice[0]} given otherwise" if twice else "priors" if priors else f"the estimator {name}"
             raise IdentificationError(f"--biases {biases.source}: does not go with {other}; leave one of them out")
         known |= biases.known
-    return Method(ESTIMATORS[name], name, known, tuple(dropped), tuple(priors), weights, biases)
+    return Method(name, known, tuple(dropped), tuple(priors), weights, biases)
 
 
-def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
-    fit, kept = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
-    share = ", ".join(f"{100 * r:.0f}" for r in np.mean(kept < 1.0, axis=0))
-    sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
-    return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
-
-
-def _full(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
-    return full_weights(regressors, forces, names, problem.nuisance, problem.filtered)[0]
-
-
-def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, free: Estimator) -> Fit:
-    fit, rise, p_value = consistent(regressors, forces, names, free(regressors, forces, names), THINNEST)
+def _consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit) -> Fit:
+    fit, rise, p_value = consistent(regressors, forces, names, free, THINNEST)
     sentence = "consistent: the estimate is that of a real body, the constraint did not bind"
     if rise:
         sentence = f"consistent: the constraint bound and raised chi^2 by {rise:.3g} s0^2; chance does so in at most "
@@ -232,7 +218,7 @@ def _nonlinear(
 
 def _weights(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Array:
     """Diagonal of W for one sample, shape (6,), by Gauss-Markov where channels differ."""
-    return np.ones(6) if problem.pooled else gauss_markov_of(problem)(regressors, forces, names).weights
+    return np.ones(6) if problem.pooled else gauss_markov_of(regressors, forces, names, problem).weights
 
 
 def _with_priors(

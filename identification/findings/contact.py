@@ -282,8 +282,9 @@ def _without_pull(matrices: Array, forces: Array, run: Samples, method: Method, 
     selection, part = method.selection(run.model), fair_part(len(forces))
     matrices, forces = matrices[part], forces[part]
     pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
-    robust = robust_of(replace(problem, pooled=pooled, filtered=run.filtered))
-    free = robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).values
+    right = forces - matrices @ selection.offset
+    own = replace(problem, pooled=pooled, filtered=run.filtered)
+    free = robust_of(matrices @ selection.basis, right, selection.names, own).values
     return np.asarray(selection.offset + selection.basis @ free)
 
 

@@ -16,7 +16,7 @@ PROBLEM = FitProblem(MODEL, pooled=True)
 @pytest.mark.parametrize("name", ESTIMATORS)
 @pytest.mark.parametrize("pooled", [True, False])
 def test_every_estimator_finds_the_parameters_within_their_errors(name: str, pooled: bool) -> None:
-    fit = method(name).estimator(FitProblem(MODEL, pooled))(A, forces(0), NAMES)
+    fit = method(name).estimate(A, forces(0), NAMES, FitProblem(MODEL, pooled))
     assert np.abs((fit.values - U) / np.sqrt(np.diag(fit.covariance))).max() < 4.0
     assert fit.s0 == pytest.approx(1.0, abs=0.1)
 
@@ -24,7 +24,7 @@ def test_every_estimator_finds_the_parameters_within_their_errors(name: str, poo
 @pytest.mark.parametrize("name", ["gauss-markov", "robust", "full", "consistent", "nonlinear"])
 def test_a_known_mass_makes_the_rest_more_certain_and_keeps_its_value(name: str) -> None:
     known = {"m": float(U[0])}
-    free, fixed = (method(name, k).estimator(PROBLEM)(A, forces(1), NAMES) for k in ({}, known))
+    free, fixed = (method(name, k).estimate(A, forces(1), NAMES, PROBLEM) for k in ({}, known))
     assert fixed.values[0] == pytest.approx(U[0], rel=1e-12)
     assert fixed.covariance[0, 0] == pytest.approx(0.0, abs=1e-20)
     k2 = NAMES.index("k2")  # the factor that a static mass hides behind
@@ -36,9 +36,9 @@ def test_the_robust_one_survives_gross_errors_and_says_how_many_samples_lost_wei
     measured[np.random.default_rng(0).integers(0, SAMPLES, 20), 3] += 500.0
     errors = {}
     for name in ("gauss-markov", "robust"):
-        fit = method(name).estimator(PROBLEM)(A, measured, NAMES)
+        fit = method(name).estimate(A, measured, NAMES, PROBLEM)
         errors[name] = np.abs(
-            (fit.values - U) / np.sqrt(np.diag(method().estimator(PROBLEM)(A, forces(2), NAMES).covariance))
+            (fit.values - U) / np.sqrt(np.diag(method().estimate(A, forces(2), NAMES, PROBLEM).covariance))
         )
     assert errors["robust"].max() < 5.0 < errors["gauss-markov"].max()
     (found,) = fit.findings
@@ -46,11 +46,11 @@ def test_the_robust_one_survives_gross_errors_and_says_how_many_samples_lost_wei
 
 
 def test_consistency_says_whether_it_bound() -> None:
-    (free,) = method("consistent").estimator(PROBLEM)(A, forces(3), NAMES).findings
+    (free,) = method("consistent").estimate(A, forces(3), NAMES, PROBLEM).findings
     assert "did not bind" in free.sentence
     thin = U.copy()
     thin[NAMES.index("I33")] = 10.0  # larger than the sum of the others, as no body has it
-    bound = method("consistent").estimator(PROBLEM)(A, forces(3, thin), NAMES)
+    bound = method("consistent").estimate(A, forces(3, thin), NAMES, PROBLEM)
     told, doubt = bound.findings
     assert "the constraint bound" in told.sentence
     assert "no real body" in doubt.sentence
@@ -58,8 +58,8 @@ def test_consistency_says_whether_it_bound() -> None:
 
 
 def test_a_prior_that_disagrees_is_told() -> None:
-    quiet = method(priors=[Prior("m", float(U[0]), 1.0)]).estimator(PROBLEM)(A, forces(4), NAMES)
-    loud = method(priors=[Prior("m", float(U[0]) + 10.0, 1.0)]).estimator(PROBLEM)(A, forces(4), NAMES)
+    quiet = method(priors=[Prior("m", float(U[0]), 1.0)]).estimate(A, forces(4), NAMES, PROBLEM)
+    loud = method(priors=[Prior("m", float(U[0]) + 10.0, 1.0)]).estimate(A, forces(4), NAMES, PROBLEM)
     (told,) = quiet.findings
     assert "moved the estimate by" in told.sentence
     assert "prior m disagrees" in loud.findings[1].sentence
@@ -68,22 +68,25 @@ def test_a_prior_that_disagrees_is_told() -> None:
 REFUSED = {
     "an unknown estimator": (lambda: method("best"), "estimator 'best' is unknown; choose gauss-markov"),
     "priors with another estimator": (
-        lambda: method("robust", priors=[Prior("m", 1.0, 1.0)]).estimator(PROBLEM),
+        lambda: method("robust", priors=[Prior("m", 1.0, 1.0)]).estimate(A, forces(0), NAMES, PROBLEM),
         "priors go with the estimator gauss-markov",
     ),
     "priors beside known values": (
-        lambda: method(known={"m": 1.0}, priors=[Prior("k3", 1.0, 1.0)]).estimator(PROBLEM),
+        lambda: method(known={"m": 1.0}, priors=[Prior("k3", 1.0, 1.0)]).estimate(A, forces(0), NAMES, PROBLEM),
         "priors go with",
     ),
     "dropped columns of the non-linear form": (
-        lambda: method("nonlinear", dropped=["k3"]).estimator(PROBLEM),
+        lambda: method("nonlinear", dropped=["k3"]).estimate(A, forces(0), NAMES, PROBLEM),
         "fix them to 0",
     ),
     "a linear parameter of the non-linear form": (
-        lambda: method("nonlinear", {"mxC": 0.0}).estimator(PROBLEM)(A, forces(0), NAMES),
+        lambda: method("nonlinear", {"mxC": 0.0}).estimate(A, forces(0), NAMES, PROBLEM),
         f"not mxC; fix {PHYSICAL[0]}",
     ),
-    "an unknown name": (lambda: method(known={"k9": 1.0}).estimator(PROBLEM), "'k9' is not a parameter"),
+    "an unknown name": (
+        lambda: method(known={"k9": 1.0}).estimate(A, forces(0), NAMES, PROBLEM),
+        "'k9' is not a parameter",
+    ),
 }  # fmt: skip
 
 
