@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
-from identification.estimation.noise_sources import Attenuation, NoiseSources, attenuation_of
+from identification.estimation.noise_sources import NoiseSources, attenuation_of
 from identification.findings import Finding, Severity, quantities, sentences
 from identification.fitting import Delay, Fitted, Samples
 from identification.model import ERROR_TERMS, Model, identification_model
@@ -58,7 +58,7 @@ class Estimate:
     accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     physical: dict[str, Value]  # physical parameters by name
     # attenuation of physical parameters by name, where the case states noise of the struts
-    attenuation: dict[str, Attenuation] | None
+    attenuation: dict[str, dict[str, float | None]] | None
     findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
 
     @property
@@ -125,9 +125,7 @@ class Estimate:
             "weights": how.weights or self.case.sensors.weights,
             "w_diagonal": fit.weights.tolist(),
             "noise_sources": None if self.noise is None else self.noise.to_json(),
-            "attenuation": None
-            if self.attenuation is None
-            else {name: value._asdict() for name, value in self.attenuation.items()},
+            "attenuation": self.attenuation,
             "delay_s": None if self.delay is None else self.delay._asdict(),
             "parameters": {name: value._asdict() for name, value in self.physical.items()},
             "intervals_95": {name: list(value.interval(fit.freedom)) for name, value in self.physical.items()},

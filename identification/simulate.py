@@ -76,19 +76,10 @@ def mode_frequency(truth: Truth, around: Circumstances) -> float:
     return float(around.disturbances.mode_Hz * np.sqrt(mass / (mass + around.load)))
 
 
-class PoseFields(NamedTuple):
-    """Force errors that depend on the pose: two smooth random fields of the machine."""
+def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> Array:
+    """Force errors that depend on the pose: two smooth random fields of the machine, shape (2, n, 6).
 
-    platform: Array  # error of each sensor that the platform brings along, shape (n, 6) [N]
-    load: Array  # the same for each newton that is mounted, shape (n, 6) [N/N]
-
-    def of(self, weight: float) -> Array:
-        """Error of each sensor with something of a weight [N] on the platform, shape (n, 6) [N]."""
-        return np.asarray(self.platform + weight * self.load)
-
-
-def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFields:
-    """The errors in poses.
+    That of the platform itself [N], and that of each newton that is on the platform.
 
     Args:
         home: pose from which the machine's poses are counted, shape (6,) [m, rad].
@@ -102,7 +93,7 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
         angle = reduced @ waves  # cos(angle + phase) of six phases, by the sum formula: a third of the cosines
         field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
         fields.append(size * np.sqrt(2.0 / WAVES) * field)
-    return PoseFields(*fields)
+    return np.array(fields)
 
 
 def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
@@ -143,12 +134,10 @@ class Moved(NamedTuple):
     t: Array  # of the samples, shape (n,) [s]
     struts: Array  # their true lengths, shape (n, 6) [m]
     felt: Kinematics  # motion that the sensors feel when they are sampled
-    fields: PoseFields | None  # force errors on the way; None where nothing disturbs
+    fields: Array | None  # force errors on the way; None where nothing disturbs
 
 
-def force_parts(
-    case: Case, motion: Kinematics, step: float, around: Circumstances, fields: PoseFields | None
-) -> ForceParts:
+def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances, fields: Array | None) -> ForceParts:
     """The true forces of a motion, taken apart.
 
     Args:
@@ -172,7 +161,7 @@ def force_parts(
         motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, disturbances.mode_damping)
     )
     weight = around.load * float(np.linalg.norm(case.gravity))
-    return ForceParts(rigid, expected_forces(model, vibration, u) - rigid, fields.of(weight))
+    return ForceParts(rigid, expected_forces(model, vibration, u) - rigid, fields[0] + weight * fields[1])
 
 
 def _quantised(drives: Array, case: Case, simulation: Simulation) -> Array:

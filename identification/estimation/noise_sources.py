@@ -17,7 +17,7 @@ being the Fourier coefficients of G and s_h the power of e'' at the harmonic h.
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,14 +39,6 @@ Array = NDArray[np.float64]
 MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
 EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic
 GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and only rounding is left
-
-
-class Attenuation(NamedTuple):
-    """By how much noise of the accelerations draws a parameter; estimated, and not taken out of its value."""
-
-    bias: float  # expected estimate less the true value [SI]
-    relative: float | None  # bias over the value; None where that is zero
-    of_std: float | None  # bias over the standard deviation that is reported; None for what is given
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,8 +161,11 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     return moment, len(motion.pose), variance
 
 
-def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, Attenuation]:
-    """The bias of u as that of physical parameters.
+def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, dict[str, float | None]]:
+    """By how much noise of the accelerations draws physical parameters; estimated, and not taken out of their values.
+
+    Of each the expected estimate less the true value [SI]; that over the value, None where it is zero; and over the
+    standard deviation that is reported, None for what is given.
 
     Args:
         u: estimated parameters, shape (u,).
@@ -181,7 +176,11 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     values = form.of(u, nothing)[0]
     reference = values - form.of(u - bias, nothing)[0]
     return {
-        p.name: Attenuation(float(b), float(b / v) if v != 0.0 else None, float(b / s) if s > GIVEN * abs(v) else None)
+        p.name: {
+            "bias": float(b),
+            "relative": float(b / v) if v != 0.0 else None,
+            "of_std": float(b / s) if s > GIVEN * abs(v) else None,
+        }
         for p, v, b, s in zip(form.parameters, values, reference, std, strict=True)
     }
 

@@ -111,55 +111,49 @@ LEAST = 100  # independent samples; with fewer the covariance is too uncertain t
 TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
 
 
-@dataclass(frozen=True, slots=True)
-class NoiseComponents:
-    """Standard deviations of white noise of one recorded sample that would leave such residuals."""
-
-    force: float  # standard deviation of a force channel [N]
-    moment: float | None  # standard deviation of a moment channel of a force/torque sensor [N m]; None for bars
-    acceleration: float  # standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2]
-    angular: float  # standard deviation of the angular acceleration [rad/s^2]
-    share: float  # share of the residuals' variance, in units of the channels' own, that the accelerations explain
-
-    def finding(self, weights: str) -> Finding:
-        """What is to be told of it, `weights` being those of the identification; keys as in the case."""
-        moments = "" if self.moment is None else f" and {self.moment:.3g} N m"
-        sentence = (
-            f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
-            f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
-            "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
-            "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated; the vibration of a "
-            "structure looks alike, and identify --flexible estimates its mode"
-        )
-        entries = {
-            "force_noise_N": self.force,
-            **({} if self.moment is None else {"moment_noise_Nm": self.moment}),
-            "acceleration_noise_m_s2": self.acceleration,
-            "angular_acceleration_noise_rad_s2": self.angular,
-            "share_of_accelerations": self.share,
-        }
-        silent = self.share < TELLING or weights == "stated"
-        return note(Kind.NOISE, "" if silent else sentence, noise_components=entries)
-
-
-def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool) -> NoiseComponents | None:
-    """Takes the residuals of a run apart; None where they are too few.
+def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, weights: str) -> list[Finding]:
+    """Takes the residuals of a run apart: noise that would leave such ones; nothing where they are too few.
 
     Args:
         fit: its values begin with u; its residuals are those of the forces behind the filter.
         wrench: whether the channels are three forces and three moments.
+        weights: weights of the identification.
     """
     freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
     if freedom < LEAST:
-        return None
+        return []
     covariance = fit.residuals.T @ fit.residuals * filtered.stride / freedom
     if np.linalg.matrix_rank(covariance) < len(covariance):
-        return None
-    return components_of(covariance, model, fit.values[: len(model.parameters)], wrench)
+        return []
+    (force, *moment, acceleration, angular), share = components_of(
+        covariance, model, fit.values[: len(model.parameters)], wrench
+    )
+    moments = f" and {moment[0]:.3g} N m" if wrench else ""
+    sentence = (
+        f"the residuals look like noise of {force:.3g} N{moments} in the channels and of {acceleration:.3g} m/s^2 and "
+        f"{angular:.3g} rad/s^2 in the accelerations: if that is the machine's, state it in [sensors] of the case "
+        "(force_noise_N, acceleration_noise_m_s2, angular_acceleration_noise_rad_s2), for smaller deviations with "
+        "--weights stated; the vibration of a structure looks alike, and identify --flexible estimates its mode"
+    )
+    entries = {
+        "force_noise_N": force,
+        **({"moment_noise_Nm": moment[0]} if wrench else {}),
+        "acceleration_noise_m_s2": acceleration,
+        "angular_acceleration_noise_rad_s2": angular,
+        "share_of_accelerations": share,
+    }
+    silent = share < TELLING or weights == "stated"
+    return [note(Kind.NOISE, "" if silent else sentence, noise_components=entries)]
 
 
-def components_of(total: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
-    """The components of a covariance of the channels, shape (6, 6)."""
+def components_of(total: Array, model: Model, values: Array, wrench: bool) -> tuple[list[float], float]:
+    """White noise of one recorded sample that makes a covariance of the channels, shape (6, 6).
+
+    Returns:
+        Standard deviations of a force channel [N], of a moment channel where there are such [N m], of the acceleration
+        of the origin of {P} in each direction [m/s^2] and of the angular acceleration [rad/s^2]; and the share of the
+        variance, in units of the channels' own, that the accelerations explain.
+    """
     from scipy.optimize import nnls  # half a second, which those that simulate or weigh can do without
 
     effects = acceleration_to_force(model, values)
@@ -177,8 +171,4 @@ def components_of(total: Array, model: Model, values: Array, wrench: bool) -> No
     remainder = np.diag(
         covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
     )
-    std = np.sqrt(theta)
-    return NoiseComponents(
-        float(std[0]), float(std[1]) if wrench else None, float(std[-2]), float(std[-1]),
-        float(np.mean(remainder / np.diag(covariance))),
-    )  # fmt: skip
+    return np.sqrt(theta).tolist(), float(np.mean(remainder / np.diag(covariance)))

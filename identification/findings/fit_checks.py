@@ -187,9 +187,8 @@ def _looks_like(_recording: Recording, case: Case, method: Method, fitted: Fitte
     """What noise the residuals look like."""
     if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
         return []
-    samples = fitted.samples
-    components = noise_components(fitted.fit, samples.model, samples.filtered, case.sensor_frame.has_moments)
-    return [] if components is None else [components.finding(method.weights or case.sensors.weights)]
+    samples, weights = fitted.samples, method.weights or case.sensors.weights
+    return noise_components(fitted.fit, samples.model, samples.filtered, case.sensor_frame.has_moments, weights)
 
 
 def _fed(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:

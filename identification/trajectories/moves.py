@@ -67,7 +67,7 @@ def has_steps(motion: Trajectory) -> bool:
 
 
 def online_move(
-    start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike, cycle: float
+    start: Array, end: Array, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike, cycle: float
 ) -> StraightMove:
     """The straight move that a jerk-limited controller makes, all coordinates in step.
 
@@ -80,35 +80,15 @@ def online_move(
         cycle: cycle of the controller; moves last whole cycles [s].
 
     Raises:
-        UntimedMove: an argument has the wrong length, is not a number or out of range, or ruckig finds no profile.
+        UntimedMove: start and end are the same, a limit along the way is not a finite number above 0, or ruckig finds
+            no profile.
     """
-    shape = np.shape(start)
-    ends = [_vector(name, value, shape) for name, value in (("start", start), ("end", end))]
-    limits = [_limit(n, v, shape) for n, v in (("rate", rate), ("acceleration", acceleration), ("jerk", jerk))]
-    way = np.abs(ends[1] - ends[0])
+    way = np.abs(end - start)
     if not way.any():
         raise UntimedMove("a move needs two different poses")
     with np.errstate(over="ignore"):
-        velocity, peak, change = limits_along(way, *limits)
-    return StraightMove(ends[0], ends[1], online_profile(velocity, peak, change, cycle))
-
-
-def _vector(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
-    vector = np.array(value, dtype=float)
-    if vector.ndim != 1 or vector.shape != shape:
-        raise UntimedMove(f"{name} has shape {vector.shape}, expected {shape if len(shape) == 1 else '(n,)'}")
-    if not np.isfinite(vector).all():
-        raise UntimedMove(f"{name} holds values that are not finite")
-    return vector
-
-
-def _limit(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
-    limit = np.array(value, dtype=float)
-    if limit.shape != shape:
-        raise UntimedMove(f"{name} has shape {limit.shape}, expected {shape}")
-    if np.isnan(limit).any() or not np.all(limit > 0.0):
-        raise UntimedMove(f"{name} must be above 0 for every coordinate")
-    return limit
+        velocity, peak, change = limits_along(way, rate, acceleration, jerk)
+    return StraightMove(start, end, online_profile(velocity, peak, change, cycle))
 
 
 class Plane(Enum):

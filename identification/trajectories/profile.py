@@ -1,8 +1,8 @@
 """Time laws from rest to rest: seven segments in closed form, with or without a jerk limit, and as controllers do it.
 
 Controllers compute theirs online: jerk-limited, in whole controller cycles, here by ruckig. It is called for one move
-from rest to rest at a time. Its other features stay closed: intermediate waypoints are computed by a service in the
-network, and vectors of wrong length are read out of bounds; neither can be reached here.
+from rest to rest at a time, of one coordinate. Its other features stay closed: intermediate waypoints are computed by a
+service in the network, and vectors of wrong length are read out of bounds; neither can be reached here.
 """
 
 import math

@@ -50,7 +50,7 @@ def test_shares_and_attenuation_are_those_of_the_noise_that_was_added(exact: Rec
     assert np.mean([s.accelerations for s in sources]) == pytest.approx(1 - FORCE_NOISE**2 / s0_squared, rel=0.06)
     assert np.mean([s.accelerations for s in sources]) > 0.3  # the test sees them
     values = np.array([[v.value for v in f.physical.values()] for f in found])
-    told = np.mean([[a.bias for a in f.attenuation.values()] for f in found], axis=0)
+    told = np.mean([[a["bias"] for a in f.attenuation.values()] for f in found], axis=0)
     error = values.std(axis=0, ddof=1) / np.sqrt(SEEDS)
     off = values.mean(axis=0) - TRUTH
     clear = np.abs(told) > 8 * error

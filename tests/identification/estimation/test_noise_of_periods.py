@@ -61,7 +61,7 @@ def test_attenuation_is_the_mean_bias_by_noise_of_the_struts() -> None:
     found = [identify(noisy(EXACT, k, std), case, conditioning=WISH) for k in seeds]
     names = ("m", "IC11", "IC22", "IC33")
     off = np.array([[e.physical[n].value - true.physical[n].value for n in names] for e in found])
-    said = np.mean([[e.attenuation[n].bias for n in names] for e in found], axis=0)
+    said = np.mean([[e.attenuation[n]["bias"] for n in names] for e in found], axis=0)
     error = off.std(axis=0, ddof=1) / np.sqrt(len(seeds))
     assert (np.abs(said) > 6 * error).all()  # there is something to compare
     np.testing.assert_allclose(off.mean(axis=0), said, rtol=0.3)

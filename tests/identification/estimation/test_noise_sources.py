@@ -129,7 +129,7 @@ def test_attenuation_is_the_mean_bias_of_a_coarse_encoder(steps: bool) -> None:
         recorded = run(coarse, seed, size) if steps else noisy(exact, seed, resolution / np.sqrt(12.0))
         true, found = identify(exact, clean), identify(recorded, noise)
         off.append([found.physical[n].value - true.physical[n].value for n in true.physical])
-        said.append([a.bias for a in found.attenuation.values()])
+        said.append([a["bias"] for a in found.attenuation.values()])
         std.append([v.std for v in found.physical.values()])
     bias, told, error = np.mean(off, axis=0), np.mean(said, axis=0), np.mean(std, axis=0) / np.sqrt(len(seeds))
     clear = np.abs(told) > 6 * error  # of the others, the mean is too uncertain to compare with

@@ -65,24 +65,6 @@ def test_a_slowed_law_covers_the_same_way():
     assert slow.peak_velocity == pytest.approx(profile.peak_velocity / 2)
 
 
-@pytest.mark.parametrize("length", [0, 1, 5, 7, 600])
-@pytest.mark.parametrize("which", range(5))
-def test_vectors_of_wrong_length_never_reach_ruckig(which: int, length: int):
-    arguments = [HERE, THERE, RATE, ACCELERATION, JERK]
-    arguments[which] = np.ones(length)
-    with pytest.raises(UntimedMove, match=r"has shape .*, expected"):
-        online_move(*arguments, 1e-3)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("which", range(2))
-def test_poses_must_be_finite(which: int, value: float):
-    arguments = [HERE.copy(), THERE.copy()]
-    arguments[which][3] = value
-    with pytest.raises(UntimedMove, match="not finite"):
-        online_move(*arguments, RATE, ACCELERATION, JERK, 1e-3)
-
-
 @pytest.mark.parametrize("value", [np.nan, 0.0, -1.0, -np.inf])
 @pytest.mark.parametrize("which", range(3))
 def test_limits_must_be_above_zero(which: int, value: float):

@@ -25,7 +25,7 @@ def test_true_deviations_are_the_scatter_over_machines_that_err_with_the_pose_ot
     load = 3 * 19.93
     weight, poses = 9.81 * load, Hexapod.of(CASE).poses(recording.struts)
     machines = [pose_fields(FOUND.model_copy(update={"pose_error_seed": 50 + k}), HOME, poses) for k in range(60)]
-    moves = answer.of(np.stack([answer.seen(fields.of(weight)) for fields in machines], axis=2))
+    moves = answer.of(np.stack([answer.seen(fields[0] + weight * fields[1]) for fields in machines], axis=2))
     form, none = physical_form(identification_model(CASE, 9)), np.zeros((20, 20))
     values = np.array([form.of(estimate.fit.values + move, none)[0] for move in moves.T])
     told = true_deviations(CASE, answer, estimate, FOUND, load)
