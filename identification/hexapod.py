@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.machine_limits import hexapod_shares
-from identification.machines import FrameMotion, Share
-from identification.symbolic import over_samples, rotation, rpy, twist, twist_rate
+from identification.machine_limits import Share, hexapod_shares
+from identification.symbolic import FrameMotion, over_samples, rotation, rpy, twist, twist_rate
 
 Array = NDArray[np.float64]
 
@@ -92,14 +91,6 @@ class Hexapod:
     def positions(self, coordinates: Array) -> Array:
         """Of poses, shape (n, 3) [m]."""
         return coordinates[:, :3]
-
-    def drives(self, coordinates: ArrayLike) -> Array:
-        """Strut lengths of poses, shape (n, 6) [m]."""
-        return self.strut_lengths(coordinates)
-
-    def coordinates(self, drives: ArrayLike) -> Array:
-        """Poses of strut lengths, shape (n, 6) [m, rad]; errors as `poses`."""
-        return self.poses(drives)
 
     def _struts(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Strut vectors, shape (3, 6), and arms R p_k from the origin of {P} to the platform joints, shape (3, 6)."""
@@ -206,6 +197,8 @@ class Hexapod:
             StrutsDoNotClose: the struts cannot close; the message names the first such sample.
         """
         return self._assembled(np.asarray(lengths, dtype=float))[0]
+
+    drives, coordinates = strut_lengths, poses
 
     def _assembled(self, lengths: Array, start: Array | None = None) -> tuple[Array, Array]:
         """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose.

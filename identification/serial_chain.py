@@ -19,10 +19,9 @@ from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.hexapod import Kinematics
 from identification.limit import LimitKind
-from identification.machine_limits import clearance_shares
-from identification.machines import FrameMotion, Share
+from identification.machine_limits import Share, clearance_shares
 from identification.overload import SHARE
-from identification.symbolic import over_samples, rpy
+from identification.symbolic import FrameMotion, over_samples, rpy
 
 Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
@@ -84,12 +83,10 @@ class SerialChain:
         return over_samples(self.pose, coordinates)[0][:, :3]
 
     def drives(self, coordinates: ArrayLike) -> Array:
-        """Encoders measure the joints themselves, shape (k, n) [rad or m]."""
+        """Encoders measure the joints themselves, which are the coordinates, shape (k, n) [rad or m]."""
         return np.asarray(coordinates, dtype=float)
 
-    def coordinates(self, drives: ArrayLike) -> Array:
-        """Of joints, which are the coordinates, shape (k, n) [rad or m]."""
-        return np.asarray(drives, dtype=float)
+    coordinates = drives
 
     def torques(
         self, q: ca.SX, rates: ca.SX, accelerations: ca.SX, gravity: Sequence[float] | Array, load: RigidBody | None

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+FrameMotion = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
+"""Motion of the frame {P} of the load in {B}: position of its origin [m], R, twist [m/s, rad/s] and twist rate."""
 CHUNK = 1000  # samples a call of the interpreter, whose results then stay in the cache of the processor
 PART = 6000  # samples that an instruction is executed for at once
 

@@ -147,12 +147,14 @@ def _stretch(motion: RetimedMotion, case: Case) -> float:
 def _worst(m: Motion, case: Case) -> float:
     """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
     limits = case.need_motion("re-timing")[1]
-    struts = kinetic(case, m.pose, m.rates, m.accelerations)
-    velocity = np.hstack([np.abs(m.rates) / limits.rate, np.abs(struts.velocities) / struts.velocity])
-    acceleration = np.hstack([
-        np.abs(m.accelerations) / limits.acceleration, np.abs(struts.accelerations) / struts.acceleration
-    ])  # fmt: skip
-    return max(float(velocity.max()), float(np.sqrt(acceleration.max())))
+    struts, most = kinetic(case, m.pose, m.rates, m.accelerations)
+    velocity, acceleration = (
+        max(np.max(np.abs(own) / limit), np.max(np.abs(values) / others, initial=0.0))
+        for own, limit, values, others in zip(
+            (m.rates, m.accelerations), (limits.rate, limits.acceleration), struts, most, strict=True
+        )
+    )
+    return max(float(velocity), float(np.sqrt(acceleration)))
 
 
 def _largest_pace(squares: Array) -> float:
@@ -180,10 +182,12 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
             "it must begin and end at rest"
         )
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
-    struts = kinetic(case, motion.pose, *by_share)
-    first, second = np.hstack([by_share[0], struts.velocities]), np.hstack([by_share[1], struts.accelerations])
-    velocity = np.concatenate([limits.rate, struts.velocity]) * (1.0 - MARGIN)
-    acceleration = np.concatenate([limits.acceleration, struts.acceleration]) * (1.0 - MARGIN)
+    struts, most = kinetic(case, motion.pose, *by_share)
+    first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))
+    velocity, acceleration = (
+        np.concatenate([own, limit]) * (1.0 - MARGIN)
+        for own, limit in zip((limits.rate, limits.acceleration), most, strict=True)
+    )
     with np.errstate(divide="ignore"):
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
     squares = np.minimum(squares, (paces / path.duration * (1.0 + 1e-6)) ** 2)

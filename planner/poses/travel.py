@@ -102,9 +102,13 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
-    struts = kinetic(case, *(np.ascontiguousarray(v.reshape(-1, way.shape[2])) for v in (pose, rates, accelerations)))
-    fast = (np.abs(struts.velocities) / struts.velocity).reshape(len(start), -1).max(axis=1, initial=0.0)
-    hard = (np.abs(struts.accelerations) / struts.acceleration).reshape(len(start), -1).max(axis=1, initial=0.0)
+    struts, most = kinetic(
+        case, *(np.ascontiguousarray(v.reshape(-1, way.shape[2])) for v in (pose, rates, accelerations))
+    )
+    fast, hard = (
+        (np.abs(values) / limit).reshape(len(start), -1).max(axis=1, initial=0.0)
+        for values, limit in zip(struts, most, strict=True)
+    )
     return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
 
 

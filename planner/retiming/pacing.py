@@ -63,15 +63,15 @@ class Course:
         knots = _knots(path.duration)
         s = (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel()
         motion = path.at(s)
-        struts = kinetic(case, motion.pose, motion.rates, motion.accelerations)
+        struts, most = kinetic(case, motion.pose, motion.rates, motion.accelerations)
         return cls(
             s,
             np.full(len(s), path.duration / len(s)),
-            np.hstack([motion.rates, struts.velocities]),
-            np.hstack([motion.accelerations, struts.accelerations]),
+            np.hstack([motion.rates, struts[0]]),
+            np.hstack([motion.accelerations, struts[1]]),
             motion.jerks,
-            np.concatenate([limits.rate, struts.velocity]) * (1.0 - margin),
-            np.concatenate([limits.acceleration, struts.acceleration]) * (1.0 - margin),
+            np.concatenate([limits.rate, most[0]]) * (1.0 - margin),
+            np.concatenate([limits.acceleration, most[1]]) * (1.0 - margin),
             limits.jerk * (1.0 - margin),
         )
 
