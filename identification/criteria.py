@@ -181,23 +181,17 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
     zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3
     rank = int(np.sum(singular > zero))
     factors = np.where(norms > 0.0, norms, 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):  # columns without variation
+        correlation = np.nan_to_num(np.atleast_2d(np.corrcoef(matrix, rowvar=False)))
     return Identifiability(
         names=tuple(names),
-        correlation=_correlation(matrix),
+        correlation=correlation,
         r=r,
         zero=zero,
         singular_values=singular,
         rank=rank,
         groups=tuple(_groups(directions[rank:], factors, names)),
     )
-
-
-def _correlation(matrix: Array) -> Array:
-    deviation = matrix - matrix.mean(axis=0)
-    size = np.linalg.norm(deviation, axis=0)
-    alive = size > 0.0
-    unit = np.where(alive, deviation / np.where(alive, size, 1.0), 0.0)
-    return np.asarray(unit.T @ unit)
 
 
 def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
@@ -207,18 +201,14 @@ def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
     depend on the basis the decomposition chose for it, and its blocks are the groups.
     """
     projector = hidden.T @ hidden
-    rest = [k for k in range(len(names)) if projector[k, k] > INVOLVED**2]
-    groups = []
-    while rest:
-        members, frontier = {rest[0]}, [rest[0]]
-        while frontier:
-            near = {int(k) for k in np.flatnonzero(np.abs(projector[frontier.pop()]) > INVOLVED**2)} - members
-            members |= near
-            frontier += near
-        index = sorted(members)
-        rest = [k for k in rest if k not in members]
-        groups.append(_group(hidden[:, index], factors[index], [names[k] for k in index]))
-    return groups
+    involved = np.flatnonzero(np.diag(projector) > INVOLVED**2)
+    if not len(involved):
+        return []
+    from scipy.sparse.csgraph import connected_components  # loads slowly, and nothing hides in most runs
+
+    count, labels = connected_components(np.abs(projector[np.ix_(involved, involved)]) > INVOLVED**2)
+    indices = (involved[labels == k] for k in range(count))
+    return [_group(hidden[:, index], factors[index], [names[k] for k in index]) for index in indices]
 
 
 def _group(hidden: Array, factors: Array, names: list[str]) -> Group:

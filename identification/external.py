@@ -162,7 +162,8 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     body = replace(model, blocks=(MASS, FIRST_MOMENT))
     still = np.zeros((1, 6))
     matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
-    white, robust = (np.diag(b + a) for b, a in _pairs(before, after))
+    white = np.diag(before.covariance + after.covariance)
+    robust = np.diag(before.covariance_robust + after.covariance_robust)
     variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
     root = 1.0 / np.sqrt(variance)
     along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
@@ -208,10 +209,6 @@ def require_two(before: SavedResult, after: SavedResult) -> None:
             f"{after.source}: is of the same recording as {before.source}; name the result of a run without the "
             "payload, then of one with it"
         )
-
-
-def _pairs(before: SavedResult, after: SavedResult) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    return (before.covariance, after.covariance), (before.covariance_robust, after.covariance_robust)
 
 
 def _no_payload(before: SavedResult, after: SavedResult, mass: float, std: float) -> IdentificationError:

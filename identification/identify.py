@@ -22,7 +22,7 @@ from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.bodies import doubtful_body
 from identification.findings.contact import contacts_told, free_of_contact, touched
-from identification.findings.fit_checks import CHECKS, leaves_much
+from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, Samples, excerpt, fit_samples
@@ -174,7 +174,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
             findings.append(
                 mass_told(model, fitted.fit, fit_samples(fitted.samples, exactly, problem, fitted.at, delay).fit)
             )
-    findings += [finding for check in CHECKS for finding in check(recording, case, method, fitted)]
+    findings += fit_findings(recording, case, method, fitted)
     bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
         good = ~scanned.bad

@@ -21,8 +21,8 @@ Machine = Hexapod | SerialChain
 
 It has `count` coordinates; `of_pose` says whether they are the pose of that frame, `turns` which drives measure angles.
 `frame` and `shares` are expressions for the search. `drives` and `coordinates` follow from each other, `positions` are
-those of the frame. `kinematics` is the motion of the frame by that of the drives; it may start from poses near by, which
-`earlier` has. `elastic` says whether its sensors err with the pose as the error terms K1 to K5 say.
+those of the frame. `kinematics` is the motion of the frame by that of the drives; it may start from poses near by, as
+`earlier` has them. `elastic` says whether its sensors err with the pose as the error terms K1 to K5 say.
 """
 
 

@@ -113,28 +113,6 @@ class Biases:
             )
         return self.accelerometer
 
-    def drift(self, free: Array, covariance: Array, units: tuple[str, ...], mass: str) -> list[Finding]:
-        """Warning where a run itself finds other offsets.
-
-        Args:
-            free: offsets that the run gives where it may choose them, shape (6,).
-            covariance: covariance of these, shape (6, 6).
-            units: units of the channels.
-            mass: what the run makes of the mass then, in words.
-        """
-        deviation = free - self.values
-        std = np.sqrt(np.diag(covariance) + np.diag(self.covariance))
-        worst = int(np.argmax(np.abs(deviation) / std))
-        if not abs(deviation[worst]) > DRIFTED * std[worst]:
-            return []
-        name, unit, by = OFFSET_NAMES[worst], units[worst], abs(deviation[worst])
-        sentence = (
-            f"{name} of this run is {free[worst]:.4g} {unit}, {by:.2g} {unit} or {by / std[worst]:.0f} standard "
-            f"deviations from that of {self.source}: offsets have drifted, or the two runs err differently; the other "
-            f"parameters carry it{mass}"
-        )
-        return [warning(Kind.OFFSETS, sentence)]
-
 
 def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
@@ -162,7 +140,7 @@ def gain(regressors: Array, w: Array, columns: Array) -> Array:
     """
     root = np.linalg.cholesky(w).T
     weighted = (root @ regressors).reshape(-1, regressors.shape[2])
-    half = inverse_root(np.asarray(np.linalg.qr(weighted, mode="r")))
+    half = inverse_root(weighted)
     return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
 
 
@@ -193,14 +171,28 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
 
 
 def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
-    """Offsets that have drifted since they were taken, by what the run itself says of them."""
+    """A warning where offsets have drifted since they were taken, by what the run itself says of them.
+
+    Args:
+        free: fit to the run where it may choose its offsets.
+    """
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
-    units = tuple(model.parameters[k].unit for k in offsets)
-    mass = ""
+    values = free.values[offsets]
+    deviation = np.abs(values - biases.values)
+    std = np.sqrt(np.diag(spread)[offsets] + np.diag(biases.covariance))
+    worst = int(np.argmax(deviation / std))
+    if not deviation[worst] > DRIFTED * std[worst]:
+        return []
+    unit, mass = model.parameters[offsets[worst]].unit, ""
     if MASS in model.blocks:
         place = model.names.index("m")
         mass = (
             f": with offsets of its own the run gives {free.values[place]:.4g} +- {spread[place, place] ** 0.5:.2g} kg"
         )
-    return biases.drift(free.values[offsets], spread[np.ix_(offsets, offsets)], units, mass)
+    sentence = (
+        f"{OFFSET_NAMES[worst]} of this run is {values[worst]:.4g} {unit}, {deviation[worst]:.2g} {unit} or "
+        f"{deviation[worst] / std[worst]:.0f} standard deviations from that of {biases.source}: offsets have drifted, "
+        f"or the two runs err differently; the other parameters carry it{mass}"
+    )
+    return [warning(Kind.OFFSETS, sentence)]

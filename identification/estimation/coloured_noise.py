@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from identification.estimation.compressed import inverse_root
+from identification.estimation.compressed import orthonormal
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -67,12 +67,9 @@ def turned(regressors: Array, residuals: Array, weights: Array, places: Places |
         places: places of the samples in a series of equal steps, ascending, shape (n,); by default one after the other.
     """
     samples, sensors, unknowns = regressors.shape
-    root = np.sqrt(weights)
-    weighted = regressors * root[:, None]
-    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, unknowns), mode="r")))
-    basis = weighted @ half  # Q of the QR decomposition: F = 1 in its coordinates
+    basis, half = orthonormal(regressors, weights)  # F = 1 in these coordinates
     freedom = samples - unknowns / sensors
-    noise = residuals * root
+    noise = residuals * np.sqrt(weights)
     channels = noise.T @ noise / freedom
     jitter = 1e-12 * float(np.trace(channels)) + np.finfo(float).tiny
     mixing = np.linalg.cholesky(channels + jitter * np.eye(sensors))

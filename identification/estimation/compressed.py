@@ -107,6 +107,13 @@ def inverse_root(root: Array) -> Array:
     return np.asarray(scale[:, None] * solve_triangular(triangle(root * scale), np.eye(root.shape[1])))
 
 
+def orthonormal(regressors: Array, weights: Array) -> tuple[Array, Array]:
+    """Q of the QR decomposition of W^1/2 A, shape (n, 6, u), and L with L L^T = F^-1, shape (u, u)."""
+    weighted = regressors * np.sqrt(weights)[:, None]
+    half = inverse_root(weighted.reshape(-1, regressors.shape[2]))
+    return weighted @ half, half
+
+
 def triangle(matrix: Array) -> Array:
     """R of the QR decomposition, shape (u, u), in parts that stay in the cache of the processor.
 

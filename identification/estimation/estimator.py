@@ -7,7 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import Compressed, compress, determined, fit_along, inverse_root, with_kernel
+from identification.estimation.compressed import (
+    Compressed,
+    compress,
+    determined,
+    fit_along,
+    inverse_root,
+    orthonormal,
+    with_kernel,
+)
 from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, settled
 
 Array = NDArray[np.float64]
@@ -148,9 +156,7 @@ def _own_noise(regressors: Array, forces: Array) -> Array:
 
 def channel_leverage(regressors: Array, weights: Array) -> Array:
     """How many unknowns each channel determines, shape (6,); they sum to u."""
-    weighted = regressors * np.sqrt(weights)[:, None]
-    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
-    return np.asarray(np.sum((weighted @ half) ** 2, axis=(0, 2)))
+    return np.asarray(np.sum(orthonormal(regressors, weights)[0] ** 2, axis=(0, 2)))
 
 
 def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Array:
@@ -164,12 +170,9 @@ def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Ar
         residuals: residuals of a fit to these, shape (n, 6).
         weights: diagonal of W for one sample, shape (6,).
     """
-    root_weights = np.sqrt(weights)
-    weighted = regressors * root_weights[:, None]
-    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
-    q = weighted @ half
+    q, half = orthonormal(regressors, weights)
     left_out = np.linalg.pinv(np.eye(6) - q @ q.transpose(0, 2, 1), rcond=1e-9, hermitian=True)
-    scores = np.einsum("nku,nkl,nl->nu", q, left_out, root_weights * residuals)
+    scores = np.einsum("nku,nkl,nl->nu", q, left_out, np.sqrt(weights) * residuals)
     return np.asarray(half @ (scores.T @ scores) @ half.T)
 
 

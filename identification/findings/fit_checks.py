@@ -1,9 +1,7 @@
 """What every fit is looked at for, in one list: findings that residuals, samples and recording give rise to.
 
-A new check is one more function in `CHECKS`. What cannot be at all is refused.
+A new check is one more function that `fit_findings` calls. What cannot be at all is refused.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +13,7 @@ from identification.estimation.stated_noise import noise_components
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.readings import drifting
 from identification.findings.sample_checks import cut_off
-from identification.fitting import SANDWICHED, Fitted
+from identification.fitting import SANDWICHED, Fitted, Samples
 from identification.recording import Recording
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
@@ -125,21 +123,31 @@ def other_rate(recording: Recording, case: Case) -> list[Finding]:
     return [note(Kind.CLOCK, sentence)]
 
 
-def _cut_off(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """A recorder that stopped before the run did."""
-    return cut_off(recording) if fitted.samples.nuisances else []
+def fit_findings(recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+    """What every fit is looked at for, in the order in which it is told."""
+    samples, fit = fitted.samples, fitted.fit
+    findings = [*fit.findings, *samples.window]
+    if isinstance(samples, PeriodicRun):
+        findings += samples.findings(fit, fitted.w)
+    findings += _placed(fit, case)
+    if abs(fitted.at) >= SUSPICIOUS_DELAY:
+        findings.append(warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?"))
+    findings += unlikely(fit, fitted.forces)
+    if samples.nuisances:  # something moves
+        findings = [*cut_off(recording), *findings, *systematic(fit, samples.noise_correlation)]
+    findings += [*_not_compared(case, how, samples), *_noisier(case, fitted)]
+    if isinstance(samples, Run) and case.sensor_frame.struts is None:
+        wrench, weights = case.sensor_frame.has_moments, how.weights or case.sensors.weights
+        findings += noise_components(fit, samples.model, samples.filtered, wrench, weights)
+    if samples.nuisances:
+        findings += [*other_feed(recording), *other_rate(recording, case)]
+        findings += [] if recording.averaged is None else [recording.averaged.finding(fitted.w, fit.s0)]
+    return findings + drifting(recording, case, how, fitted)
 
 
-def _own(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """What samples and estimator themselves tell."""
-    samples = fitted.samples
-    repeats = samples.findings(fitted.fit, fitted.w) if isinstance(samples, PeriodicRun) else ()
-    return [*fitted.fit.findings, *samples.window, *repeats]
-
-
-def _placed(_recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+def _placed(fit: Fit, case: Case) -> list[Finding]:
     """Errors that depend on the pose, in the keys by which a case states them."""
-    field = fitted.fit.field
+    field = fit.field
     if field is None:
         return []
     settings = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
@@ -147,29 +155,16 @@ def _placed(_recording: Recording, case: Case, _how: Method, fitted: Fitted) -> 
     return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
 
 
-def _late(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """A delay that no filter of a force channel has."""
-    if abs(fitted.at) < SUSPICIOUS_DELAY:
-        return []
-    return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
-
-
-def _unlikely(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """Residuals that the standard deviations or the model do not fit."""
-    own = systematic(fitted.fit, fitted.samples.noise_correlation) if fitted.samples.nuisances else []
-    return [*unlikely(fitted.fit, fitted.forces), *own]
-
-
-def _not_compared(_recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def _not_compared(case: Case, method: Method, samples: Samples) -> list[Finding]:
     """Noise that the case states and that this estimator's s0 is not compared with."""
     sentence = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
     compared = method.name in SANDWICHED and not method.priors
-    if compared or not case.sensors.state_noise or not isinstance(fitted.samples, Run | PeriodicRun):
+    if compared or not case.sensors.state_noise or not isinstance(samples, Run | PeriodicRun):
         return []
     return [warning(Kind.NOISE, sentence)]
 
 
-def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+def _noisier(case: Case, fitted: Fitted) -> list[Finding]:
     """Residuals far above the noise that the case states for its force sensors, where it states no other."""
     stated, others = case.sensors.force_noise_N, (case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N)
     if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
@@ -181,40 +176,3 @@ def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> 
     )
     told += "in [machine] and [sensor_frame] with the drawing; vibration and errors that depend on the pose look alike"
     return [warning(Kind.MODEL, told)]
-
-
-def _looks_like(_recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What noise the residuals look like."""
-    if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
-        return []
-    samples, weights = fitted.samples, method.weights or case.sensors.weights
-    return noise_components(fitted.fit, samples.model, samples.filtered, case.sensor_frame.has_moments, weights)
-
-
-def _fed(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """Another feed than programmed."""
-    return other_feed(recording) if fitted.samples.nuisances else []
-
-
-def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """Rates: another than predictions assume, or averages of faster forces."""
-    averaged = recording.averaged
-    findings = [] if averaged is None else [averaged.finding(fitted.w, fitted.fit.s0)]
-    return [*other_rate(recording, case), *findings] if fitted.samples.nuisances else []
-
-
-Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
-CHECKS: tuple[Check, ...] = (
-    _cut_off,
-    _own,
-    _placed,
-    _late,
-    _unlikely,
-    _not_compared,
-    _noisier,
-    _looks_like,
-    _fed,
-    _rated,
-    drifting,
-)
-"""What is looked at after every fit, in the order in which it is told."""

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import HexciteError, IdentificationError
 from cases.recording_format import STRUTS
 from cases.schema import Case
-from identification.estimation.compressed import triangle
+from identification.estimation.compressed import column_scale, joint_triangle
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod, Kinematics
 from identification.machines import machine_of
@@ -319,14 +319,12 @@ def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int
     forces = data.forces[:, places] * signs
     root = np.sqrt(data.weights)
     columns = matrices if data.slopes is None else np.dstack([matrices, data.slopes[:, places] * signs])
-    size = np.linalg.norm((columns * root[:, None]).reshape(-1, columns.shape[2]), axis=0)
-    scaled = columns / np.where(size > 0.0, size, 1.0)
-    flat = (scaled * root[:, None]).reshape(-1, columns.shape[2])
-    small = triangle(np.column_stack([flat, (forces * root).ravel()]))
-    values = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-9)[0]
+    top = joint_triangle(columns, forces, root)
+    scale = column_scale(top[:, :-1])
+    values = scale * np.linalg.lstsq(top[:, :-1] * scale, top[:, -1], rcond=1e-9)[0]
     if mass is not None and values[mass] < 0.0:
         return nothing
-    residuals = forces - scaled @ values
+    residuals = forces - columns @ values
     channels = slice(0, 6) if np.ptp(data.weights) == 0.0 else slice(0, 3)
     weighted, newtons = np.mean((residuals * root) ** 2), np.mean(residuals[:, channels] ** 2)
     return float(np.sqrt(weighted)), float(np.sqrt(newtons))

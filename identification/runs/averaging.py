@@ -18,7 +18,7 @@ from scipy.special import fdtrc
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.estimation.compressed import inverse_root
+from identification.estimation.compressed import orthonormal
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.sample_checks import Scan, bridged
@@ -152,8 +152,7 @@ class PeriodicRun:
         """
         if self.scatter is None:
             return None
-        root = matrices * np.sqrt(weights)[:, None]
-        half = inverse_root(np.asarray(np.linalg.qr(root.reshape(-1, matrices.shape[2]), mode="r")))
+        _, half = orthonormal(matrices, weights)
         response = rfft((matrices * weights[:, None]) @ half, axis=0) / len(matrices)
         spectra = self.scatter.smoothed(self.harmonics, len(matrices))
         if whitening is not None:
