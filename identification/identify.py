@@ -20,9 +20,8 @@ from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
 from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Finding, Kind, note, warning
-from identification.findings.bodies import doubtful_body
 from identification.findings.contact import contacts_told, free_of_contact, touched
-from identification.findings.fit_checks import fit_findings, leaves_much
+from identification.findings.fit_checks import doubtful_body, fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, Samples, excerpt, fit_samples

@@ -1,24 +1,16 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import as_html
 from identification.criteria import Identifiability
-from identification.model import expected_forces
 from identification.recording import Recording
-from identification.result import Estimate, Value
-from identification.runs.averaging import PeriodicRun
-from identification.runs.evaluation import Run
-from identification.runs.wrist import WristRun
-from identification.samples import Standstills
+from identification.result import Estimate, Residuals, Value
 from identification.saved_result import SavedResult, load_result, solution_of, with_tare
 
 if TYPE_CHECKING:
@@ -45,7 +37,7 @@ class Result:
     record: Mapping[str, Any]
     identifiability: Identifiability | None = None
     estimate: Estimate | None = None
-    residuals: "Residuals | None" = None
+    residuals: Residuals | None = None
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
@@ -162,72 +154,3 @@ def tare(recording: Recording, result: Result) -> Result:
         result.case,
         with_tare(solution, result.case, offsets.values, offsets.covariance, recording.source, offsets.notes),
     )
-
-
-Array = NDArray[np.float64]
-
-MOST_SAMPLES = 60_000  # of the recording: a minute at 1 kHz says what its forces look like, and hours do not fit
-SEGMENT = 1024  # samples of a periodogram: 1 Hz at 1 kHz
-
-
-@dataclass(frozen=True, slots=True)
-class Residuals:
-    """Recorded forces and the model's, at every recorded sample of the excitation (standstills: at each of them)."""
-
-    t: Array  # time, shape (n,) [s]; of standstills their number from 1
-    forces: Array  # as recorded, shape (n, 6) [N, or N and N m]
-    predicted: Array  # A u behind the evaluation's filter, the delay put right, shape (n, 6)
-    step: float | None  # time between samples [s]; None for standstills
-    # the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw them as
-    # recorded, or averaged in another way
-    filtered: Array | None = None
-
-    @property
-    def values(self) -> Array:
-        """Recorded less predicted, shape (n, 6)."""
-        return np.asarray(self.forces - self.predicted)
-
-    @property
-    def seen(self) -> Array:
-        """The forces that the model had to explain: behind the filter where there is one, shape (n, 6)."""
-        return self.forces if self.filtered is None else self.filtered
-
-    @property
-    def left(self) -> Array:
-        """What the model leaves of them, shape (n, 6)."""
-        return np.asarray(self.seen - self.predicted)
-
-    def spectrum(self) -> tuple[Array, Array]:
-        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
-
-        Periodograms of segments under a Hann window that overlap by half, each less its mean, are averaged.
-
-        Raises:
-            ValueError: standstills have no spectrum.
-        """
-        if self.step is None:
-            raise ValueError("standstills have no spectrum")
-        from scipy.signal import welch  # loads slowly, and only pages ask for it
-
-        frequencies, power = welch(self.values, 1.0 / self.step, nperseg=min(SEGMENT, len(self.t)), axis=0)
-        return frequencies, np.sqrt(power)
-
-
-def residuals_of(estimate: Estimate) -> Residuals:
-    """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`."""
-    samples, delay, u = estimate.evaluated, estimate.at, estimate.fit.values
-    if isinstance(samples, Standstills):
-        return Residuals(samples.t, samples.recorded, samples.matrices @ u, None)
-    if isinstance(samples, WristRun):
-        values, step = samples.regressors(delay) @ u, samples.filter.step * samples.filter.stride
-        return Residuals(samples.t, samples.recorded_forces, values, step)
-    if isinstance(samples, PeriodicRun):
-        assert samples.recording.t is not None
-        t = samples.recording.t[samples.used][:MOST_SAMPLES]
-        expected = samples.predicted(samples.regressors(delay) @ u, t)
-        return Residuals(t, samples.recording.forces[samples.used][:MOST_SAMPLES], expected, samples.recording.step)
-    assert isinstance(samples, Run)
-    rows = np.arange(samples.rows[0], samples.rows[-1] + 1)
-    every = replace(samples, rows=(rows if samples.spoilt is None else rows[~samples.spoilt[rows]])[:MOST_SAMPLES])
-    predicted = expected_forces(every.model, every.kinematics(delay), u)
-    return Residuals(every.t, every.recorded_forces, predicted, samples.filter.step, every.forces)

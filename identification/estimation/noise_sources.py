@@ -30,7 +30,7 @@ from identification.hexapod import Hexapod, Kinematics
 from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
-from identification.runs.averaging import PeriodicRun
+from identification.runs.averaging import FINER, PeriodicRun
 from identification.runs.evaluation import Run
 from identification.symbolic import over_samples
 
@@ -149,7 +149,7 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     variance = 0.0
     if isinstance(run, PeriodicRun):
         if sensors.strut_variance is not None:
-            moment, variance = strut_noise_moment(run, run.fine_kinematics(delay), sensors, w)
+            moment, variance = strut_noise_moment(run, run.kinematics(delay, FINER), sensors, w)
     elif sensors.strut_variance is not None:
         variance = sensors.strut_variance * run.filter.acceleration_noise_gain
         for change in acceleration_effects(run.machine, run.model, motion):

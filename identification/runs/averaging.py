@@ -102,19 +102,13 @@ class PeriodicRun:
 
     def regressors(self, delay: float) -> Array:
         """A at the instants less the delay, reduced to the harmonics, shape (2 H + 1, 6, u)."""
-        fine = regressors(self.model, self.fine_kinematics(delay))
+        fine = regressors(self.model, self.kinematics(delay, FINER))
         spectrum = rfft(fine, axis=0)[: self.harmonics + 1]
         return np.asarray(irfft(spectrum, self.points, axis=0) / FINER)
 
-    def kinematics(self, delay: float) -> Kinematics:
-        """Motion of the platform at the evaluated instants less the delay."""
-        return self._kinematics(self.t, delay)
-
-    def fine_kinematics(self, delay: float) -> Kinematics:
-        """The same at so many instants that the regressor's harmonics do not fold back."""
-        return self._kinematics(self._instants(FINER * self.points), delay)
-
-    def _kinematics(self, t: Array, delay: float) -> Kinematics:
+    def kinematics(self, delay: float, finer: int = 1) -> Kinematics:
+        """Motion of the platform at the evaluated instants, or at so many times as many, less the delay."""
+        t = self._instants(finer * self.points)
         try:
             return self.hexapod.kinematics(*(self.struts.at(t - delay, k) for k in range(3)))
         except StrutsDoNotClose as error:

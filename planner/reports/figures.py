@@ -19,7 +19,7 @@ from planner.reports.charts import Chart, plain, thinned
 from planner.reports.page import Item, Note, Plot, Table
 
 if TYPE_CHECKING:
-    from identification.outcome import Residuals
+    from identification.result import Residuals
 
 Array = NDArray[np.float64]
 

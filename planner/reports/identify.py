@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from cases.schema import Case
-from identification.outcome import TOLD_OF_RUNS, Residuals, Result
+from identification.outcome import TOLD_OF_RUNS, Result
+from identification.result import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import (
     distribution_plot,

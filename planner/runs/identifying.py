@@ -21,10 +21,10 @@ from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
-from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
+from identification.outcome import TOLD_OF_RUNS, Result
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.result import Estimate
+from identification.result import Estimate, residuals_of
 from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.samples import USUAL, Conditioning

@@ -7,7 +7,7 @@ from scipy.signal import welch
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.outcome import Residuals, residuals_of
+from identification.result import Residuals, residuals_of
 from identification.simulate import simulate_recording
 from planner.reports.figures import distribution_plot
 from tests.helpers import Harmonic

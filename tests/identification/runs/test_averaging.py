@@ -10,9 +10,8 @@ from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.identify import identify
 from identification.model import identification_model
-from identification.outcome import residuals_of
 from identification.parameters import linear_parameters, physical_form
-from identification.result import Estimate
+from identification.result import Estimate, residuals_of
 from identification.runs.averaging import periodic_run
 from identification.runs.periods import each_period
 from identification.samples import Conditioning, Periodic
