@@ -46,10 +46,12 @@ def check(
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     from cases.errors import CaseError
-    from cases.loading import load_case
+    from cases.loading import find_case, load_case
     from cases.scaffold import readiness
     from identification.limit import LimitReport
-    from planner.reports.case_figures import case_figures, leftovers, proposed_box, reach_figures
+    from planner.motion_box import largest_box
+    from planner.reach import reach as reach_of
+    from planner.reports.case_figures import case_figures, has_motion_box, leftovers
 
     try:
         figures: dict[str, Any] = case_figures(case)
@@ -66,8 +68,11 @@ def check(
     loaded = load_case(case)
     requirements, remarks = readiness(loaded), leftovers(loaded)
     with status("searching the largest reachable box", json or not propose):
-        proposal = proposed_box(case) if propose else None
-    reach = reach_figures(case)
+        try:
+            proposal = largest_box(loaded) if propose else None
+        except CaseError as error:
+            raise CaseError(find_case(case), error.key, error.problem) from error
+    reach = reach_of(loaded) if has_motion_box(loaded) else None
     if json:
         parts = {"reach": reach, "proposal": proposal}
         ready = {command: list(missing) for command, missing in requirements.items()}

@@ -32,19 +32,19 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     for run in (e for e in entries if e.level is Level.EXECUTED):
         _group_of_plan(run, [g for g in entry_groups if g[0].level is Level.PLANNED], entry_groups).append(run)
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        made_of = result.conditions.recordings
-        runs = [
-            (g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and e.conditions.recordings & made_of
-        ]
+        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and _of_one_run(e, result)]
         if runs:
             home, run = runs[0]
             known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
             entry = replace(result, duration=run.duration, conditions=known)
-            after = [k for k, e in enumerate(home) if e.conditions.recordings & run.conditions.recordings]
-            home.insert(max(after) + 1, entry)
+            home.insert(max(k for k, e in enumerate(home) if _of_one_run(e, run)) + 1, entry)
         else:
             _group_of_plan(result, entry_groups, entry_groups).append(result)
     return entry_groups
+
+
+def _of_one_run(one: Entry, other: Entry) -> bool:
+    return bool(one.conditions.recordings & other.conditions.recordings)
 
 
 def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: list[list[Entry]]) -> list[Entry]:
@@ -98,17 +98,15 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
     common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in found)]
     remarks = []
     if common:
-        selection = [e for g in found for e in g if e.level is common[0]]
-        level = common[0].name.lower()
+        level, selection = common[0].name.lower(), [e for g in found for e in g if e.level is common[0]]
     else:
-        selection = [max(g, key=lambda e: e.level) for g in found]
-        level = "mixed"
+        level, selection = "mixed", [max(g, key=lambda e: e.level) for g in found]
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) == 1:
-        found_best = _among(selection, level, remarks)
+        advice = _among(selection, level, remarks)
         vibrations = [(e.name, e.vibration) for e in selection if e.vibration is not None]
-        return found_best._replace(sentences=(*found_best.sentences, *least_shaken(vibrations)))
+        return advice._replace(sentences=(*advice.sentences, *least_shaken(vibrations)))
     text = "; ".join(
         f"{', '.join(e.name for e in group)} ({_in_words([e.conditions for e in group])})" for group in alike
     )
@@ -128,13 +126,10 @@ def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries of one machine, one load and one noise each; what nothing tells of an entry agrees with everything."""
     result: list[list[Entry]] = []
     for entry in entries:
-        home = next(
-            (group for group in result if all(_comparable(entry.conditions, other.conditions) for other in group)), None
-        )
-        if home is None:
-            result.append([entry])
-        else:
-            home.append(entry)
+        homes = (g for g in result if all(_comparable(entry.conditions, other.conditions) for other in g))
+        if (home := next(homes, None)) is None:
+            result.append(home := [])
+        home.append(entry)
     return result
 
 

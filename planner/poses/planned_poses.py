@@ -39,18 +39,6 @@ from planner.worth import PoseWorth
 Array = NDArray[np.float64]
 
 
-def smallest_set(model: Model, scaling: Array, poses: Array, letter: str) -> int:
-    """Poses that Algorithm 1 keeps of a set, shape (n, 6), before the regressor loses rank (Table 5, "Min. poses")."""
-    return len(reduce_best(pose_regressors(model, poses) * scaling, POSE_CRITERIA[letter], 1).kept)
-
-
-def criterion_value(model: Model, scaling: Array, poses: Array, letter: str) -> float:
-    """Value of a criterion of Table 4, to be maximised, of the mean information of poses, shape (n, 6), as scaled."""
-    regressors = pose_regressors(model, poses) * scaling
-    return float(POSE_CRITERIA[letter].value(total_information(regressors) / len(poses)))
-
-
-SCHEMA_VERSION = 1
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 SEEDS = 2000  # poses from which the design over the space starts
 
@@ -92,6 +80,7 @@ def poses_planned(
     space = continuous_bound(case, model, scaling, seeds)
     information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
+    criterion = POSE_CRITERIA[request.criterion]
     noise = request.noise if request.noise is not None else noise_of_average(case)
     worth = PoseWorth(
         settings={
@@ -104,11 +93,11 @@ def poses_planned(
         candidates=len(candidates.poses),
         travel_s=travel,
         travel_in_order_of_choice_s=unordered,
-        criterion_value=criterion_value(model, scaling, poses, request.criterion),
+        criterion_value=float(criterion.value(information / len(poses))),
         condition=float(np.sqrt(np.linalg.cond(information))),
         efficiency=approximate_design(regressors).efficiency(selection),
         efficiency_space=float(np.exp((logdet - space) / len(scaling))),
-        fewest_poses=smallest_set(model, scaling, poses, request.criterion),
+        fewest_poses=len(reduce_best(selection, criterion, 1).kept),  # Table 5, "Min. poses"
         predicted_std_of_all_candidates=predicted_std_at_poses(
             case, model, scaling, regressors, candidates.poses, noise
         ),

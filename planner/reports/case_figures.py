@@ -18,9 +18,8 @@ from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import StandingPoses
-from planner.motion_box import MotionBox, largest_box
 from planner.precision import share_text
-from planner.reach import Reach, reach
+from planner.reach import Reach
 from planner.search.inside import remedy
 
 GRID = (-1.0, 0.0, 1.0)
@@ -88,25 +87,6 @@ def has_motion_box(case: Case) -> bool:
     if case.limits is None:
         return False
     return case.chain is not None or (case.hexapod is not None and case.workspace is not None)
-
-
-def reach_figures(name: str) -> Reach | None:
-    """The reachable part of the motion box of a case; None where the case has no such box, or no limits."""
-    case = load_case(name)
-    return reach(case) if has_motion_box(case) else None
-
-
-def proposed_box(name: str) -> MotionBox:
-    """The largest reachable motion box of a case.
-
-    Raises:
-        CaseError: the case has no machine or no box of motions; the message names its file.
-    """
-    case = load_case(name)
-    try:
-        return largest_box(case)
-    except CaseError as error:
-        raise CaseError(find_case(name), error.key, error.problem) from error
 
 
 COLUMNS = ("coordinate", "stated range", "reachable range", "limited by")

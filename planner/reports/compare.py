@@ -92,6 +92,11 @@ def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
     return rows
 
 
+CRITERIA_WORDS = (
+    "Criteria of the information of a sample, parameters in units of the case (equations (30)-(33)): D, the log of its "
+    "determinant; A, the sum of the variances, with a minus; K, its condition, with a minus; N, its smallest singular "
+    "value squared over the largest. Larger is better."
+)
 EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
 
 
@@ -112,7 +117,7 @@ def compare_page(comparison: Comparison) -> Page:
                 ),
             ),
         ),
-        Section("Figures", (Table(("", *names), figure_rows(entries)), _scaling_note())),
+        Section("Figures", (Table(("", *names), figure_rows(entries)), Note(CRITERIA_WORDS))),
         Section(
             "Per second of measuring time",
             (Table(("std · √time", *names), per_second_rows(entries)),),
@@ -134,14 +139,6 @@ def compare_page(comparison: Comparison) -> Page:
         inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
         warnings=comparison.warnings,
         sections=tuple(sections),
-    )
-
-
-def _scaling_note() -> Note:
-    return Note(
-        "Criteria of the information of a sample, parameters in units of the case (equations (30)-(33)): D, the log of "
-        "its determinant; A, the sum of the variances, with a minus; K, its condition, with a minus; N, its smallest "
-        "singular value squared over the largest. Larger is better."
     )
 
 

@@ -48,6 +48,8 @@ def plan_page(plan: Plan) -> Page:
         ("seed", str(request.seed)),
         *provenance([])["versions"].items(),
     ]
+    names = bound_by(plan.limits)
+    shaped = f"What shapes the motion: {', '.join(names)}." if names else "No limit is used up."
     origin = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
         origin += f", re-timed with {method}"
@@ -68,7 +70,7 @@ def plan_page(plan: Plan) -> Page:
                 ),
             ),
             *pictured(case, plan.motion),
-            Section("How close it comes to each limit", (limits_plot(plan.limits), _bound_by(plan))),
+            Section("How close it comes to each limit", (limits_plot(plan.limits), Note(shaped))),
             Section("The motion and its limits", motion_items(case, motion)),
             *([Section("Struts", strut_items(case, motion))] if case.hexapod is not None else []),
             Section("Predicted sensor forces", force_items(case, motion, request.payload)),
@@ -170,11 +172,6 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     return (Table((*columns, "unit"), tuple(rows)), Note(note))
 
 
-def _bound_by(plan: Plan) -> Note:
-    names = bound_by(plan.limits)
-    return Note(f"What shapes the motion: {', '.join(names)}." if names else "No limit is used up.")
-
-
 def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
     """Starts of a search, and the bound that its result is measured by; of the JSON of a plan."""
     bound = plan["bound"]
@@ -213,6 +210,10 @@ def poses_page(plan: Plan) -> Page:
     words = (
         f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {about['remark']}."
     )
+    pictures = []  # of a chain there are none yet
+    if case.chain is None:
+        picture = posing_machine(case, plan.poses, "In the order of visit.")
+        pictures.append(Section("The machine in each pose", (picture,)))
     inputs = [("case", f"{case.name} (hash {case.hash})"), *((k, str(v)) for k, v in settings.items())]
     return Page(
         title=f"Poses: {case.title}",
@@ -221,18 +222,11 @@ def poses_page(plan: Plan) -> Page:
         warnings=(),
         sections=(
             Section("What the set promises", (Tiles(tiles), *_pose_deviations(plan))),
-            *_pictures(plan),
+            *pictures,
             Section("Where the poses are", (_places(plan),)),
             Section("What the poses determine", identifiability_items(found)),
         ),
     )
-
-
-def _pictures(plan: Plan) -> tuple[Section, ...]:
-    """The machine in each pose; of a chain there is no picture yet."""
-    if plan.case.chain is not None:
-        return ()
-    return (Section("The machine in each pose", (posing_machine(plan.case, plan.poses, "In the order of visit."),)),)
 
 
 def _pose_deviations(plan: Plan) -> tuple[Item, ...]:

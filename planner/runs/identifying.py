@@ -107,6 +107,9 @@ def result_of(
     run: Recording, case: Case, estimate: Estimate, standing: dict[str, Any] | None, stale: tuple[str, ...]
 ) -> Result:
     """The result of an estimate."""
+    seconds = run.record.get("executed_s")  # the time that it took
+    if seconds is None and run.t is not None:
+        seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     changed = tuple(warning(Kind.CASE, sentence) for sentence in stale)
     estimate = replace(estimate, findings=(*estimate.findings, *changed))
     record = {
@@ -114,20 +117,13 @@ def result_of(
         KEPT: result_basis(case),
         **({"stale": list(stale)} if stale else {}),
         **provenance(files_of(run.paths)),
-        **_about_run(run, case, estimate),
+        "case_file": case.origin,
+        "plan_hash": run.record.get("plan_hash"),
+        "measuring_s": seconds,
         **({"run": {k: run.record[k] for k in ("simulated", *TOLD_OF_RUNS) if k in run.record}} if run.record else {}),
         **({} if standing is None else {"standstills": standing}),
     }
-    analysis = identifiability(estimate)
-    return Result(case, record, analysis, estimate, residuals_of(estimate))
-
-
-def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]:
-    """What a result says of its run: the file of the case, the plan that it followed, the time that it took."""
-    seconds = run.record.get("executed_s")
-    if seconds is None and run.t is not None:
-        seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    return {"case_file": case.origin, "plan_hash": run.record.get("plan_hash"), "measuring_s": seconds}
+    return Result(case, record, identifiability(estimate), estimate, residuals_of(estimate))
 
 
 def case_of(

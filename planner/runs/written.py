@@ -57,7 +57,7 @@ def write(
         f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
         case_line(plan.case),
         f"plan {plan.name}: {plan.family}, {plan.duration:g} s at speed {speed:g}",
-        plan_line(plan),
+        f"plan hash {fingerprint(plan)}",
         *plan.stale,
         language.start,
     )
@@ -86,11 +86,6 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
 _OF_THE_CASE = re.compile(rb"case (\w+), hash ([0-9a-f]{%d}), controller settings ([0-9a-f]{%d})" % (DIGITS, DIGITS))
-
-
-def plan_line(plan: Plan) -> str:
-    """What a program says of its plan."""
-    return f"plan hash {fingerprint(plan)}"
 
 
 def plan_of_program(content: bytes) -> str | None:

@@ -14,7 +14,8 @@ from cases.errors import HexciteError
 from cases.loading import built_in_cases, load_case
 from cases.scaffold import readiness
 from identification.hexapod import Hexapod
-from planner.reports.case_figures import case_figures, has_motion_box, leftovers, reach_figures
+from planner.reach import reach
+from planner.reports.case_figures import case_figures, has_motion_box, leftovers
 from postprocessors.dialects import read_program
 from postprocessors.proving.proof import prove_program
 from tests.bench.reliability.programs import ROUNDED
@@ -48,20 +49,20 @@ def tally_of_cases(seeds: range, folder: Path) -> Tally:
         def check():
             figures = case_figures(file)
             case = load_case(file)
-            return figures, case, reach_figures(file), readiness(case), leftovers(case)
+            return figures, case, reach(case) if has_motion_box(case) else None, readiness(case), leftovers(case)
 
         found = tally.attempt(seed, check, file)
         if found is None:
             return
-        figures, case, reach, *_ = found
+        figures, case, reached, *_ = found
         json.dumps(figures, allow_nan=False)
         if has_motion_box(case) and case.hexapod is not None:
             home = case.machine.home.vector
             again = Hexapod.of(case).poses(Hexapod.of(case).strut_lengths(home[None]))[0]
             if not np.allclose(again, home, rtol=0.0, atol=1e-6):
                 tally.defect(seed, f"home {home} is taken for {again}")
-            if not 0.0 <= reach.share <= 1.0:
-                tally.defect(seed, f"reach {reach.share}")
+            if not 0.0 <= reached.share <= 1.0:
+                tally.defect(seed, f"reach {reached.share}")
 
     return tallied("cases", seeds, one)
 
