@@ -1,7 +1,6 @@
 """Standard deviations that one run of a motion will have, predicted from its information and the expected noise."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,21 +163,14 @@ def figures_of(
     return figures, noise, worst_std(case, model, scaling, motion, payloads)
 
 
-class Beside(NamedTuple):
-    """The hand-made motion's figures."""
+def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
+    """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none.
 
-    duration: float  # [s]
-    std: dict[str, float]  # predicted standard deviation of each physical parameter, of one whole run [SI]
-    averaging: bool = True  # whether errors average out where it is repeated; those that depend on the pose do not
-
-    def at_equal_time(self, duration: float) -> dict[str, float]:
-        """Deviations if the motion were repeated, or broken off, after another duration [s]."""
-        times = float(np.sqrt(self.duration / duration)) if self.averaging else 1.0
-        return {name: std * times for name, std in self.std.items()}
-
-
-def beside_manual(plan: Plan) -> Beside | str:
-    """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none."""
+    Returns:
+        Predicted standard deviation of each physical parameter [SI] for as much measuring time as the plan's, repeated
+        or broken off, where errors average out; else, where they depend on the pose, of one run; its duration [s];
+        whether they average out.
+    """
     if not plan.of_motion[0].family.optimised:
         return "it is the motion itself"
     try:
@@ -190,8 +182,8 @@ def beside_manual(plan: Plan) -> Beside | str:
         if np.linalg.matrix_rank(information) < len(scaling):
             return "the hand-made motion of this case does not determine all parameters of the model"
         worst = worst_std(case, model, scaling, motion, plan.payloads)
-        return Beside(
-            motion.duration, {name: std for name, (std, _) in worst.items()}, case.sensors.pose_error_N is None
-        )
+        averaging = case.sensors.pose_error_N is None
+        times = float(np.sqrt(motion.duration / plan.duration)) if averaging else 1.0
+        return {name: std * times for name, (std, _) in worst.items()}, motion.duration, averaging
     except HexciteError as error:
         return f"there is no hand-made motion to compare with: {error.typed}"

@@ -230,9 +230,9 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
         )
     else:
         print(_rated(answer))
-    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in outcome.rating.peaks.items())
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in outcome.peaks.items())
     print(f"reached of the limits in the whole run: {peaks}")
-    for sentence in exceeded_sentence(outcome.rating.peaks, outcome):
+    for sentence in exceeded_sentence(outcome.peaks, outcome):
         print(sentence)
     if answer["remark"]:
         print(answer["remark"])

@@ -7,7 +7,6 @@ then evaluates only poses that can still be the best, and removes the same ones 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,33 +77,28 @@ def require_full_rank(regressors: Array, model: Model) -> None:
 Index = NDArray[np.int64]
 
 
-class Screen(NamedTuple):
-    """Upper bounds of a criterion after the removal of each of n poses, valid while poses are removed."""
+Screen = tuple[Callable[[Array], Array], Callable[[Array, Index, Array], None]]
+"""Upper bounds of a criterion after the removal of each of n poses, valid while poses are removed.
 
-    upper: Callable[[Array], Array]  # information, shape (u, u) -> bound for each pose, shape (n,)
-    # takes note of exact values, shape (rows,), of some poses at an information; most bounds do not sharpen by them
-    learn: Callable[[Array, Index, Array], None] = lambda information, rows, values: None
+The first function gives the bound of each pose, shape (n,), at an information, shape (u, u). The second takes note of
+exact values, shape (rows,), of some poses at an information; most bounds do not sharpen by them.
+"""
 
 
-class PoseCriterion(Protocol):
+@dataclass(frozen=True, slots=True)
+class PoseCriterion:
     """A criterion of pose sets."""
 
-    @property
-    def letter(self) -> str:
-        """In Table 4."""
-        ...
+    letter: str  # in Table 4
+    value: Callable[[Array], Array]  # of one or more informations, shape (..., u, u) -> (...); -inf where singular
+    # information and regressors, shape (k, 6, u) -> value without each pose, F - A_j^T A_j, shape (k,)
+    after_removal: Callable[[Array, Array], Array]
+    # regressors of n poses and information -> a fresh screen: nearly exact for this, valid for what removals leave
+    screen: Callable[[Array, Array], Screen]
 
-    def value(self, information: Array) -> Array:
-        """Value of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
-        ...
 
-    def after_removal(self, information: Array, regressors: Array) -> Array:
-        """Value without each pose: F - A_j^T A_j, shape (k, 6, u) -> (k,)."""
-        ...
-
-    def screen(self, regressors: Array, information: Array) -> Screen:
-        """A fresh screen of n poses, shape (n, 6, u): nearly exact for `information`, valid for what removals leave."""
-        ...
+def _forgets(information: Array, rows: Index, values: Array) -> None:
+    """The second function of a screen that does not sharpen."""
 
 
 def _products(regressors: Array) -> Array:
@@ -123,99 +117,81 @@ def _leverage(information: Array, regressors: Array) -> tuple[Array, Array]:
     return weighted, weighted @ regressors.transpose(0, 2, 1)
 
 
-class DOptimal:
-    """Log det F (31)."""
-
-    letter = "D"
-
-    def value(self, information: Array) -> Array:
-        """Log det, -inf where singular."""
-        sign, logdet = np.linalg.slogdet(information)
-        return np.where(sign > 0, logdet, -np.inf)
-
-    def after_removal(self, information: Array, regressors: Array) -> Array:
-        """Log det F + log det(1 - A F^-1 A^T)."""
-        return self.value(information) + self.value(np.eye(6) - _leverage(information, regressors)[1])
-
-    def screen(self, regressors: Array, information: Array) -> Screen:
-        """Losses only grow while poses are removed: an old loss bounds the present one."""
-        gains = self.after_removal(information, regressors) - self.value(information)
-
-        def learn(information: Array, rows: Index, values: Array) -> None:
-            gains[rows] = values - self.value(information)
-
-        return Screen(lambda information: np.asarray(self.value(information) + gains), learn)
+def _log_det(information: Array) -> Array:
+    """Log det F (31), -inf where singular."""
+    sign, logdet = np.linalg.slogdet(information)
+    return np.where(sign > 0, logdet, -np.inf)
 
 
-class AOptimal:
-    """-trace F^-1 (30)."""
+def _log_det_after(information: Array, regressors: Array) -> Array:
+    """Log det F + log det(1 - A F^-1 A^T)."""
+    return _log_det(information) + _log_det(np.eye(6) - _leverage(information, regressors)[1])
 
-    letter = "A"
 
-    def value(self, information: Array) -> Array:
-        """Minus the sum of the variances, -inf where singular."""
+def _log_det_screen(regressors: Array, information: Array) -> Screen:
+    """Losses only grow while poses are removed: an old loss bounds the present one."""
+    gains = _log_det_after(information, regressors) - _log_det(information)
+
+    def learn(information: Array, rows: Index, values: Array) -> None:
+        gains[rows] = values - _log_det(information)
+
+    return lambda information: np.asarray(_log_det(information) + gains), learn
+
+
+def _minus_trace(information: Array) -> Array:
+    """-trace F^-1 (30), minus the sum of the variances, -inf where singular."""
+    values = _eigenvalues(information)
+    with np.errstate(divide="ignore"):
+        return np.asarray(-np.sum(1.0 / values, axis=-1))
+
+
+def _minus_trace_after(information: Array, regressors: Array) -> Array:
+    """-trace F^-1 - trace((1 - A F^-1 A^T)^-1 A F^-2 A^T)."""
+    weighted, leverage = _leverage(information, regressors)
+    try:
+        solved = np.linalg.solve(np.eye(6) - leverage, weighted)
+    except np.linalg.LinAlgError:  # one of them loses rank exactly
+        return _minus_trace(information - _products(regressors))
+    loss = np.einsum("nkl,nkl->n", solved, weighted)
+    # Losses are positive; where rank is lost, rounding decides their sign.
+    return np.asarray(_minus_trace(information) - np.where(loss > 0.0, loss, np.inf))
+
+
+def _minus_trace_screen(regressors: Array, information: Array) -> Screen:
+    """Trace M^-1 >= 2 trace X - trace X M X for every symmetric X; X is the inverse when the screen was made."""
+    inverse: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
+    rows = (regressors.reshape(-1, len(inverse)) @ inverse).reshape(len(regressors), -1)
+    seen = np.einsum("nk,nk->n", rows, rows)
+
+    def upper(information: Array) -> Array:
+        common = 2.0 * np.trace(inverse) - np.sum((inverse @ information) * inverse)
+        return np.asarray(-(common + seen))
+
+    return upper, _forgets
+
+
+def _of_extremes(letter: str, of: Callable[[Array, Array], Array]) -> PoseCriterion:
+    """The criterion of the smallest and the largest eigenvalue of F, `of` both."""
+
+    def value(information: Array) -> Array:
         values = _eigenvalues(information)
-        with np.errstate(divide="ignore"):
-            return np.asarray(-np.sum(1.0 / values, axis=-1))
+        return of(values[..., 0], values[..., -1])
 
-    def after_removal(self, information: Array, regressors: Array) -> Array:
-        """-trace F^-1 - trace((1 - A F^-1 A^T)^-1 A F^-2 A^T)."""
-        weighted, leverage = _leverage(information, regressors)
-        try:
-            solved = np.linalg.solve(np.eye(6) - leverage, weighted)
-        except np.linalg.LinAlgError:  # one of them loses rank exactly
-            return self.value(information - _products(regressors))
-        loss = np.einsum("nkl,nkl->n", solved, weighted)
-        # Losses are positive; where rank is lost, rounding decides their sign.
-        return np.asarray(self.value(information) - np.where(loss > 0.0, loss, np.inf))
-
-    def screen(self, regressors: Array, information: Array) -> Screen:
-        """Trace M^-1 >= 2 trace X - trace X M X for every symmetric X; X is the inverse when the screen was made."""
-        inverse: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
-        rows = (regressors.reshape(-1, len(inverse)) @ inverse).reshape(len(regressors), -1)
-        seen = np.einsum("nk,nk->n", rows, rows)
-
-        def upper(information: Array) -> Array:
-            common = 2.0 * np.trace(inverse) - np.sum((inverse @ information) * inverse)
-            return np.asarray(-(common + seen))
-
-        return Screen(upper)
-
-
-@dataclass(frozen=True, slots=True)
-class Extremes:
-    """Criterion of the smallest and the largest eigenvalue of F."""
-
-    letter: str
-    of: Callable[[Array, Array], Array]  # value from both
-
-    def value(self, information: Array) -> Array:
-        """Value, -inf where singular."""
-        values = _eigenvalues(information)
-        return self.of(values[..., 0], values[..., -1])
-
-    def after_removal(self, information: Array, regressors: Array) -> Array:
-        """From the eigenvalues of F - A^T A."""
-        return self.value(information - _products(regressors))
-
-    def screen(self, regressors: Array, information: Array) -> Screen:
+    def screen(regressors: Array, information: Array) -> Screen:
         """Ritz values in the two lowest and the two highest eigenvectors when the screen was made."""
         directions = np.linalg.eigh(information)[1][:, [0, 1, -2, -1]]
         seen = (regressors.reshape(-1, len(directions)) @ directions).reshape(len(regressors), 6, 4)
-        pairs = ((0, 0), (0, 1), (1, 1), (2, 2), (2, 3), (3, 3))
-        products = np.array([np.einsum("nk,nk->n", seen[:, :, i], seen[:, :, j]) for i, j in pairs])
+        products = np.einsum("nki,nkj->ijn", seen, seen)
 
         def upper(information: Array) -> Array:
-            whole = directions.T @ information @ directions
-            low = _outer_eigenvalue(
-                whole[0, 0] - products[0], whole[0, 1] - products[1], whole[1, 1] - products[2], -1.0
-            )
-            high = _outer_eigenvalue(
-                whole[2, 2] - products[3], whole[2, 3] - products[4], whole[3, 3] - products[5], 1.0
-            )
-            return self.of(np.maximum(low, 0.0), np.maximum(high, 0.0))
+            left = (directions.T @ information @ directions)[:, :, None] - products
+            low = _outer_eigenvalue(left[0, 0], left[0, 1], left[1, 1], -1.0)
+            high = _outer_eigenvalue(left[2, 2], left[2, 3], left[3, 3], 1.0)
+            return of(np.maximum(low, 0.0), np.maximum(high, 0.0))
 
-        return Screen(upper)
+        return upper, _forgets
+
+    return PoseCriterion(letter, value, lambda information, rows: value(information - _products(rows)), screen)
 
 
 def _outer_eigenvalue(a: Array, b: Array, c: Array, side: float) -> Array:
@@ -236,6 +212,12 @@ def _noise_amplification(smallest: Array, largest: Array) -> Array:
         return np.where(smallest > 0.0, smallest / np.sqrt(largest), -np.inf)
 
 
-POSE_CRITERIA: dict[str, PoseCriterion] = {
-    c.letter: c for c in (AOptimal(), DOptimal(), Extremes("K", _minus_condition), Extremes("N", _noise_amplification))
+POSE_CRITERIA = {
+    c.letter: c
+    for c in (
+        PoseCriterion("A", _minus_trace, _minus_trace_after, _minus_trace_screen),
+        PoseCriterion("D", _log_det, _log_det_after, _log_det_screen),
+        _of_extremes("K", _minus_condition),
+        _of_extremes("N", _noise_amplification),
+    )
 }

@@ -100,7 +100,8 @@ def _best_removal(
 
     Poses are evaluated in the order of their bounds until no bound reaches the best value found.
     """
-    pending = np.where(alive, screen.upper(information), -np.inf)
+    upper, learn = screen
+    pending = np.where(alive, upper(information), -np.inf)
     exact = np.full(len(alive), -np.inf)
     best, evaluated, chunk = -np.inf, 0, CHUNK
     while True:
@@ -111,7 +112,7 @@ def _best_removal(
         if evaluated + len(rows) > max(most, CHUNK):
             return None
         exact[rows] = criterion.after_removal(information, regressors[rows])
-        screen.learn(information, rows, exact[rows])
+        learn(information, rows, exact[rows])
         pending[rows] = -np.inf
         best = max(best, float(exact[rows].max()))
         evaluated += len(rows)

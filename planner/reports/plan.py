@@ -12,7 +12,7 @@ from identification.limit import Status
 from identification.model import Model, identification_model
 from identification.motion import sample
 from identification.parameters import physical_form
-from planner.deviations import Beside, beside_manual
+from planner.deviations import beside_manual
 from planner.noise import standing_model
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
@@ -65,7 +65,7 @@ def plan_page(plan: Plan) -> Page:
                 (
                     _headline(plan),
                     _verdicts(plan),
-                    *_deviations(plan, model, beside_manual(plan)),
+                    *_deviations(plan, model),
                     *_notes(plan),
                 ),
             ),
@@ -142,7 +142,7 @@ def _verdicts(plan: Plan) -> Answers:
     )
 
 
-def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
+def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     worth = plan.of_motion[1]
     noise_text = " and noise of the accelerations as the case states it" if worth.noise_of_accelerations else ""
@@ -153,14 +153,15 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     columns = ["parameter", "predicted std"]
     other = None
     if plan.of_motion[0].family.optimised:
-        if isinstance(manual, Beside):
-            other = manual.at_equal_time(plan.motion.duration)
-            columns += ["hand-made, equal time" if manual.averaging else "hand-made", "times smaller"]
-            note += f" The hand-made motion of the case takes {manual.duration:.2f} s; its deviations are those of " + (
-                "as much measuring time as the plan's, repeated or broken off." if manual.averaging else "one run."
-            )
-        else:
+        manual = beside_manual(plan)
+        if isinstance(manual, str):
             note += f" {manual[0].upper()}{manual[1:]}."
+        else:
+            other, seconds, averaging = manual
+            columns += ["hand-made, equal time" if averaging else "hand-made", "times smaller"]
+            note += f" The hand-made motion of the case takes {seconds:.2f} s; its deviations are those of " + (
+                "as much measuring time as the plan's, repeated or broken off." if averaging else "one run."
+            )
     rows = []
     for p in physical_form(model).parameters:
         scale, unit = legible(p.unit)

@@ -4,12 +4,13 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
+from cases.units import MM
 from identification.criteria import reference_scaling
 from identification.limit import LimitKind
 from identification.machines import machine_of
@@ -36,27 +37,16 @@ SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # of a run
 
 
-class RunRating(NamedTuple):
-    """Planned against executed."""
-
-    planned: float  # duration of the excitation in the program [s]
-    executed: float  # with the controller [s]
-    path_error: float  # [m]
-    efficiency_planned: float | None  # D-efficiency of the program's excitation; None where it measures standing still
-    efficiency: float | None  # efficiency of the executed one, behind the filter of the evaluation; None as before
-    peaks: Mapping[LimitKind, float]  # largest share of each kinetic limit, approach and return included
-
-
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
     """A run with its recording."""
 
     run: ExecutedRun
     recording: Recording  # what was measured, simulated
-    rating: RunRating
     planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
     guarantees: Guarantees  # what the controller that it was written for answers for
     around: Circumstances
+    peaks: Mapping[LimitKind, float]  # largest share of each kinetic limit, approach and return included
 
 
 def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
@@ -89,24 +79,29 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     """
     case.need_simulation("a run")
     parts, run = carried_out(program, case, on)
-    at_poses = measures_at_poses(parts)
-    planned = way_of(parts, case, program.guarantees) if at_poses else planned_excitation(program, case)
-    if at_poses:
-        poses = measured_poses(parts)
+    planned: Trajectory
+    if measures_at_poses(parts):
+        planned, poses = way_of(parts, case, program.guarantees), measured_poses(parts)
         seconds, off = stood(run, poses, program.path)
-        rating = RunRating(planned.duration, seconds, off, None, None, executed_peaks(run.execution, case))
+        rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
+        rating["poses_m_rad"] = poses.tolist()
     else:
-        poses, rating = np.zeros((0, 6)), _rating(case, planned, run)
-    outcome = RunOutcome(
-        run=run,
-        recording=simulate_recording(case, run.execution, run.trigger, seed, around=around),
-        rating=rating,
-        planned=planned,
-        guarantees=program.guarantees,
-        around=around,
-    )
-    record = _record(outcome, program, case, seed) | {"poses_m_rad": poses.tolist()}
-    return replace(outcome, recording=replace(outcome.recording, case=case, record=record))
+        planned = planned_excitation(program, case)
+        rating = _rating(case, planned, run)
+    recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
+    peaks = executed_peaks(run.execution, case)
+    record = {
+        **_record(program, case, run, around),
+        "seed": seed,
+        "samples": len(recording.forces),
+        "planned_s": planned.duration,
+        **rating,
+        "peak_acceleration_of_limit": max(s for kind, s in peaks.items() if kind.family in _ACCELERATIONS),
+        "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
+        "units": "SI with the unit in each column name",
+    }
+    recording = replace(recording, case=case, record=record)
+    return RunOutcome(run, recording, planned, program.guarantees, around, peaks)
 
 
 def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
@@ -153,21 +148,21 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
 
 
-def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> RunRating:
+def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> dict[str, Any]:
+    """What `recording.json` says of how a moving excitation was executed."""
     model = identification_model(case, full_model(case))
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
         case.missing("recording.filter_cutoff_Hz", "the rating of a run")
     after = executed_information(model, scaling, run.execution, run.trigger, cutoff)
-    return RunRating(
-        planned=planned.duration,
-        executed=run.excitation,
-        path_error=path_error(planned, run.execution, run.trigger),
-        efficiency_planned=_efficiency(bound, mean_information(model, scaling, planned)),
-        efficiency=_efficiency(bound, after),
-        peaks=executed_peaks(run.execution, case),
-    )
+    return {
+        "executed_s": run.excitation,
+        "path_error_mm": path_error(planned, run.execution, run.trigger) / MM,
+        "d_efficiency_planned": _efficiency(bound, mean_information(model, scaling, planned)),
+        "d_efficiency": _efficiency(bound, after),  # behind the filter of the evaluation
+        "poses_m_rad": [],
+    }
 
 
 def _efficiency(bound: Bound, information: np.ndarray) -> float:
@@ -204,9 +199,9 @@ def run(
     return execute(read, case, on, seed, around).recording
 
 
-def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> dict[str, Any]:
-    """What `recording.json` says of a run."""
-    rating, disturbances = outcome.rating, outcome.around.disturbances
+def _record(program: Program, case: Case, run: ExecutedRun, around: Circumstances) -> dict[str, Any]:
+    """What `recording.json` says of program, controller and machine."""
+    disturbances = around.disturbances
     other = written_for_another(program.content, case)
     return {
         **about_case(case),
@@ -214,23 +209,13 @@ def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> d
         "program": str(program.path.resolve()),
         "program_hash": hashlib.sha256(program.content).hexdigest()[:16],
         "plan_hash": plan_of_program(program.content),
-        "controller": outcome.run.controller,
-        "controller_real": outcome.run.real,
+        "controller": run.controller,
+        "controller_real": run.real,
         "simulated": True,
         "simulated_parts": "sensors and encoders; the motion is what the controller executed",
         "simulation_source": case.need_simulation("a recording").source,
-        "payload": {"weights": len(outcome.around.weights), "mass_kg": outcome.around.load},
+        "payload": {"weights": len(around.weights), "mass_kg": around.load},
         "disturbances": None if disturbances is None else disturbances.model_dump(mode="json"),
-        "seed": seed,
-        "samples": len(outcome.recording.forces),
-        "trigger_windows_s": outcome.run.trigger.tolist(),
-        "planned_s": rating.planned,
-        "executed_s": rating.executed,
-        "path_error_mm": rating.path_error * 1e3,
-        "d_efficiency_planned": rating.efficiency_planned,
-        "d_efficiency": rating.efficiency,
-        "peak_acceleration_of_limit": max(s for kind, s in rating.peaks.items() if kind.family in _ACCELERATIONS),
-        "peaks_of_limit": {str(kind): share for kind, share in rating.peaks.items()},
-        "remark": "; ".join(text for text in (other and f"the program was {other}", outcome.run.remark) if text),
-        "units": "SI with the unit in each column name",
+        "trigger_windows_s": run.trigger.tolist(),
+        "remark": "; ".join(text for text in (other and f"the program was {other}", run.remark) if text),
     }

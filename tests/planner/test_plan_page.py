@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.loading import load_case
-from planner.deviations import Beside, beside_manual
+from planner.deviations import beside_manual
 from planner.precision import std_text
 from planner.request import Request
 from tests.helpers import few
@@ -42,10 +42,10 @@ def test_a_plan_has_its_page(tab: Opened, planned: dict[str, Any]):
 
 def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[str, Any], tab: Opened, cache: Path):
     case = load_case("hexapod")
-    plan = SimpleNamespace(case=case, of_motion=(Request(), None), model=9, payloads=range(1))
-    manual = beside_manual(plan)
-    assert isinstance(manual, Beside)
-    other = manual.at_equal_time(planned["duration_s"])
+    plan = SimpleNamespace(
+        case=case, of_motion=(Request(), None), model=9, payloads=range(1), duration=planned["duration_s"]
+    )
+    other, *_ = beside_manual(plan)
     rows = tab.page.locator("table").first.locator("tr:has(td)").all_inner_texts()
     assert len(rows) == len(planned["predicted_std"]) == 20
     for row, (name, std) in zip(rows, planned["predicted_std"].items(), strict=True):
@@ -58,9 +58,11 @@ def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[st
 
 
 def test_twice_the_time_is_worth_the_root_of_two():
-    manual = Beside(12.0, {"m": 0.2})
-    assert manual.at_equal_time(24.0)["m"] == pytest.approx(0.2 / 2**0.5)
-    assert manual.at_equal_time(12.0) == manual.std
+    plan = SimpleNamespace(
+        case=load_case("hexapod"), of_motion=(Request(), None), model=9, payloads=range(1), duration=12.0
+    )
+    once, twice = beside_manual(plan)[0], beside_manual(SimpleNamespace(**vars(plan) | {"duration": 24.0}))[0]
+    assert twice["m"] == pytest.approx(once["m"] / 2**0.5)
 
 
 def test_a_case_without_a_hand_made_motion_says_so(hexapod_file: Path):
