@@ -49,7 +49,6 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     """The case as a controller executes point-to-point moves.
 
     Args:
-        case: case whose limits of jerk count unless the controller's time law knows none.
         controller: a name of `CONTROLLERS`; None for none.
 
     Raises:
@@ -74,7 +73,6 @@ def moves_in(box: Box, duration: float) -> float:
 
     Args:
         box: limits that count, see `Controlled`.
-        duration: duration of all moves [s].
     """
     width = box.pose[1] - box.pose[0]
     each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))
@@ -87,7 +85,6 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
     """The language of the controller that a plan was made for, else the first that the case has what it takes for.
 
     Args:
-        settings: settings of the plan.
         path: whether the motion is one path, of which controllers of a chain know tables of points alone.
     """
     made_for = (settings or {}).get("made_for")
@@ -100,9 +97,6 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
 
 def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:
     """What to know about moves that the controller of a dialect times by another law than they were planned with.
-
-    Args:
-        made_for: the controller that it was made for.
 
     Raises:
         HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.

@@ -47,7 +47,6 @@ def predicted_std(
         information: mean of H A^T W A H, or that `of_estimate` where W is not right for the noise, shape (u, u).
         duration: [s].
         noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
-        payload: number of the case's payloads that are mounted.
 
     Raises:
         CaseError: the case has no nominal body.
@@ -95,7 +94,6 @@ def predicted_std_of(
 
     Args:
         scaling: scaling of its columns, shape (u,).
-        payload: how many weights are mounted.
 
     Raises:
         CaseError: the case has no nominal body.

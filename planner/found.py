@@ -57,10 +57,6 @@ class Found(NamedTuple):
 def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     """The plan of a motion that keeps all limits: what it is worth.
 
-    Args:
-        found: the motion, and where it comes from.
-        seconds: spent on it [s].
-
     Raises:
         IdentificationError: the motion does not excite all parameters of the model.
         CaseError: the case has no machine or no limits.

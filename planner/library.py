@@ -157,13 +157,7 @@ def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> B
 
 
 class Progress:
-    """Follows the starts of a search.
-
-    Args:
-        request: what is planned.
-        case: case for which machine.
-        remark: shows a line.
-    """
+    """Follows the starts of a search."""
 
     def __init__(self, request: Request, case: Case, remark: Callable[[str], None]) -> None:
         self.request, self.asked, self.remark, self.bound = request, request, remark, None

@@ -71,9 +71,6 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
     before. So the box is a local optimum; home may lie near one of its sides. It is verified at many poses (corners,
     edges, inside, and where a search from these ends), not everywhere.
 
-    Args:
-        case: case with machine, workspace and limits.
-
     Raises:
         CaseError: the case has no machine or no limits, or home is out of reach.
     """

@@ -75,7 +75,6 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
     """What a case says about the noise of a run.
 
     Args:
-        model: model that turns accelerations into forces.
         payload: number of the case's payloads that are mounted on the nominal body.
         weights: weights of the identification; None for those of the case.
 
@@ -95,9 +94,6 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
 
 def standing_model(case: Case, number: int) -> Model:
     """The model of averaged standstills; of a force/torque sensor as its stated noise weighs forces and moments.
-
-    Args:
-        number: number in Table 2.
 
     Raises:
         IdentificationError: no such model.

@@ -41,7 +41,6 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     """Reads a plan folder; its figures are computed anew from its motion and compared.
 
     Args:
-        folder: its folder.
         case: stands for the case that the plan names, which may have been moved.
         stale: read it although what it was computed from has changed in its case.
 

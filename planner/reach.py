@@ -86,7 +86,6 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     itself, whether or not a way leads there from home.
 
     Args:
-        case: case with machine, workspace and limits.
         count: number of random poses, uniform in the box, for the share of its volume.
 
     Raises:
@@ -162,9 +161,6 @@ class StaticLimits:
 
     `identification.limit_proof` proves the same limits by other means; both measure distances from boxes by
     `identification.keep_out`.
-
-    Args:
-        case: case with machine, workspace and limits.
     """
 
     def __init__(self, case: Case) -> None:
@@ -247,11 +243,7 @@ class StaticLimits:
 
 
 class StaticLimitsOfChain(StaticLimits):
-    """What a case limits of a chain at rest, by the proof of limits: distances of bodies, torques, forces of sensors.
-
-    Args:
-        case: case with a chain and limits.
-    """
+    """What a case limits of a chain at rest, by the proof of limits: distances of bodies, torques, forces of sensors."""
 
     def __init__(self, case: Case) -> None:
         chain, limits = case.need_chain("the reach of the motion box")

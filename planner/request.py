@@ -155,7 +155,6 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str) -
     Args:
         units: SI unit of each parameter that may be named.
         option: option that it was given with, for messages.
-        example: what could be given.
 
     Raises:
         HexciteError: not understood, an unknown name, a missing or unknown unit.

@@ -82,7 +82,6 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     """What a motion is worth on the simulated machine of a case; None where the case states no mode or no filter.
 
     Args:
-        case: case with `[simulation.disturbances]`.
         payload: number of payloads that are mounted.
         seconds: measuring time of the white noise: motions are compared at equal time [s].
 

@@ -31,8 +31,6 @@ def read_conditioning(period: str | None, harmonics: int | None, flexible: bool 
 
     Args:
         period: `auto` or seconds, as typed.
-        harmonics: harmonics of the series.
-        flexible: whether a structural mode is estimated.
 
     Raises:
         HexciteError: not understood, or options that do not go together.
@@ -95,10 +93,6 @@ def method_of(
     stale: bool = False,
 ) -> Method:
     """The method that a user asks for, by the options as typed.
-
-    Args:
-        biases: result whose offsets are taken.
-        stale: go on although the case has changed since the biases were identified.
 
     Raises:
         HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator, a

@@ -48,11 +48,7 @@ class Excitation:
     def recorded(
         self, weights: int, disturbances: Disturbances | None, run: Moved | None = None
     ) -> tuple[Recording, ForceParts]:
-        """The run with some weights mounted, averaged where it stands, and what its forces consist of.
-
-        Args:
-            run: what the machine did, where it is known.
-        """
+        """The run with some weights mounted, averaged where it stands, and what its forces consist of."""
         around = Circumstances(_weights(self.case, weights), disturbances)
         run = self.moved(weights, disturbances) if run is None else run
         source = f"{self.name} with {weights} weights"
@@ -71,12 +67,9 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
 
 
 def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[MethodStep]:
-    """The simulated machine identified with numbers of weights on it.
+    """The simulated machine identified with numbers of weights on it, ascending from 0.
 
     A set of poses is travelled through once: its standstills do not tell one way there from another.
-
-    Args:
-        mounted: numbers of weights, ascending from 0.
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
@@ -103,9 +96,6 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
-
-    Args:
-        read: reads a run, averaged where it stands.
 
     Raises:
         FileProblem: there is none without payload, fewer than two, or one of those between is missing.
@@ -199,7 +189,6 @@ def true_deviations(
     (28) has it.
 
     Args:
-        estimate: estimate by least squares.
         load: mass of the weights on it [kg].
     """
     model = estimate.model

@@ -83,9 +83,7 @@ def validate(
 
     Args:
         case: case with payloads and a simulated machine.
-        methods: names of the methods.
         mounted: numbers of weights, from 0 on; by default none, and each up to all.
-        settings: how methods are carried out.
         undisturbed: whether the simulated structure is an ideal one.
         folder: folder that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless
             given.

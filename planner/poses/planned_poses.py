@@ -49,7 +49,6 @@ def poses_planned(
     """Chooses poses, orders, times and proves them.
 
     Args:
-        case: machine, limits and poses.
         given: poses of one's own, for the method of this name, shape (n, k) [m or rad].
         done: called with the number of poses after each step of the choice.
 
@@ -112,7 +111,6 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
     """The poses to choose from.
 
     Args:
-        case: machine, limits and poses.
         given: poses of one's own, of the method of this name, shape (n, k) [m or rad].
 
     Raises:
@@ -185,7 +183,6 @@ def choose(
     """Chosen poses, shape (n, 6) [m, rad], and how the choice ended, one phrase.
 
     Args:
-        request: method, criterion and count.
         candidates: valid poses, shape (n, 6) [m, rad].
         regressors: theirs, scaled, shape (n, 6, u); together of full rank.
         scaling: scaling of the columns, shape (u,).

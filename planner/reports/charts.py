@@ -98,12 +98,7 @@ def plain(text: str) -> str:
 
 
 def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line with at most `MOST_POINTS` points that looks the same: of each stretch its lowest and its highest sample.
-
-    Args:
-        x: shape (n,).
-        y: shape (n,).
-    """
+    """A line of at most `MOST_POINTS` points that looks the same: of each stretch its lowest and highest sample."""
     if len(x) <= MOST_POINTS:
         return x.astype(np.float32), y.astype(np.float32)
     size = -(-len(x) // (MOST_POINTS // 2))

@@ -31,10 +31,6 @@ MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 def case_figure(case: Case, reach: Reach) -> Figure:
     """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate.
 
-    Args:
-        case: case with machine, workspace and limits.
-        reach: its reachable part of the motion box.
-
     Raises:
         CaseError: the case has no machine or no limits.
     """
@@ -64,9 +60,6 @@ def case_figure(case: Case, reach: Reach) -> Figure:
 
 def chain_figure(case: Case, reach: Reach) -> Figure:
     """A chain at home in 3-D, with its bodies, its tool and the boxes that they stay out of, and each joint's reach.
-
-    Args:
-        reach: its reachable part of the motion box.
 
     Raises:
         CaseError: the case has no chain or no limits.

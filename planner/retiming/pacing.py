@@ -53,7 +53,6 @@ class Course:
 
         Args:
             path: path from rest to rest.
-            case: gives limits and struts.
             margin: share of every limit that is left free.
 
         Raises:
@@ -148,7 +147,6 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
-        course: course of that path.
         most: times the planned pace, at most.
         held: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
             shape (n,), above 0 and at most 1.

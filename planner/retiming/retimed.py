@@ -73,11 +73,7 @@ def retimed(
 
     Args:
         motion: motion from rest to rest.
-        case: limits and controller.
-        model: model whose parameters count.
-        method: one of `METHODS`.
         fastest: whether ipopt makes the path as fast as the limits allow, instead of never faster than planned.
-        told: how it is getting on.
 
     Raises:
         InfeasiblePlan: the motion cannot be re-timed that way; the message says why.

@@ -102,9 +102,6 @@ def case_line(case: Case) -> str:
 def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
     """Reads a program; where it cannot be read because it is for another state of the case, that is said too.
 
-    Args:
-        dialect: name of its dialect; None for the one that the suffix names.
-
     Raises:
         ProgramError: it cannot be read or understood.
         CaseError: the case lacks what its dialect needs.

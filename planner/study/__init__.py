@@ -242,9 +242,6 @@ def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
 def check_study(folder: Path, about: dict[str, Any]) -> None:
     """Says before the work starts what would keep a study from its folder.
 
-    Args:
-        folder: folder of the study; need not exist.
-
     Raises:
         FileProblem: another study's folder, or somebody else's.
     """
