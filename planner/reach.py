@@ -243,7 +243,7 @@ class StaticLimits:
 
 
 class StaticLimitsOfChain(StaticLimits):
-    """What a case limits of a chain at rest, by the proof of limits: distances of bodies, torques, forces of sensors."""
+    """What a case limits of a chain at rest, by the proof of limits: distances of bodies, torques, sensor forces."""
 
     def __init__(self, case: Case) -> None:
         chain, limits = case.need_chain("the reach of the motion box")

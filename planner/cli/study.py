@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table, progress
+from planner.cli.console import Json, print_answer, print_table, progress
 
 
 def study(
@@ -24,15 +24,6 @@ def study(
 
     It can be stopped at any time: the same command goes on.
     """
-    answer = run(case, spec, scheduler, workers, output, quiet=json)
-    if json:
-        print_json(answer)
-
-
-def run(
-    case: str, spec: str, scheduler: str | None, workers: int | None, output: Path | None, quiet: bool
-) -> dict[str, Any]:
-    """Runs what is missing, writes the page, prints unless `quiet`; returns the JSON answer."""
     import os
     import time
 
@@ -46,42 +37,42 @@ def run(
     from planner.study.study_run import about_study, cells_of, missing, run_study
     from planner.study.summary import best_groups, groups, study_page
 
-    loaded, study = load_case(case), load_spec(spec)
+    loaded, asked = load_case(case), load_spec(spec)
     loaded.need_motion("a study")
-    if study.execute is not None:
+    if asked.execute is not None:
         loaded.need_simulation("a study that executes its plans")
     if scheduler is not None and workers is not None:
         raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
     if workers is not None and not 1 <= workers <= 1000:
         raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
     require_dask()
-    folder = output if output is not None else Path(f"{loaded.name}-{study.name}-study")
-    cells = cells_of(study, loaded)
-    check_study(folder, about_study(study, loaded, len(cells)))
-    number = len(missing(cells, study, folder))
+    folder = output if output is not None else Path(f"{loaded.name}-{asked.name}-study")
+    cells = cells_of(asked, loaded)
+    check_study(folder, about_study(asked, loaded, len(cells)))
+    number = len(missing(cells, asked, folder))
     start, busy = time.perf_counter(), 0.0
     threads = workers or os.cpu_count() or 1
     computed = 0
     if number or not (folder / ABOUT).exists():
-        context = local_client(workers, study.cells.memory_GB) if scheduler is None else remote_client(scheduler)
+        context = local_client(workers, asked.cells.memory_GB) if scheduler is None else remote_client(scheduler)
         try:
-            with context as client, progress("cells", number, quiet) as count:
+            with context as client, progress("cells", number, json) as count:
                 start = time.perf_counter()
                 threads = sum(client.nthreads().values())
-                if not quiet:
-                    print(f"Study {study.name} of {loaded.name}: {number} of {len(cells)} cells to do, in {folder}")
+                if not json:
+                    print(f"Study {asked.name} of {loaded.name}: {number} of {len(cells)} cells to do, in {folder}")
 
                 def on_end(end: Any) -> None:
                     nonlocal busy
                     busy += end.seconds
                     count("" if end.reason is None else "(the last one failed)", 1)
 
-                computed = run_study(client, study, loaded, folder, on_end)
+                computed = run_study(client, asked, loaded, folder, on_end)
         except Interrupted:
             raise Interrupted(f"what is done is kept in {folder}, the same command goes on") from None
     seconds = time.perf_counter() - start
     table = read_rows(folder)
-    settings_groups = groups(table)
+    best = best_groups(groups(table))
     report = folder / "report.html"
     write_text(report, render(study_page(read_json(folder / ABOUT, "hexcite study"), table)))
     plans = [
@@ -96,14 +87,10 @@ def run(
         "rows": len(table),
         "seconds": seconds,
         "overhead": seconds * threads / busy if busy else None,
-        "best": {
-            letter: group.settings | {"score": group.best} for letter, group in best_groups(settings_groups).items()
-        },
+        "best": {letter: group.settings | {"score": group.best} for letter, group in best.items()},
         "report": str(report),
     }
-    if not quiet:
-        _show(answer, best_groups(settings_groups), case)
-    return answer
+    print_answer(answer, json, lambda: _show(answer, best, case))
 
 
 def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:

@@ -196,15 +196,6 @@ def schema() -> "pa.Schema":
     return pa.schema([(name, kind) for kind, names in columns.items() for name in names.split()])
 
 
-def completed(row: dict[str, Any]) -> dict[str, Any]:
-    """The row with every column; what is not known is null."""
-    columns = schema().names
-    unknown = set(row) - set(columns)
-    if unknown:
-        raise ValueError(f"no such columns: {', '.join(sorted(unknown))}")
-    return {name: row.get(name) for name in columns}
-
-
 ABOUT = "study.json"
 ROWS = "rows"
 
@@ -236,7 +227,7 @@ def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
     import pyarrow.parquet as pq
 
     with atomic_file(folder / ROWS / f"{name}.parquet") as part:
-        pq.write_table(pa.Table.from_pylist([completed(row) for row in rows], schema()), part)
+        pq.write_table(pa.Table.from_pylist(list(rows), schema()), part)
 
 
 def check_study(folder: Path, about: dict[str, Any]) -> None:

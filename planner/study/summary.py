@@ -1,5 +1,6 @@
 """What the rows of a study say: convergence, spread over seeds, coverage, and the settings that came out best."""
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -25,20 +26,12 @@ class SettingsGroup:
     done: int  # number of these that are done
     converged: float  # share of those done whose solver said so
     scores: np.ndarray  # scores of the criterion, those done, shape (k,); the larger the better
+    best: float  # largest score; NaN where no cell is done
+    median: float  # median score; NaN where no cell is done
     seconds: float  # mean of a cell
     iterations: float  # mean of a cell
     intervals: int  # 95 % intervals of identified parameters, over all seeds of the noise
     inside: float  # share of these that hold the truth; NaN without any
-
-    @property
-    def median(self) -> float:
-        """Median score; NaN where no cell is done."""
-        return float(np.median(self.scores)) if len(self.scores) else float("nan")
-
-    @property
-    def best(self) -> float:
-        """Largest score; NaN where no cell is done."""
-        return float(self.scores.max()) if len(self.scores) else float("nan")
 
 
 def groups(table: "pa.Table") -> list[SettingsGroup]:
@@ -48,30 +41,36 @@ def groups(table: "pa.Table") -> list[SettingsGroup]:
     for row, key in enumerate(zip(*(columns[name] for name in GROUPED), strict=True)):
         members.setdefault(key, []).append(row)
     ordered = sorted(members, key=lambda key: [(value is not None, value) for value in key])
-    return [_group(key, members[key], columns) for key in ordered]
+    return [
+        _group({n: v for n, v in zip(GROUPED, key, strict=True) if v is not None}, members[key], columns)
+        for key in ordered
+    ]
 
 
-def _group(key: tuple[Any, ...], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
+def _group(settings: dict[str, Any], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
     plans = [r for r in rows if columns["noise_seed"][r] == PLANNED]
-    selection = [r for r in plans if columns["status"][r] == DONE]
+    planned = [r for r in plans if columns["status"][r] == DONE]
     identified = [r for r in rows if columns["noise_seed"][r] != PLANNED and columns["status"][r] == DONE]
     intervals = sum(columns["parameters"][r] for r in identified)
     inside = sum(columns["inside_95"][r] for r in identified)
+    scores = np.array([columns["score"][r] for r in planned], dtype=float)
+
+    def mean(column: str) -> float:
+        return float(np.mean([columns[column][r] for r in planned])) if planned else float("nan")
+
     return SettingsGroup(
-        settings={name: value for name, value in zip(GROUPED, key, strict=True) if value is not None},
+        settings=settings,
         cells=len(plans),
-        done=len(selection),
-        converged=_mean([columns["converged"][r] for r in selection]),
-        scores=np.array([columns["score"][r] for r in selection], dtype=float),
-        seconds=_mean([columns["seconds"][r] for r in selection]),
-        iterations=_mean([columns["iterations"][r] for r in selection]),
+        done=len(planned),
+        converged=mean("converged"),
+        scores=scores,
+        best=float(scores.max()) if planned else float("nan"),
+        median=float(np.median(scores)) if planned else float("nan"),
+        seconds=mean("seconds"),
+        iterations=mean("iterations"),
         intervals=intervals,
         inside=inside / intervals if intervals else float("nan"),
     )
-
-
-def _mean(values: list[Any]) -> float:
-    return float(np.mean(values)) if values else float("nan")
 
 
 def best_groups(found: list[SettingsGroup]) -> dict[str, SettingsGroup]:
@@ -91,8 +90,9 @@ MOST_REASONS = 20
 def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
     """The page of a study folder."""
     settings_groups = groups(table)
-    failures = _failures(table)
-    failure_count = sum(count for _, count in failures)
+    outcomes = zip(table["status"].to_pylist(), table["reason"].to_pylist(), strict=True)
+    failures = Counter(str(reason) for status, reason in outcomes if status == FAILED)
+    failure_count = failures.total()
     warnings = (f"{failure_count} rows failed; their reasons stand below",) if failure_count else ()
     cell_count = sum(g.done for g in settings_groups)
     tiles = [(f"{cell_count} of {about['cells']}", "cells planned"), (str(failure_count), "rows failed")]
@@ -106,7 +106,7 @@ def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
     ]
     sections.append(Section("Spread over seeds", _boxes(settings_groups)))
     if failures:
-        rows = tuple((reason, str(count)) for reason, count in failures[:MOST_REASONS])
+        rows = tuple((reason, str(count)) for reason, count in failures.most_common(MOST_REASONS))
         sections.append(Section("What failed", (Table(("reason", "rows"), rows),)))
     return Page(
         title=f"Study {about['name']}: {about['case']}",
@@ -115,14 +115,6 @@ def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
         warnings=warnings,
         sections=tuple(sections),
     )
-
-
-def _failures(table: "pa.Table") -> list[tuple[str, int]]:
-    counts: dict[str, int] = {}
-    for status, reason in zip(table["status"].to_pylist(), table["reason"].to_pylist(), strict=True):
-        if status == FAILED:
-            counts[str(reason)] = counts.get(str(reason), 0) + 1
-    return sorted(counts.items(), key=lambda item: -item[1])
 
 
 def _best(settings_groups: list[SettingsGroup], case_file: str) -> tuple[Item, ...]:
