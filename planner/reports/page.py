@@ -60,7 +60,6 @@ class Tiles:
     """The figures that matter, side by side: each a value with its unit, and what it means in a line."""
 
     tiles: tuple[tuple[str, str], ...]
-    kind: str = "tiles"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +67,6 @@ class Note:
     """A paragraph."""
 
     text: str
-    kind: str = "note"
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +74,6 @@ class Answers:
     """Claims that figures bear out or not, one below the other: whether each holds, the claim and the figures."""
 
     answers: tuple[tuple[bool, str, str], ...]
-    kind: str = "answers"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +83,6 @@ class Table:
     columns: tuple[str, ...]
     rows: Sequence[Sequence[str]]
     left: int = 1
-    kind: str = "table"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,12 +93,6 @@ class Plot:
     figure: Chart  # drawn in the colours of the page, so it sets none for text, grid and background
     note: str  # caption, which says what to see; also what a screen reader says of the figure
     half: bool = False  # may stand beside another one where the window is wide
-    kind: str = "plot"
-
-    @property
-    def data(self) -> Markup:
-        """The figure as JSON that is safe inside a script element."""
-        return script_json({"data": self.figure.data, "layout": self.figure.layout})
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +101,6 @@ class MachineItem:
 
     scene: dict[str, Any]  # what `planner.reports.machine` makes of a motion
     note: str = ""  # caption
-    kind: str = "machine"
-
-    @property
-    def data(self) -> Markup:
-        """The scene as JSON that is safe inside a script element."""
-        return script_json(self.scene)
 
 
 Item = Tiles | Note | Answers | Table | Plot | MachineItem
@@ -150,7 +134,7 @@ def render(page: Page) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["explained"] = explained
+    environment.filters |= {"explained": explained, "script": script_json}
     return environment.get_template("page.html.j2").render(page=page, plotly=_plotly())
 
 
