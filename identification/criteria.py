@@ -23,20 +23,13 @@ from identification.symbolic import over_samples
 Array = NDArray[np.float64]
 
 
-class Criterion(NamedTuple):
-    """A criterion: `of` maps singular values, shape (u,), descending, to a value that is better the larger it is."""
-
-    letter: str
-    meaning: str
-    of: Callable[[Array], float]
-
-
-CRITERIA = {
-    "A": Criterion("A", "average variance, -trace F^-1 (30)", lambda mu: -float(np.sum(mu**-2.0))),
-    "D": Criterion("D", "volume of the confidence ellipsoid, log det F (31)", lambda mu: 2.0 * float(np.log(mu).sum())),
-    "K": Criterion("K", "condition, -mu_1 / mu_u (32)", lambda mu: -float(mu[0] / mu[-1])),
-    "N": Criterion("N", "noise amplification, mu_u^2 / mu_1 (33)", lambda mu: float(mu[-1] ** 2 / mu[0])),
+CRITERIA: dict[str, Callable[[Array], float]] = {
+    "A": lambda mu: -float(np.sum(mu**-2.0)),  # average variance, -trace F^-1 (30)
+    "D": lambda mu: 2.0 * float(np.log(mu).sum()),  # volume of the confidence ellipsoid, log det F (31)
+    "K": lambda mu: -float(mu[0] / mu[-1]),  # condition, -mu_1 / mu_u (32)
+    "N": lambda mu: float(mu[-1] ** 2 / mu[0]),  # noise amplification, mu_u^2 / mu_1 (33)
 }
+"""Singular values, shape (u,), descending -> a value that is better the larger it is."""
 
 
 def singular_values(information: Array, names: Sequence[str]) -> Array:

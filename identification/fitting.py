@@ -12,7 +12,7 @@ from cases.errors import IdentificationError, NegativeMass
 from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
-from identification.estimation.fit import Fit, of_forces, w_of, whitened
+from identification.estimation.fit import Fit, Uncertain, of_forces, w_of, whitened
 from identification.model import Model
 from identification.parameters import MASS
 from identification.runs.averaging import PeriodicRun
@@ -37,19 +37,12 @@ Estimators and checks ask for what these have in common, and for nothing else.
 """
 
 
-class Delay(NamedTuple):
-    """How much later than the motion the forces were recorded, and its standard deviation [s]."""
-
-    value: float
-    std: float
-
-
 class Fitted(NamedTuple):
     """Samples with their fit."""
 
     samples: Samples  # samples that were evaluated
     fit: Fit
-    delay: Delay | None  # delay of the forces; None where nothing moves
+    delay: Uncertain | None  # how much later than the motion the forces were recorded [s]; None where nothing moves
     residuals: Array  # residuals of the forces as recorded, shape (m, 6)
     whitening: Array | None  # W is its square, where it is given
     columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
@@ -72,7 +65,7 @@ class Fitted(NamedTuple):
 
 
 def fit_samples(
-    samples: Samples, how: Method, problem: FitProblem, delay: float = 0.0, held: Delay | None = None
+    samples: Samples, how: Method, problem: FitProblem, delay: float = 0.0, held: Uncertain | None = None
 ) -> Fitted:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
@@ -119,7 +112,7 @@ def fit_samples(
         fit = widened(fit, basis @ uncertain, _of_known_motion(how.biases, held))
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
-        held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
+        held = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
     return Fitted(samples, fit, held, residuals, whitening, columns, forces)
 
 
@@ -197,7 +190,7 @@ def _converged(
     return delay, columns, values, whitening, fit
 
 
-def _of_known_motion(biases: Biases | None, fixed_delay: Delay | None) -> Array:
+def _of_known_motion(biases: Biases | None, fixed_delay: Uncertain | None) -> Array:
     """Covariance of what is not estimated: a delay, and biases that were taken from the accelerometer, shape (4, 4)."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = 0.0 if fixed_delay is None else fixed_delay.std**2

@@ -111,15 +111,13 @@ class Hexapod:
     def inverse(self) -> ca.Function:
         """Pose -> strut lengths."""
         pose = ca.SX.sym("pose", 6)
-        return ca.Function("inverse", [pose], [self._inverse_jacobian(pose)[0]], ["pose"], ["lengths"])
+        return ca.Function("inverse", [pose], [self._inverse_jacobian(pose)[0]])
 
     @cached_property
     def inverse_jacobian(self) -> ca.Function:
         """Pose -> strut lengths, J_Hex^-1."""
         pose = ca.SX.sym("pose", 6)
-        return ca.Function(
-            "inverse_jacobian", [pose], list(self._inverse_jacobian(pose)), ["pose"], ["lengths", "jacobian"]
-        )
+        return ca.Function("inverse_jacobian", [pose], list(self._inverse_jacobian(pose)))
 
     @cached_property
     def joint_cosines(self) -> ca.Function:
@@ -130,7 +128,7 @@ class Hexapod:
         directions = [struts[:, k] / ca.norm_2(struts[:, k]) for k in range(6)]
         at_base = ca.vertcat(*(d[2] for d in directions))
         at_platform = ca.vertcat(*(ca.dot(d, normal) for d in directions))
-        return ca.Function("joint_cosines", [pose], [at_base, at_platform], ["pose"], ["base", "platform"])
+        return ca.Function("joint_cosines", [pose], [at_base, at_platform])
 
     @cached_property
     def strut_motion(self) -> ca.Function:
@@ -139,13 +137,7 @@ class Hexapod:
         lengths, jacobian = self._inverse_jacobian(pose)
         velocity = jacobian @ twist(pose, rates)
         acceleration = ca.jtimes(velocity, pose, rates) + ca.jtimes(velocity, rates, accelerations)
-        return ca.Function(
-            "strut_motion",
-            [pose, rates, accelerations],
-            [lengths, velocity, acceleration],
-            ["pose", "rates", "accelerations"],
-            ["lengths", "strut_velocities", "strut_accelerations"],
-        )
+        return ca.Function("strut_motion", [pose, rates, accelerations], [lengths, velocity, acceleration])
 
     @cached_property
     def jacobian_drift(self) -> ca.Function:
@@ -161,7 +153,7 @@ class Hexapod:
             across = joint_velocity - direction * ca.dot(direction, joint_velocity)
             centripetal = ca.cross(omega, ca.cross(omega, arms[:, k]))
             drift.append(ca.dot(across, across) / length + ca.dot(direction, centripetal))
-        return ca.Function("jacobian_drift", [pose, motion], [ca.vertcat(*drift)], ["pose", "twist"], ["drift"])
+        return ca.Function("jacobian_drift", [pose, motion], [ca.vertcat(*drift)])
 
     @cached_property
     def newton_step(self) -> ca.Function:

@@ -18,6 +18,7 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
+from identification.estimation.fit import Uncertain
 from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
@@ -30,7 +31,7 @@ from identification.parameters import MASS
 from identification.recording import Recording
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
-from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, Smoothing, smoothed, smoothing_of
+from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, smoothed, smoothing_of, smoothing_told
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning
@@ -125,8 +126,8 @@ def samples_of(
     """
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model, found)
-    if conditioning.periodic is not None:
-        return periodic_run(recording, case, model, conditioning.periodic, found)
+    if conditioning.periodic:
+        return periodic_run(recording, case, model, conditioning, found)
     if recording.struts is None:
         return wrist_run(recording, case, model, MOST_DELAY, biases, bad=found.bad)
     run = moving_run(recording, case, model, found=found)
@@ -161,7 +162,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
             fitted = fit_samples(rich, method, problem, fitted.at)
     if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
         smoothing = smoothing_of(fitted.samples, fitted.fit)
-        findings += _mode_found(smoothing, case) if conditioning.flexible else [smoothing.finding]
+        findings += _mode_found(smoothing, case) if conditioning.flexible else [smoothing_told(smoothing)]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
     noise = stated_noise(case, fitted, method)
     findings += [] if noise is None else noise.findings
@@ -206,7 +207,7 @@ def _inertia(model: Model) -> set[str]:
 SHARE = 0.5  # of the mode's frequency: there the first term that is left out is a sixteenth
 
 
-def _mode_found(found: Smoothing, case: Case) -> list[Finding]:
+def _mode_found(found: Uncertain, case: Case) -> list[Finding]:
     """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
     entries = {"smoothing_s2": found._asdict()}
     if -found.value < CLEAR * found.std:

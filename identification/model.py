@@ -30,7 +30,7 @@ from identification.parameters import (
     Parameter,
     State,
 )
-from identification.strut_sensors import StrutLayout, structure
+from identification.strut_sensors import StrutLayout, rods, structure
 from identification.symbolic import gibbs, over_samples, rotation
 
 Array = NDArray[np.float64]
@@ -111,7 +111,7 @@ class Model:
             motion: twist in {B}, shape (6,) [m/s, rad/s].
             motion_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
         """
-        gravity = turn.T @ ca.DM(self.gravity)
+        gravity, hexapod = turn.T @ ca.DM(self.gravity), None if self.struts is None else self.struts.hexapod
         state = State(
             x=position[0],
             y=position[1],
@@ -120,7 +120,7 @@ class Model:
             specific=turn.T @ motion_rate[:3] - gravity,
             omega=turn.T @ motion[3:],
             alpha=turn.T @ motion_rate[3:],
-            rods=None if self.struts is None else self.struts.rods(position, turn, motion, motion_rate, self.gravity),
+            rods=None if hexapod is None else rods(hexapod, position, turn, motion, motion_rate, self.gravity),
         )
         return self.at_state(state)
 
@@ -170,7 +170,7 @@ class Model:
         if self.struts is None:
             return ca.SX(ca.DM(self.structure))
         still = ca.SX.zeros(6)
-        return structure(self.struts.rods(position, turn, still, still, self.gravity))
+        return structure(rods(self.struts.hexapod, position, turn, still, still, self.gravity))
 
     @cached_property
     def _wrench(self) -> ca.Function:

@@ -10,10 +10,10 @@ from scipy.special import stdtrit
 from cases.schema import Case
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
-from identification.estimation.fit import Fit
+from identification.estimation.fit import Fit, Uncertain
 from identification.estimation.noise_sources import NoiseSources, attenuation_of
 from identification.findings import Finding, Severity, quantities, sentences
-from identification.fitting import Delay, Fitted, Samples
+from identification.fitting import Fitted, Samples
 from identification.model import ERROR_TERMS, Model, expected_forces, identification_model
 from identification.parameters import physical_form
 from identification.runs.averaging import PeriodicRun
@@ -57,7 +57,7 @@ class Estimate:
     fit: Fit
     evaluated: Samples  # samples that it was made from
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
-    delay: Delay | None  # delay of the forces, where it was estimated
+    delay: Uncertain | None  # delay of the forces [s], where it was estimated
     noise: NoiseSources | None  # what s0 consists of, where the case states noise
     accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     physical: dict[str, Value]  # physical parameters by name

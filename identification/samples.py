@@ -79,18 +79,12 @@ class Standstills:
         )
 
 
-class Periodic(NamedTuple):
-    """Evaluate a repeating run by Fourier series."""
+class Conditioning(NamedTuple):
+    """What a user asks to be done to a moving run."""
 
-    period: float | None = None  # period of the run [s]; None: to be found
+    periodic: bool = False  # evaluation by Fourier series of a repeating run instead of the low-pass
+    period: float | None = None  # its period [s]; None: to be found
     harmonics: int | None = None  # harmonics of the series; None: as many as stand out of the noise
-
-
-@dataclass(frozen=True, slots=True)
-class Conditioning:
-    """What a user asks to be done."""
-
-    periodic: Periodic | None = None  # evaluation by Fourier series instead of the low-pass
     # estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency
     flexible: bool = False
 

@@ -145,14 +145,8 @@ class SerialChain:
         q, rates, accelerations = (ca.SX.sym(name, self.count) for name in ("q", "rates", "accelerations"))
         position, turn, twist, twist_rate = self.frame(q, rates, accelerations)
         outputs = [position, ca.vec(turn), twist, twist_rate]
-        return ca.Function(
-            "chain_motion",
-            [q, rates, accelerations],
-            [ca.densify(value) for value in outputs],
-            ["q", "rates", "accelerations"],
-            ["position", "rotation", "twist", "twist_rate"],
-            {"cse": True},
-        )
+        outputs = [ca.densify(value) for value in outputs]
+        return ca.Function("chain_motion", [q, rates, accelerations], outputs, {"cse": True})
 
     @cached_property
     def pose(self) -> ca.Function:
@@ -162,9 +156,7 @@ class SerialChain:
         """
         q, still = ca.SX.sym("q", self.count), ca.SX(self.count, 1)
         position, turn, _, _ = self.frame(q, still, still)
-        return ca.Function(
-            "chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], ["q"], ["pose"], {"cse": True}
-        )
+        return ca.Function("chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], {"cse": True})
 
     def kinematics(
         self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
+from identification.estimation.fit import squared_distances
 from identification.estimation.stated_noise import acceleration_to_force
 from identification.hexapod import Kinematics
 from identification.machines import machine_of
@@ -59,14 +60,9 @@ def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
     return Circumstances(payloads[:weights], disturbances if disturbed else None)
 
 
-def joined_body(bodies: Sequence[RigidBody]) -> RigidBody:
-    """One rigid body made of several: masses, first moments and inertias about the origin of {P} add."""
-    return reduce(together, bodies)
-
-
 def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:
     """The parameters of a machine with weights on its platform; offsets and compensation stay."""
-    return truth.model_copy(update={"body": joined_body((truth.body, *weights))}) if weights else truth
+    return truth.model_copy(update={"body": reduce(together, weights, truth.body)}) if weights else truth
 
 
 def mode_frequency(truth: Truth, around: Circumstances) -> float:
@@ -105,8 +101,7 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
         weight: weight of what is on the platform [N].
     """
     reduced = (poses - home) / _lengths(disturbances)
-    size = np.sum(reduced**2, axis=1)
-    squares = np.maximum(size[:, None] + size - 2.0 * reduced @ reduced.T, 0.0)
+    squares = squared_distances(reduced, reduced)
     variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
     return np.asarray(variance * np.exp(-squares / 2.0))
 

@@ -14,7 +14,7 @@ Derived from Lagrange's equations; the tests derive them again by automatic diff
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import casadi as ca
 import numpy as np
@@ -41,10 +41,6 @@ class StrutLayout:
     hexapod: Hexapod
     sensors: StrutSensors  # where in the struts they sit, and nominal values of the struts
 
-    def rods(self, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
-        """Motion of the struts with the platform; see `rods`."""
-        return rods(self.hexapod, position, turn, twist, twist_rate, gravity)
-
     def blocks(self, moving: bool) -> tuple[Block, ...]:
         """What the struts add to the regressor; of standstills no inertia and no friction, and `d` is then d less h."""
         s, at_drive = self.sensors, self.sensors.at == "drive"
@@ -57,7 +53,7 @@ class StrutLayout:
     def structure_at_home(self) -> Array:
         """J^-T where the platform is at home, shape (6, 6)."""
         pose, still = ca.SX(ca.DM(self.hexapod.home)), ca.SX.zeros(6)
-        moving = self.rods(pose[:3], rotation(pose[3:]), still, still, np.zeros(3))
+        moving = rods(self.hexapod, pose[:3], rotation(pose[3:]), still, still, np.zeros(3))
         return np.asarray(ca.DM(structure(moving)).full())
 
     def with_struts(self, body: Mapping[str, float], moving: bool) -> dict[str, float]:
@@ -133,9 +129,9 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: boo
     kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
     kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]
     if viscous:
-        kinds += [("cB", "N m s", _friction_of_base), ("cP", "N m s", _friction_of_platform)]
+        kinds += [(f"c{joint}", "N m s", partial(_friction, platform=joint == "P", coulomb=False)) for joint in "BP"]
     if coulomb:
-        kinds += [("tB", "N m", _coulomb_of_base), ("tP", "N m", _coulomb_of_platform)]
+        kinds += [(f"t{joint}", "N m", partial(_friction, platform=joint == "P", coulomb=True)) for joint in "BP"]
     return tuple(_block(name, unit, columns, each) for name, unit, columns in kinds)
 
 
@@ -210,22 +206,11 @@ def _held(moving: Rods, moments: ca.SX) -> ca.SX:
     return ca.horzcat(*forces)
 
 
-def _friction_of_base(moving: Rods, _: ca.SX) -> ca.SX:
-    return _wrench(moving, _held(moving, -_spin(moving)))
-
-
-def _friction_of_platform(moving: Rods, omega: ca.SX) -> ca.SX:
-    moments = -(_spin(moving) - ca.repmat(omega, 1, 6))
-    return _wrench(moving, _held(moving, moments), moments)
-
-
-def _coulomb_of_base(moving: Rods, _: ca.SX) -> ca.SX:
-    return _wrench(moving, _held(moving, -_directions(_spin(moving))))
-
-
-def _coulomb_of_platform(moving: Rods, omega: ca.SX) -> ca.SX:
-    moments = -_directions(_spin(moving) - ca.repmat(omega, 1, 6))
-    return _wrench(moving, _held(moving, moments), moments)
+def _friction(moving: Rods, omega: ca.SX, platform: bool, coulomb: bool) -> ca.SX:
+    """Of moments against which the struts turn in their joints with the platform, or with the base."""
+    rates = _spin(moving) - ca.repmat(omega, 1, 6) if platform else _spin(moving)
+    moments = -(_directions(rates) if coulomb else rates)
+    return _wrench(moving, _held(moving, moments), moments if platform else None)
 
 
 def _directions(rates: ca.SX) -> ca.SX:

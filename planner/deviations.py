@@ -153,9 +153,9 @@ def figures_of(
         left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
         weighted = singular_values(left, model.names)
     figures = {
-        "logdet": CRITERIA["D"].of(mu),
-        "condition": -CRITERIA["K"].of(mu),
-        "criterion_value": CRITERIA[criterion].of(weighted),
+        "logdet": CRITERIA["D"](mu),
+        "condition": -CRITERIA["K"](mu),
+        "criterion_value": CRITERIA[criterion](weighted),
         "assumed_noise_N": noise.sensors,
     }
     return figures, noise, worst_std(case, model, scaling, motion, payloads)

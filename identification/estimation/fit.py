@@ -20,6 +20,13 @@ from identification.findings import Finding, Kind, warning
 Array = NDArray[np.float64]
 
 
+class Uncertain(NamedTuple):
+    """A value and its standard deviation."""
+
+    value: float
+    std: float
+
+
 class Filtered(NamedTuple):
     """What a low-pass did to white noise before the fit, and how many samples of it were kept."""
 

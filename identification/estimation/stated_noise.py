@@ -51,22 +51,14 @@ class StatedNoise:
         acceleration = sensors.acceleration_noise
         return cls(model, sensors.force_noise, np.zeros(6) if acceleration is None else acceleration)
 
-    def of_accelerations(self, values: Array) -> Array:
-        """Covariance of the forces that noise of the accelerations alone makes, shape (6, 6) [N^2, N^2 m ..].
-
-        Args:
-            values: u, shape (u,).
-        """
-        effects = acceleration_to_force(self.model, values) * self.acceleration
-        return np.asarray(effects @ effects.T)
-
     def covariance(self, values: Array) -> Array:
         """Covariance of a force sample, shape (6, 6) [N^2, N^2 m ..].
 
         Args:
             values: u, shape (u,).
         """
-        return np.diag(self.force**2) + self.of_accelerations(values)
+        effects = acceleration_to_force(self.model, values) * self.acceleration
+        return np.asarray(np.diag(self.force**2) + effects @ effects.T)
 
     def whitening(self, values: Array) -> Array:
         """What makes the noise of a force sample white and of variance 1, shape (6, 6): W is its square, (24)."""

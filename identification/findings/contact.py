@@ -20,9 +20,10 @@ from scipy.special import chdtri, ndtri
 from cases.errors import IdentificationError
 from identification.estimation.compressed import column_scale
 from identification.estimation.estimators import FitProblem, Method, robust_of
+from identification.estimation.fit import Uncertain
 from identification.findings.fit_checks import systematic
 from identification.findings.sample_checks import MOST_NAMED, places
-from identification.fitting import Delay, Fitted, Samples, fit_samples
+from identification.fitting import Fitted, Samples, fit_samples
 from identification.model import Model
 from identification.recording import Recording
 from identification.signals import FAIR_PART, fair_part, stretches
@@ -201,7 +202,7 @@ MOST_TOUCHED = 0.25  # of the samples in contact; more is not an identification 
 
 
 def free_of_contact(
-    recording: Recording, fitted: Fitted, how: Method, problem: FitProblem, held: Delay | None = None
+    recording: Recording, fitted: Fitted, how: Method, problem: FitProblem, held: Uncertain | None = None
 ) -> tuple[Fitted, tuple[Contact, ...]]:
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 

@@ -36,7 +36,7 @@ from identification.runs.periods import (
 )
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 from identification.runs.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
-from identification.samples import Periodic
+from identification.samples import Conditioning
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -217,7 +217,7 @@ class PeriodicRun:
         ]
 
 
-def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic, found: Scan | None) -> PeriodicRun:
+def periodic_run(recording: Recording, case: Case, model: Model, wish: Conditioning, found: Scan | None) -> PeriodicRun:
     """The part of a moving run that repeats itself.
 
     Args:

@@ -19,14 +19,14 @@ the low-pass is set to half of it.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import inverse_root, joint_triangle
-from identification.estimation.fit import Filtered, Fit, Robust
+from identification.estimation.fit import Filtered, Fit, Robust, Uncertain
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.findings import Finding, Kind, note
 from identification.hexapod import Kinematics, StrutsDoNotClose
@@ -212,22 +212,15 @@ SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is told
 
 
-class Smoothing(NamedTuple):
-    """Half the second moment, b, by which forces are smoothed more than the motion, and its deviation [s^2]."""
-
-    value: float
-    std: float
-
-    @property
-    def finding(self) -> Finding:
-        """What is to be told of it; people only where it is clear."""
-        sentence = (
-            f"forces are {'smoothed' if self.value > 0.0 else 'sharpened'} against the motion by "
-            f"{self.value * 1e6:+.3g} +- {self.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
-            "averaging or a low-pass of the channels): estimated and compensated"
-        )
-        clear = abs(self.value) >= CLEAR * self.std
-        return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=self._asdict())
+def smoothing_told(found: Uncertain) -> Finding:
+    """What is to be told of b, by which forces are smoothed more than the motion [s^2]; people only where clear."""
+    sentence = (
+        f"forces are {'smoothed' if found.value > 0.0 else 'sharpened'} against the motion by "
+        f"{found.value * 1e6:+.3g} +- {found.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
+        "averaging or a low-pass of the channels): estimated and compensated"
+    )
+    clear = abs(found.value) >= CLEAR * found.std
+    return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=found._asdict())
 
 
 def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
@@ -260,8 +253,8 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     return replace(run, smoothing=True) if std < SAMPLED * run.filter.step**2 else run
 
 
-def smoothing_of(run: Run, fit: Fit) -> Smoothing:
-    """What a fit of a run with its smoothing found."""
+def smoothing_of(run: Run, fit: Fit) -> Uncertain:
+    """B of a fit of a run with its smoothing [s^2]."""
     place = len(run.model.parameters) + run.nuisances.index("smoothing")
     std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
-    return Smoothing(float(fit.values[place]), std)
+    return Uncertain(float(fit.values[place]), std)

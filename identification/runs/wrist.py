@@ -74,10 +74,6 @@ class WristRun:
     def linearised(self, delay: float, values: Array) -> Array:
         """A, and how A u changes with small turns of the accelerometer and with the delay, shape (n, 6, u + 4)."""
         matrices = self.regressors(delay)
-        return np.dstack([matrices, self.nuisance_columns(delay, matrices, values)])
-
-    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
-        """How A u changes with three small turns of the accelerometer and with the delay, shape (n, 6, 4)."""
         specific = self.specific_force(self.t - delay)
         expected = matrices @ values
         columns = []
@@ -86,11 +82,11 @@ class WristRun:
             columns.append((self._matrices(delay, variation) @ values - expected) / DELAY_STEP)
         step = DELAY_STEP if delay < 0.0 else -DELAY_STEP
         columns.append((self.regressors(delay + step) @ values - expected) / step)
-        return np.stack(columns, axis=2)
+        return np.dstack([matrices, np.stack(columns, axis=2)])
 
     def known_columns(self, delay: float, matrices: Array, values: Array) -> Array:
         """How A u changes with the delay and with biases of the accelerometer, shape (n, 6, 4)."""
-        delay_effect = self.nuisance_columns(delay, matrices, values)[:, :, -1:]
+        delay_effect = self.linearised(delay, values)[:, :, -1:]
         specific = self.specific_force(self.t - delay)
         effects = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
         return np.concatenate([delay_effect, np.stack(effects, axis=2)], axis=2)

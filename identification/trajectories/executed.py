@@ -4,8 +4,10 @@ Drives that ripple and a platform that vibrates are executed motions too.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -18,6 +20,7 @@ from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
 from identification.signals import Filter
+from identification.symbolic import over_samples, rate_matrix, twist_rate
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -74,25 +77,15 @@ class Execution:
 CHUNK = 20_000  # instants at once, bounds memory
 
 
-def coordinate_rates(kinematics: Kinematics) -> tuple[Array, Array]:
-    """First and second time derivatives of the six coordinates, each (n, 6), from twist and twist rate.
-
-    omega = roll' e1 + pitch' e2 + yaw' ez with e2 = Rz ey and e1 = Rz Ry ex, which turn with the angles before them:
-    (37), (38) solved for the coordinates.
-    """
-    pitch, yaw = kinematics.pose[:, 4], kinematics.pose[:, 5]
-    zero, one = np.zeros_like(yaw), np.ones_like(yaw)
-    e1 = np.column_stack([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
-    e2 = np.column_stack([-np.sin(yaw), np.cos(yaw), zero])
-    ez = np.column_stack([zero, zero, one])
-    axes = np.stack([e1, e2, ez], axis=2)
-    angular = np.linalg.solve(axes, kinematics.twist[:, 3:, None])[:, :, 0]
-    about_z = angular[:, 2:] * ez
-    e1_rate = np.cross(about_z + angular[:, 1:2] * e2, e1)
-    e2_rate = np.cross(about_z, e2)
-    drift = angular[:, :1] * e1_rate + angular[:, 1:2] * e2_rate
-    second = np.linalg.solve(axes, (kinematics.twist_rate[:, 3:] - drift)[:, :, None])[:, :, 0]
-    return np.hstack([kinematics.twist[:, :3], angular]), np.hstack([kinematics.twist_rate[:, :3], second])
+@lru_cache(maxsize=1)
+def coordinate_rates() -> ca.Function:
+    """(pose, twist, twist rate) -> first and second time derivatives of the pose: (37), (38) solved for them."""
+    pose, moving, changing = (ca.SX.sym(n, 6) for n in ("pose", "twist", "twist_rate"))
+    matrix = rate_matrix(pose[3:])
+    rates = ca.vertcat(moving[:3], ca.solve(matrix, moving[3:]))
+    drift = twist_rate(pose, rates, ca.SX.zeros(6))
+    accelerations = ca.vertcat(changing[:3], ca.solve(matrix, changing[3:] - drift[3:]))
+    return ca.Function("coordinate_rates", [pose, moving, changing], [rates, accelerations])
 
 
 def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
@@ -109,8 +102,10 @@ def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
     worst: dict[LimitKind, float] = {}
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
-        drives = execution.struts(t, 1), execution.struts(t, 2)
-        rates, accelerations = coordinate_rates(execution.kinematics(t)) if execution.machine.of_pose else drives
+        rates, accelerations = drives = execution.struts(t, 1), execution.struts(t, 2)
+        if execution.machine.of_pose:
+            moving = execution.kinematics(t)
+            rates, accelerations = over_samples(coordinate_rates(), moving.pose, moving.twist, moving.twist_rate)
         velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
         ratios = {
             LimitKind.VELOCITY: velocity[:, ~limits.turns],

@@ -17,7 +17,7 @@ from identification.parameters import physical_form
 from identification.recording import read
 from identification.result import Value
 from identification.runs.rates import on_one_clock
-from identification.samples import Conditioning, Periodic
+from identification.samples import Conditioning
 from identification.saved_result import biases_of, load_result
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
@@ -43,7 +43,7 @@ def read_conditioning(period: str | None, harmonics: int | None, flexible: bool 
         raise HexciteError("--flexible: lowers the low-pass, which --period does without; leave one of them out")
     if period is None:
         return Conditioning(flexible=flexible)
-    return Conditioning(Periodic(None if period == AUTO else _seconds(period), harmonics))
+    return Conditioning(True, None if period == AUTO else _seconds(period), harmonics)
 
 
 def _seconds(text: str) -> float:

@@ -160,7 +160,7 @@ def _units(model: Model) -> dict[str, str]:
 
 def _criteria(information: Array, model: Model) -> dict[str, float]:
     mu = singular_values(information, model.names)
-    return {letter: c.of(mu) for letter, c in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
+    return {letter: criterion(mu) for letter, criterion in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
 
 
 def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:

@@ -99,7 +99,7 @@ def retimed(
 def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceRating:
     information = mean_information(model, reference_scaling(case, model), motion)
     mu = singular_values(information, model.names)
-    criteria = {letter: criterion.of(mu) for letter, criterion in CRITERIA.items()}
+    criteria = {letter: criterion(mu) for letter, criterion in CRITERIA.items()}
     return PaceRating(motion.duration, criteria, bound.efficiency(criteria["D"]), prove(motion, case))
 
 

@@ -45,7 +45,7 @@ def rate(
         mu = singular_values(information, model.names)
     except IdentificationError:
         return Rating(-np.inf, -np.inf)
-    return Rating(CRITERIA["D"].of(mu), CRITERIA[criterion].of(mu))
+    return Rating(CRITERIA["D"](mu), CRITERIA[criterion](mu))
 
 
 class Inside(NamedTuple):

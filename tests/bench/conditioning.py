@@ -6,7 +6,7 @@ from cases.loading import load_case
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
-from identification.samples import Conditioning, Periodic
+from identification.samples import Conditioning
 from tests.helpers import simulated
 from tests.identification.repeating import Repeating, recorded
 
@@ -25,7 +25,7 @@ def conditioning_rows() -> list[list[str]]:
         errors = np.empty((2, SEEDS, len(truth)))
         for seed in range(SEEDS):
             run = recorded(coarse, Repeating(seed=seed), seed)
-            for k, how in enumerate((Conditioning(), Conditioning(Periodic()))):
+            for k, how in enumerate((Conditioning(), Conditioning(True))):
                 found = identify(run, coarse, conditioning=how)
                 errors[k, seed] = [v.value for v in found.physical.values()] - truth
         usual, series = np.sqrt(np.mean(errors**2, axis=1))

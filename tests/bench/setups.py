@@ -10,6 +10,7 @@ of structure and pose, in which the setups differ most, are not part of this.
 """
 
 import sys
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +21,10 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 import hexcite as hx
 from cases.loading import load_case
 from cases.schema import Case
-from cases.sensors import SensorFrame, Transducer
+from cases.sensors import SensorFrame, Transducer, together
 from identification.model import RIGID, identification_model
 from identification.motion import sample
 from identification.parameters import body_parameters, physical_form
-from identification.simulate import joined_body
 from identification.symbolic import over_samples
 from planner.cli.console import print_table
 
@@ -74,7 +74,7 @@ def _deviations(
     whitened = matrices / noise[:, None]
     information = np.einsum("nij,nik->jk", whitened, whitened) * duration * case.recording.rate_Hz / len(pose)
     covariance = np.linalg.inv(information)
-    form, body = physical_form(model), body_parameters(joined_body(case.payloads.weights[:payload]))
+    form, body = physical_form(model), body_parameters(reduce(together, case.payloads.weights[:payload]))
     known = np.array([body.get(name, 0.0) for name in model.names])  # of the payload alone: struts cancel
     std = np.sqrt(np.diag(form.of(known, 2.0 * covariance)[1]))
     found = dict(zip((p.name for p in form.parameters), std, strict=True))

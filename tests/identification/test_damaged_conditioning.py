@@ -12,15 +12,15 @@ from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import Recording, read, write_recording
 from identification.runs.rates import on_one_clock
-from identification.samples import Conditioning, Periodic
+from identification.samples import Conditioning
 from tests.bench.reliability.recordings import stained
 from tests.helpers import answer
 from tests.identification.repeating import Repeating, recorded
 
 CASE = load_case("hexapod")
 RUN = Repeating(0.5, 2.0)
-WISHES = [Periodic(), Periodic(0.5), Periodic(0.5, 6)]
-ASKED = [*(Conditioning(w) for w in WISHES), Conditioning(flexible=True)]
+PERIODIC = [Conditioning(True), Conditioning(True, 0.5), Conditioning(True, 0.5, 6)]
+ASKED = [*PERIODIC, Conditioning(flexible=True)]
 
 
 @cache

@@ -7,6 +7,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.limit_proof import prove
 from identification.motion import Joined, Standstill
+from identification.symbolic import over_samples
 from identification.trajectories.executed import Execution, coordinate_rates, executed_peaks
 from identification.trajectories.moves import StraightMove
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
@@ -15,7 +16,8 @@ from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 def test_rates_and_accelerations_of_the_coordinates_are_found_back_from_twist_and_twist_rate():
     draw = np.random.default_rng(3)
     pose, rates, accelerations = draw.normal(size=(50, 6)) * 0.4, draw.normal(size=(50, 6)), draw.normal(size=(50, 6))
-    found = coordinate_rates(kinematics_of_coordinates(pose, rates, accelerations))
+    moving = kinematics_of_coordinates(pose, rates, accelerations)
+    found = over_samples(coordinate_rates(), moving.pose, moving.twist, moving.twist_rate)
     assert np.allclose(found[0], rates, atol=1e-12)
     assert np.allclose(found[1], accelerations, atol=1e-12)
 

@@ -1,11 +1,14 @@
 """The loaded and disturbed machine: bodies add, the mode is an oscillator, errors of the pose belong to the machine."""
 
+from functools import reduce
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import CaseError
 from cases.loading import load_case
+from cases.sensors import together
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
@@ -14,7 +17,6 @@ from identification.parameters import body_parameters, linear_parameters
 from identification.simulate import (
     Circumstances,
     circumstances,
-    joined_body,
     loaded_truth,
     mode_frequency,
     pose_covariance,
@@ -38,7 +40,7 @@ def random_poses(count: int) -> np.ndarray:
 
 
 def test_the_parameters_of_a_joined_body_are_the_sums_of_those_of_its_parts():
-    joined = body_parameters(joined_body((TRUTH.body, *WEIGHTS[:3])))
+    joined = body_parameters(reduce(together, WEIGHTS[:3], TRUTH.body))
     parts = [body_parameters(b) for b in (TRUTH.body, *WEIGHTS[:3])]
     for name, value in joined.items():
         assert value == pytest.approx(sum(p[name] for p in parts), abs=1e-12)

@@ -96,7 +96,7 @@ def test_the_search_is_for_the_information_that_the_weights_leave(hexapod_case: 
         seen = seen_through(model, expected_noise(case, model, payload).whitening)
         found = run_start(Task(case, 9, family, "D", 1, payload))
         information = mean_information(seen, scaling, family.motion(found.unknowns))
-        assert found.score == pytest.approx(CRITERIA["D"].of(singular_values(information, model.names)), rel=1e-9)
+        assert found.score == pytest.approx(CRITERIA["D"](singular_values(information, model.names)), rel=1e-9)
         problem = build_problem(case, seen, family, scaling, MARGIN)
         at = family.start(np.random.default_rng(3), problem.worst)
         exact = np.linalg.slogdet(mean_information(seen, scaling, family.motion(at)))[1]

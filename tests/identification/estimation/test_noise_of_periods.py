@@ -8,13 +8,13 @@ import pytest
 from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import Recording
-from identification.samples import Conditioning, Periodic
+from identification.samples import Conditioning
 from tests.helpers import ideal, simulated
 from tests.identification.estimation.test_noise_sources import noisy, stated
 from tests.identification.repeating import Repeating, recorded
 
 CASE = ideal(load_case("hexapod"))
-WISH = Conditioning(Periodic(harmonics=40))
+WISH = Conditioning(True, harmonics=40)
 EXACT = recorded(CASE, Repeating(periods=3))
 
 

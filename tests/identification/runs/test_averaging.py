@@ -14,14 +14,14 @@ from identification.parameters import linear_parameters, physical_form
 from identification.result import Estimate, residuals_of
 from identification.runs.averaging import periodic_run
 from identification.runs.periods import each_period
-from identification.samples import Conditioning, Periodic
+from identification.samples import Conditioning
 from tests.helpers import few, ideal, one_line, simulated
 from tests.identification.repeating import LEAD, Repeating, recorded
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)
 PHYSICAL = physical_form(MODEL).of(linear_parameters(MODEL, CASE.simulation.parameters), np.eye(20))[0]
-AUTO = Conditioning(Periodic())
+AUTO = Conditioning(True)
 
 
 def values(estimate: Estimate) -> np.ndarray:
@@ -100,10 +100,10 @@ def test_the_delay_is_found(delay_ms: float) -> None:
 def test_forces_and_regressor_pass_the_same_filter() -> None:
     """What is above the harmonics leaves the estimate alone on either side, however few they are."""
     run = recorded(ideal(CASE), Repeating(periods=2))
-    few = identify(run, CASE, conditioning=Conditioning(Periodic(harmonics=4)))
+    few = identify(run, CASE, conditioning=Conditioning(True, harmonics=4))
     np.testing.assert_allclose(values(few), PHYSICAL, rtol=1e-5, atol=1e-5)
     ripple = 50.0 * np.sin(2 * np.pi * 30.0 * run.t)[:, None]
-    disturbed = identify(replace(run, forces=run.forces + ripple), CASE, conditioning=Conditioning(Periodic(None, 4)))
+    disturbed = identify(replace(run, forces=run.forces + ripple), CASE, conditioning=Conditioning(True, None, 4))
     np.testing.assert_allclose(values(disturbed), values(few), rtol=1e-6, atol=1e-6)
 
 
@@ -169,16 +169,16 @@ def test_residuals_are_told_at_every_sample_of_the_periods(clean: Estimate) -> N
 @pytest.mark.parametrize(
     ("change", "wish", "message"),
     [
-        ({}, Periodic(harmonics=500), "harmonics 500: a period of 2 s holds 80 of them up to"),
-        ({}, Periodic(period=3.0), "period 3: a period later the struts are"),
-        ({"t": None}, Periodic(), "is not a moving run"),
-        ({"struts": None}, Periodic(), "needs"),
-        ({"trigger": np.zeros(8801, dtype=bool)}, Periodic(), "trigger: is never 1"),
+        ({}, Conditioning(True, harmonics=500), "harmonics 500: a period of 2 s holds 80 of them up to"),
+        ({}, Conditioning(True, period=3.0), "period 3: a period later the struts are"),
+        ({"t": None}, Conditioning(True), "is not a moving run"),
+        ({"struts": None}, Conditioning(True), "needs"),
+        ({"trigger": np.zeros(8801, dtype=bool)}, Conditioning(True), "trigger: is never 1"),
     ],
 )
-def test_what_cannot_be_done_is_refused_in_a_line(change: dict, wish: Periodic, message: str) -> None:
+def test_what_cannot_be_done_is_refused_in_a_line(change: dict, wish: Conditioning, message: str) -> None:
     run = recorded(CASE, Repeating())
     run = replace(run, **{k: v[: len(run.t)] if isinstance(v, np.ndarray) else v for k, v in change.items()})
     with pytest.raises((RecordingError, ValueError), match=message) as caught:
-        identify(run, CASE, 0 if run.struts is None else 9, conditioning=Conditioning(wish))
+        identify(run, CASE, 0 if run.struts is None else 9, conditioning=wish)
     assert "run.csv" in one_line(caught.value)
