@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import rfft, rfftfreq
 from scipy.special import stdtrit
 
 from cases.schema import Case
@@ -225,10 +226,13 @@ class Residuals:
         """
         if self.step is None:
             raise ValueError("standstills have no spectrum")
-        from scipy.signal import welch  # loads slowly, and only pages ask for it
-
-        frequencies, power = welch(self.values, 1.0 / self.step, nperseg=min(SEGMENT, len(self.t)), axis=0)
-        return frequencies, np.sqrt(power)
+        size = min(SEGMENT, len(self.t))
+        overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
+        window = np.hanning(size + 1)[:-1]
+        spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)
+        power = np.mean(np.abs(spectra) ** 2, axis=0).T * self.step / np.sum(window**2)
+        power[1 : (size + 1) // 2] *= 2.0  # of the frequencies below zero; those in the middle have no such twin
+        return rfftfreq(size, self.step), np.sqrt(power)
 
 
 def residuals_of(estimate: Estimate) -> Residuals:
