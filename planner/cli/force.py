@@ -2,11 +2,16 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table
+
+if TYPE_CHECKING:
+    from cases.schema import Case
+    from identification.recording import Recording
+    from identification.saved_result import SavedResult
 
 
 def export(
@@ -55,7 +60,6 @@ def export(
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
-WRENCH = tuple(f"{axis}_{unit.replace(' ', '')}" for axis, unit in zip(AXES, UNITS, strict=True))
 
 Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
 
@@ -75,18 +79,12 @@ def force(
     from cases.files import atomic_file, check_file, output_place
     from cases.recording_format import WRENCH
     from identification.external import external_force
-    from identification.recording import read
-    from identification.runs.rates import on_one_clock
-    from identification.saved_result import load_result
-    from planner.runs.identifying import case_of
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
-    loaded, remarks = case_of(recording, case, stale, parameters)
-    saved = load_result(parameters)
-    remarks += saved.remarks(loaded, stale)
-    result = external_force(on_one_clock(read(recording, loaded), loaded), loaded, saved)
+    run, loaded, saved, remarks = _read(recording, parameters, case, stale)
+    result = external_force(run, loaded, saved)
     with atomic_file(file) as part:
         _write(part, result, remarks)
     answer: dict[str, Any] = {
@@ -106,6 +104,20 @@ def force(
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"written: {file} ({len(result.t)} samples, behind the filter of the case)")
+
+
+def _read(
+    recording: Path, parameters: Path, case: str | None, stale: bool
+) -> "tuple[Recording, Case, SavedResult, tuple[str, ...]]":
+    """The run on one clock, its case, the result whose parameters are used, and what has changed in the case since."""
+    from identification.recording import read
+    from identification.runs.rates import on_one_clock
+    from identification.saved_result import load_result
+    from planner.runs.identifying import case_of
+
+    loaded, remarks = case_of(recording, case, stale, parameters)
+    saved = load_result(parameters)
+    return on_one_clock(read(recording, loaded), loaded), loaded, saved, remarks + saved.remarks(loaded, stale)
 
 
 def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
@@ -139,17 +151,12 @@ def tare(
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
     from identification.external import tare as new_offsets
-    from identification.recording import read
-    from identification.runs.rates import on_one_clock
-    from identification.saved_result import load_result, with_tare
-    from planner.runs.identifying import case_of
+    from identification.saved_result import with_tare
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
-    loaded, remarks = case_of(recording, case, stale, parameters)
-    saved = load_result(parameters)
-    remarks += saved.remarks(loaded, stale)
-    offsets = new_offsets(on_one_clock(read(recording, loaded), loaded), loaded, saved)
+    run, loaded, saved, remarks = _read(recording, parameters, case, stale)
+    offsets = new_offsets(run, loaded, saved)
     content = with_tare(saved, loaded, offsets.values, offsets.covariance, str(recording), offsets.notes)
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}

@@ -1,6 +1,5 @@
 """`hexcite bound` and `hexcite retime`: what the limits let any motion tell, and the pace at which they let one run."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -132,8 +131,6 @@ def retime(
 
     Prints criteria and limits before and after; without -o nothing is written.
     """
-    from time import perf_counter
-
     from cases.errors import HexciteError
     from cases.files import PLAN, check_folder
     from cases.loading import load_case
@@ -148,27 +145,23 @@ def retime(
     plan = Plan.load(source, None if case is None else load_case(case), stale)
     if len(plan.poses):
         raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
-    request = replace(plan.of_motion[0], model=plan.model if model is None else model, targets=())
-    retiming_method = method_of(method, plan.motion, fastest)
-    start = perf_counter()
-    with status(f"re-timing with {retiming_method}", json) as report:
-        effective_model = identification_model(plan.case, request.model)
-        result = retimed(plan.motion, plan.case, effective_model, retiming_method, fastest, report)
-        seconds = perf_counter() - start
+    model = plan.model if model is None else model
+    fitting = method_of(method, plan.motion, fastest)
+    with status(f"re-timing with {fitting}", json) as report:
+        result = retimed(plan.motion, plan.case, identification_model(plan.case, model), fitting, fastest, report)
         if output is not None:
             report("writing")
-            new_plan = retimed_plan(result, request, plan.case, source, seconds, plan.stale)
-            save_with_page(new_plan, PLAN, output, overwrite)
+            save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": result.method,
-        "model": request.model,
+        "model": model,
         "before": _rating(result.before),
         "after": _rating(result.after),
         "off_path_mm": result.off_path[0] / MM,
         "off_path_deg": result.off_path[1] / DEG,
         "remarks": [*result.remarks, *plan.stale],
-        "solve_s": seconds,
+        "solve_s": result.seconds,
         "plan": str(output) if output is not None else None,
     }
     print_answer(answer, json, lambda: _show_paces(answer, result.after.limits))

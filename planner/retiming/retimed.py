@@ -28,7 +28,7 @@ from planner.families.ptp import unit_profile
 from planner.found import Found, rated
 from planner.noise import mean_information
 from planner.plans import Plan
-from planner.request import LONGEST, Request
+from planner.request import LONGEST
 from planner.retiming.path_pace import retimed_path
 from planner.search.inside import MARGIN
 
@@ -57,8 +57,8 @@ class Retimed:
     before: PaceRating
     after: PaceRating
     remarks: tuple[str, ...]  # what the method says of it
-    # largest distance from the planned path, of the position [m] and of an angle [rad]
-    off_path: tuple[float, float] = (0.0, 0.0)
+    off_path: tuple[float, float]  # largest distance from the planned path, of position [m] and of an angle [rad]
+    seconds: float  # spent [s]
 
 
 def retimed(
@@ -80,7 +80,8 @@ def retimed(
         IdentificationError: it does not excite all parameters of the model.
         CaseError: the case has no machine, limits or controller.
     """
-    off_path, after = (0.0, 0.0), motion
+    start, off_path = perf_counter(), (0.0, 0.0)
+    after: Trajectory
     try:
         if method == "ruckig":
             after, slowed = by_controller(motion, case)
@@ -93,7 +94,7 @@ def retimed(
         raise InfeasiblePlan(f"cannot be re-timed with {method}: {error}") from error
     bound = box_bound(case, model)
     before, rated = (_rating(m, case, model, bound) for m in (motion, after))
-    return Retimed(method, after, before, rated, remarks, off_path)
+    return Retimed(method, after, before, rated, remarks, off_path, perf_counter() - start)
 
 
 def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceRating:
@@ -188,12 +189,11 @@ def retime(
         InfeasiblePlan: the motion cannot be re-timed that way.
         HexciteError: a plan of poses, an unknown method, or a method that does not fit.
     """
-    start = perf_counter()
-    request = replace(plan.of_motion[0], targets=())
+    if len(plan.poses):
+        raise HexciteError(f"{plan.name}: is a plan of poses; its moves are as fast as the limits allow already")
+    fitting = method_of(method, plan.motion, fastest)
     model = identification_model(plan.case, plan.model)
-    result = retimed(plan.motion, plan.case, model, method_of(method, plan.motion, fastest), fastest, progress)
-    source = Path(plan.name) if plan.saved is None else plan.saved.folder
-    return retimed_plan(result, request, plan.case, source, perf_counter() - start, plan.stale)
+    return retimed_plan(retimed(plan.motion, plan.case, model, fitting, fastest, progress), plan, plan.model)
 
 
 def method_of(name: str | None, motion: Trajectory, fastest: bool) -> str:
@@ -212,36 +212,29 @@ def method_of(name: str | None, motion: Trajectory, fastest: bool) -> str:
     return method
 
 
-def retimed_plan(
-    found: Retimed,
-    request: Request,
-    case: Case,
-    source: Path,
-    seconds: float,
-    stale: tuple[str, ...] = (),
-) -> Plan:
-    """The plan of a motion after re-timing.
+def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
+    """The plan of a motion after re-timing, for an identification model by its number.
 
     Args:
-        request: family, criterion, model and payload of the plan that it comes from.
-        seconds: spent on re-timing [s].
-        stale: what has changed in the case since the plan before, where the user went on.
+        plan: the plan that it comes from.
 
     Raises:
         InfeasiblePlan: it passes a limit; the message names the limit.
         IdentificationError: the motion does not excite all parameters of the model.
+        HexciteError: a plan of poses.
     """
     if violations := found.after.limits.violations:
         raise InfeasiblePlan(f"the re-timed motion is not a plan: {violations[0].sentence()}")
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
+    source = Path(plan.name) if plan.saved is None else plan.saved.folder
     settings = {
         "retimed_with": found.method,
         "retimed_from": str(source.resolve()),
         "duration_before_s": found.before.duration,
         "off_path_mm": found.off_path[0] / MM,
         "off_path_deg": found.off_path[1] / DEG,
-        **({"stale": list(stale)} if stale else {}),
+        **({"stale": list(plan.stale)} if plan.stale else {}),
     }
-    result = Found(found.motion, settings, found.after.limits)
-    return rated(request, case, result, seconds)
+    request = replace(plan.of_motion[0], model=model, targets=())
+    return rated(request, plan.case, Found(found.motion, settings, found.after.limits), found.seconds)

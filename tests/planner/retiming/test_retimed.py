@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -173,12 +174,12 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pyt
     assert program["excitation_s"] == pytest.approx(saved.motion.duration, rel=1e-2)
 
 
-def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
+def test_a_plan_that_passes_a_limit_is_not_written():
     far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
     found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, "ruckig", False)
-    request = Request(Manual(), model=0)
+    plan = SimpleNamespace(name="far", saved=None, case=CASE, of_motion=(Request(Manual(), model=0), None), stale=())
     with pytest.raises(InfeasiblePlan, match="is not a plan: position"):
-        retimed_plan(found, request, CASE, tmp_path, 0.0)
+        retimed_plan(found, plan, 0)
 
 
 @pytest.mark.parametrize(
