@@ -1,7 +1,6 @@
 """The largest box of poses, or of joints, inside `[limits.motion]` that a machine reaches as a whole."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -113,7 +112,10 @@ class _Search:
         whole = np.ones(2 * self.count)
         if (self._add_worst(whole) <= 1.0 + TOLERANCE).all():
             return whole
-        boxes = [self._grown(start) for start in self._starts()]
+        boxes = []
+        for k in range(STARTS):  # from the stated shape, then from random ones
+            shape = np.exp(self.draw.normal(0.0, 0.5, 2 * self.count)) if k else whole
+            boxes.append(self._grown(self._shrunk(shape / shape.max())))
         return min(boxes, key=lambda sides: self._objective(sides)[0])
 
     def at_the_end_of_reach(self) -> CaseError:
@@ -124,12 +126,6 @@ class _Search:
             "machine.home" if self.case.chain is None else "machine.chain: home",
             f"uses {100 * share:.4g} % of the limit {limit}, so that no box around it is reachable; move home inwards",
         )
-
-    def _starts(self) -> Iterator[Array]:
-        """Boxes of the stated shape, then of random shapes, shrunk until they keep the limits."""
-        for k in range(STARTS):
-            shape = np.exp(self.draw.normal(0.0, 0.5, 2 * self.count)) if k else np.ones(2 * self.count)
-            yield self._shrunk(shape / shape.max())
 
     def _shrunk(self, sides: Array) -> Array:
         """The largest box of the same shape that keeps the limits at the poses known so far."""

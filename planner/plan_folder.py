@@ -100,7 +100,12 @@ def _require_own_figures(file: Path, data: dict[str, Any], plan: Plan) -> None:
     """Raises FileProblem where an entry of plan.json is not what it is by the motion beside it."""
     size = 1.0  # an efficiency to a thousandth is a log det to a thousandth of the parameters
     if isinstance(plan.worth, PoseWorth):
-        figures, predicted = {"count": float(len(plan.poses))}, _deviations_at(plan)
+        model, poses, noise = standing_model(plan.case, plan.model), plan.poses, plan.assumed_noise
+        scaling = reference_scaling(plan.case, model)
+        regressors = pose_regressors(model, poses) * scaling
+        singular_values(total_information(regressors), model.names)  # raises where they do not determine the model
+        figures = {"count": float(len(poses))}
+        predicted = predicted_std_at_poses(plan.case, model, scaling, regressors, poses, noise)
     else:
         rate = plan.case.recording.model_copy(update={"rate_Hz": plan.assumed_rate})
         case = plan.case.model_copy(update={"recording": rate})
@@ -121,12 +126,3 @@ def _require_own_figures(file: Path, data: dict[str, Any], plan: Plan) -> None:
             words = f"{entry:.6g}" if isinstance(entry, int | float) else repr(entry)
             problem = f"{key} is {words}, but {value:.6g} by its motion: changed by hand or by another version"
             raise FileProblem(file, problem, "plan again")
-
-
-def _deviations_at(plan: Plan) -> dict[str, float]:
-    """Predicted standard deviations of a plan of poses."""
-    model = standing_model(plan.case, plan.model)
-    scaling = reference_scaling(plan.case, model)
-    regressors = pose_regressors(model, plan.poses) * scaling
-    singular_values(total_information(regressors), model.names)  # raises where they do not determine the model
-    return predicted_std_at_poses(plan.case, model, scaling, regressors, plan.poses, plan.assumed_noise)

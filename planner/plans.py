@@ -155,6 +155,19 @@ class Plan:
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
         request = self.request
+        if isinstance(request, Request):
+            first, last = self.motion.at([0.0, self.duration]).pose
+            own = {
+                "first_pose_m_rad": first.tolist(),
+                "last_pose_m_rad": last.tolist(),
+                "payload": self.payloads[-1],
+                "payload_from": self.payloads[0],
+                "bound_by": bound_by(self.limits),
+            }
+        else:
+            columns = self.case.need_motion("a plan")[1].columns
+            rows = poses_in_units(self.poses, self.case).tolist()
+            own = {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
         return {
             "schema_version": SCHEMA_VERSION,
             "case": self.case.name,
@@ -168,7 +181,7 @@ class Plan:
             "duration_s": self.duration,
             **request.to_json(),
             **self.worth.to_json(),
-            **(self._of_motion() if isinstance(request, Request) else self._of_poses()),
+            **own,
             "predicted_std": self.predicted_std,
             "assumed_noise_N": self.assumed_noise,
             "assumed_rate_Hz": self.assumed_rate,
@@ -176,21 +189,6 @@ class Plan:
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }
-
-    def _of_motion(self) -> dict[str, Any]:
-        first, last = self.motion.at([0.0, self.duration]).pose
-        return {
-            "first_pose_m_rad": first.tolist(),
-            "last_pose_m_rad": last.tolist(),
-            "payload": self.payloads[-1],
-            "payload_from": self.payloads[0],
-            "bound_by": bound_by(self.limits),
-        }
-
-    def _of_poses(self) -> dict[str, Any]:
-        columns = self.case.need_motion("a plan")[1].columns
-        rows = poses_in_units(self.poses, self.case).tolist()
-        return {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
 
     def __str__(self) -> str:
         """Ten lines: what it is, what it is worth, what it predicts, and its limits."""

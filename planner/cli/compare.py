@@ -92,7 +92,7 @@ def validate(
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
     what it models. Interrupted, the same command uses the plans that are there.
     """
-    from cases.errors import CaseError
+    from cases.errors import CaseError, HexciteError
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
     from identification.model import RIGID, full_model
@@ -112,9 +112,9 @@ def validate(
             "with and without a weight, and see what hexcite payload says of it",
         )
     if recordings is not None:
-        _only_recordings(
-            {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
-        )
+        simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
+        for option in (name for name, value in simulating.items() if value):
+            raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
     selection = chosen(methods) if recordings is None else []
     if loaded.payloads is None:
         loaded.missing("payloads", "a validation with payloads")
@@ -136,14 +136,6 @@ def validate(
             save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     print_answer(answer, json, lambda: _show_validation(answer, validation))
-
-
-def _only_recordings(options: dict[str, Any]) -> None:
-    """Refuses what says how to simulate beside recordings of a machine."""
-    from cases.errors import HexciteError
-
-    for option in (name for name, value in options.items() if value):
-        raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
 
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:

@@ -1,11 +1,11 @@
 """`hexcite identify`: parameters with error bars from a recording; `hexcite look`: what one of unknown format holds."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table, status
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_answer, print_json, print_table, status
 
 if TYPE_CHECKING:
     from identification.formats.looked import Column, Look
@@ -159,15 +159,8 @@ def look(
 
         with atomic_file(file) as part:
             look_figure(report).savefig(part, format=file.suffix[1:].lower())
-    if json:
-        print_json(_answer(report) | {"picture": str(file)})
-    else:
-        _show(report, file)
-
-
-def _answer(report: "Look") -> dict[str, Any]:
     columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
-    return {
+    answer = {
         "recording": str(report.file),
         "reads": report.reads,
         "rows": report.rows,
@@ -175,7 +168,9 @@ def _answer(report: "Look") -> dict[str, Any]:
         "columns": columns,
         "settings": dict(report.settings),
         "odd": list(report.odd),
+        "picture": str(file),
     }
+    print_answer(answer, json, lambda: _show(report, file))
 
 
 def _show(report: "Look", file: Path) -> None:

@@ -79,7 +79,11 @@ def post(
     if json:
         print_json(answer)
         return
-    show_program(answer)
+    unit = "rows" if answer["dialect"] == "setpoints" else "blocks"
+    print(f"program written: {answer['program']} ({answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back)")
+    print(f"limits: {answer['verdict']}{' (accepted)' if answer['relies_on'] else ''}")
+    for remark in answer["remarks"]:
+        print(remark)
 
 
 def answer_of_program(program: "Program") -> dict[str, Any]:
@@ -97,16 +101,6 @@ def answer_of_program(program: "Program") -> dict[str, Any]:
         "remarks": [*program.remarks, *forecast.remarks],
         "limits": proof.limits.to_json(),
     }
-
-
-def show_program(answer: dict[str, Any]) -> None:
-    """Prints a program for people."""
-    unit = "rows" if answer["dialect"] == "setpoints" else "blocks"
-    size = f"{answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back"
-    print(f"program written: {answer['program']} ({size})")
-    print(f"limits: {answer['verdict']}{' (accepted)' if answer['relies_on'] else ''}")
-    for remark in answer["remarks"]:
-        print(remark)
 
 
 def check(

@@ -179,7 +179,11 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
     if (place / "plan.json").is_file():
         return Plan.load(place)
     if settings.plans is not None:
-        _copied(settings.plans / "plans" / method, place)
+        source = settings.plans / "plans" / method
+        if not (source / "plan.json").is_file():
+            raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
+        with atomic_folder(place, PLAN) as part:
+            shutil.copytree(source, part, dirs_exist_ok=True)
         return Plan.load(place)
     request = REQUESTS[method]
     if isinstance(request, PoseRequest):
@@ -192,10 +196,3 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
             raise Interrupted
     plan.save(place)
     return Plan.load(place, case)
-
-
-def _copied(source: Path, plan: Path) -> None:
-    if not (source / "plan.json").is_file():
-        raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
-    with atomic_folder(plan, PLAN) as part:
-        shutil.copytree(source, part, dirs_exist_ok=True)

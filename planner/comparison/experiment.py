@@ -4,7 +4,7 @@ Theoretical values are those of the platform as identified without payload plus 
 simulated machine knows its true values too, and errors are also told in reported standard deviations of these.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,12 +16,14 @@ from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
 from identification.identify import identify
 from identification.parameters import linear_parameters, physical_form
-from identification.recording import Recording
+from identification.recording import Recording, read
 from identification.result import Estimate
+from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, pose_covariance, sensed
 from identification.trajectories.executed import Execution
 from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
+from planner.runs.identifying import standing_of
 
 Array = NDArray[np.float64]
 
@@ -94,7 +96,7 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         yield MethodStep(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)
 
 
-def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:
+def recorded_steps(case: Case, folder: Path) -> Iterator[MethodStep]:
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Raises:
@@ -120,7 +122,7 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
         )
     bare: Estimate | None = None
     for k, file in enumerate(files):
-        estimate = identify(read(file), case)
+        estimate = identify(standing_of(on_one_clock(read(file, case), case), case)[0], case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)

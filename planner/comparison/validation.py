@@ -11,13 +11,10 @@ from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
-from identification.recording import Recording, read
-from identification.runs.rates import on_one_clock
 from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps
 from planner.comparison.step import MethodStep
 from planner.comparison.verdict import Claim, findings
-from planner.runs.identifying import standing_of
 from planner.runs.running import require_controller
 
 
@@ -147,10 +144,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
                 raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
         folders = [folder for folder in folders if folder.name in methods]
 
-    def run_of(file: Path) -> Recording:
-        return standing_of(on_one_clock(read(file, case), case), case)[0]
-
-    steps = tuple(step for folder in folders for step in recorded_steps(case, folder, run_of))
+    steps = tuple(step for folder in folders for step in recorded_steps(case, folder))
     machine = f"recordings of a machine in {recordings}"
     return Validation(case, machine, steps, tuple(findings(steps)), {}, {}, None, None, {})
 

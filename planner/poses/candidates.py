@@ -231,7 +231,7 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
     size = len(scaling)
     pool, home = space.project(space.shares(seeds)), case.need_motion("a plan of poses")[0]
     for _ in range(SPACE_ROUNDS):
-        regressors = _regressors(model, scaling, space, pool, home)
+        regressors = pose_regressors(model, space.poses(pool, np.tile(home, (len(pool), 1)))) * scaling
         design = approximate_design(regressors, SPACE_GAP / 5)
         inverse: Array = np.asarray(np.linalg.inv(design.information), dtype=np.float64)
         derivative = np.einsum("nki,ij,nkj->n", regressors, inverse, regressors, optimize=True)
@@ -242,10 +242,6 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
             break
         pool = np.vstack([pool[design.weights > 0.0], starts, maxima[values > size]])
     return float(np.linalg.slogdet(design.information)[1] + size * np.log(dmax / size))
-
-
-def _regressors(model: Model, scaling: Array, space: PoseSpace | JointSpace, shares: Array, reference: Array) -> Array:
-    return pose_regressors(model, space.poses(shares, np.tile(reference, (len(shares), 1)))) * scaling
 
 
 def _derivative_function(model: Model, scaling: Array, space: PoseSpace | JointSpace) -> ca.Function:

@@ -240,24 +240,15 @@ def margins_of(case: Case, poses: Array) -> Array:
     return over_samples(validity_margins(case), poses)[0]
 
 
-def keep_out_distances(case: Case, poses: Array) -> Array:
-    """Distance of platform, struts and tools from the nearest keep-out box, shape (n,) [m].
-
-    Below 0 inside one; along the axis that separates them most; infinite where the case has no such box.
-    """
+def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
+    """Whether the machine can stand at each pose, clear of every keep-out box, shape (n,)."""
     machine, workspace, _ = case.need_machine("the validity of poses")
+    valid = np.all(margins_of(case, poses) >= -ROUNDING, axis=1)
     turn, origin, base = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix(), poses[:, :3], machine.base.points
     strut = origin[:, None] + machine.platform.points @ turn.transpose(0, 2, 1) - base
-    nearest = np.full(len(poses), np.inf)
     for box in workspace.keep_out:
-        nearest = np.minimum(nearest, distances(box, workspace, origin, turn, base, strut).min(axis=1))
-    return nearest
-
-
-def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
-    """Whether the machine can stand at each pose, shape (n,)."""
-    inside = np.all(margins_of(case, poses) >= -ROUNDING, axis=1)
-    return np.asarray(inside & (keep_out_distances(case, poses) >= 0.0))
+        valid &= distances(box, workspace, origin, turn, base, strut).min(axis=1) >= 0.0
+    return np.asarray(valid)
 
 
 def places(case: Case, poses: Array) -> Array:

@@ -70,7 +70,10 @@ def travel_times(case: Case, poses: Array) -> Array:
     for first in range(0, len(pairs), CHUNK):
         block = slice(first, first + CHUNK)
         durations[block] *= np.maximum(_slowness(case, start[block], end[block], laws[law[block]]), 1.0)
-        durations[block][~_passable(case, start[block], end[block], instants)] = np.inf
+        share = np.linspace(0.0, 1.0, instants)[:, None]
+        places = start[block][:, None, :] + share * (end - start)[block][:, None, :]
+        valid = space_of(case).valid(places.reshape(-1, start.shape[1])).reshape(len(places), -1)
+        durations[block][~valid.all(axis=1)] = np.inf
     times = np.zeros((len(poses), len(poses)))
     times[pairs[:, 0], pairs[:, 1]] = times[pairs[:, 1], pairs[:, 0]] = durations
     return times
@@ -116,13 +119,6 @@ def _instants(profile: Profile, instants: int) -> Array:
     """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants + 6,) [s]."""
     corners = np.cumsum(profile.lengths[:-1])
     return np.sort(np.r_[np.linspace(0.0, profile.duration, instants), corners])
-
-
-def _passable(case: Case, start: Array, end: Array, instants: int) -> NDArray[np.bool_]:
-    share = np.linspace(0.0, 1.0, instants)[:, None]
-    pose = start[:, None, :] + share * (end - start)[:, None, :]
-    valid = space_of(case).valid(pose.reshape(-1, start.shape[1]))
-    return np.asarray(valid.reshape(len(start), -1).all(axis=1))
 
 
 Index = NDArray[np.int64]

@@ -51,7 +51,11 @@ def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
                 figure.add_scatter(x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
-            _add_limits(figure, limit[:, axes] * factor, [colour(k) for k in axes])
+            for row in limit[:, axes] * factor:  # grey where all axes share it
+                shared = bool(np.ptp(row) <= 1e-9 * np.abs(row).max())
+                own_colours = zip(row, map(colour, axes), strict=True)
+                for value, c in [(row[0], GREY)] if shared else list(own_colours):
+                    figure.add_hline(y=float(value), line={"color": c, "dash": "dash", "width": 1})
             figure.update_xaxes(title="time [s]")
             figure.update_yaxes(title=f"{name} [{unit}]")
             note = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
@@ -68,14 +72,6 @@ def colour(k: int) -> str:
 
 def _both(limit: Array) -> Array:
     return np.array([-limit, limit])
-
-
-def _add_limits(figure: Chart, limits: Array, colours: Sequence[str]) -> None:
-    """Dashed lines at limits, shape (2, axes): in the colour of their axis, grey where all axes share them."""
-    for row in limits:
-        shared = bool(np.ptp(row) <= 1e-9 * np.abs(row).max())
-        for value, colour in [(row[0], GREY)] if shared else list(zip(row, colours, strict=True)):
-            figure.add_hline(y=float(value), line={"color": colour, "dash": "dash", "width": 1})
 
 
 _KEEPERS = {Status.PROVEN: "proven", Status.ENFORCED: "kept by the controller"}

@@ -182,18 +182,13 @@ def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
         origin = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
         return (Note(f"{origin}. {words}"),)
     columns = ("seed", "how far", "log det at start", "log det at end", "iterations", "time", "solver")
-    rows = tuple(
-        (str(s["seed"]), "refined" if s["refined"] else "explored", _logdet(s["start_logdet"]),
-         f"{s['logdet']:.3f}", str(s["iterations"]),
-         f"{s['seconds']:.1f} s", solver_text(s["solver"]))
-        for s in plan["starts"]
-    )  # fmt: skip
+    rows = []
+    for s in plan["starts"]:
+        begin = "singular" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}"
+        end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", solver_text(s["solver"]))
+        rows.append((str(s["seed"]), "refined" if s["refined"] else "explored", begin, *end))
     failed = tuple(Note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
     return (Table(columns, rows, left=2), *failed, Note(words))
-
-
-def _logdet(value: float | None) -> str:
-    return "singular" if value is None else f"{value:.3f}"
 
 
 def poses_page(plan: Plan) -> Page:
@@ -211,6 +206,8 @@ def poses_page(plan: Plan) -> Page:
     words = (
         f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {about['remark']}."
     )
+    deviations = Table(("parameter", "predicted std", "unit"), plan.deviation_rows())
+    noise = f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N"
     pictures = []  # of a chain there are none yet
     if case.chain is None:
         picture = posing_machine(case, plan.poses, "In the order of visit.")
@@ -222,19 +219,14 @@ def poses_page(plan: Plan) -> Page:
         inputs=(*inputs, *provenance([])["versions"].items()),
         warnings=(),
         sections=(
-            Section("What the set promises", (Tiles(tiles), *_pose_deviations(plan))),
+            Section(
+                "What the set promises", (Tiles(tiles), deviations, Note(f"{noise}, independently from pose to pose."))
+            ),
             *pictures,
             Section("Where the poses are", (_places(plan),)),
             Section("What the poses determine", identifiability_items(found)),
         ),
     )
-
-
-def _pose_deviations(plan: Plan) -> tuple[Item, ...]:
-    note = Note(
-        f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."
-    )
-    return (Table(("parameter", "predicted std", "unit"), plan.deviation_rows()), note)
 
 
 def _places(plan: Plan) -> Plot:

@@ -56,7 +56,7 @@ def validation_page(validation: Validation) -> Page:
     sections = [
         Section("What it comes to", (Answers(tuple((f.holds, f.claim, f.figures) for f in validation.findings)),)),
         Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
-        Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
+        Section("Values and deviations from theory (Table 7)", (Note(THEORY), *tables, *_error_plots(steps))),
         Section("Residuals grow with the load", (_s0_plot(steps),)),
     ]
     if off := off_rows(steps):
@@ -97,12 +97,10 @@ def _warnings(steps: Sequence[MethodStep]) -> list[str]:
     return sentences
 
 
-def _deviation_note() -> Note:
-    return Note(
-        "Theory: what the method itself identified without payload, plus the known weights; offsets must stay. s0 is "
-        "(27), of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, "
-        "k0 in N/m, k1 in N m/m."
-    )
+THEORY = (
+    "Theory: what the method itself identified without payload, plus the known weights; offsets must stay. s0 is (27), "
+    "of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, k0 in N/m, k1 in N m/m."
+)
 
 
 def _std_plots(steps: Sequence[MethodStep]) -> list[Plot]:

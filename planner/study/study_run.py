@@ -32,8 +32,6 @@ from planner.study.cluster import TaskEnd, run_tasks
 if TYPE_CHECKING:
     from distributed import Client
 
-    from identification.simulate import Circumstances
-
 
 @dataclass(frozen=True, slots=True)
 class Job:
@@ -88,12 +86,14 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     from identification.identify import identify
     from identification.limit import KINETIC
-    from identification.simulate import circumstances, simulate_recording, truth_rows
+    from identification.simulate import circumstances, loaded_truth, simulate_recording, truth_rows
     from planner.runs.running import execute
     from planner.runs.written import write
 
     around = circumstances(job.case, job.request.payload, job.disturbed)
-    truth_case = _loaded_case(job.case, around)
+    simulation = job.case.need_simulation("a study that executes its plans")
+    loaded = simulation.model_copy(update={"parameters": loaded_truth(simulation.parameters, around.weights)})
+    truth_case = job.case.model_copy(update={"simulation": loaded})  # whose true parameters include what is mounted
     # Nothing moves but numbers: limits that this controller would leave to nobody are reported by `post`, not here.
     run = execute(write(plan, accept=KINETIC), job.case, "virtual", job.noise_seeds[0], around).run
     rows = []
@@ -119,15 +119,6 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
         )
         start = now
     return rows
-
-
-def _loaded_case(case: Case, around: "Circumstances") -> Case:
-    """The case whose true parameters include what is mounted."""
-    from identification.simulate import loaded_truth
-
-    simulation = case.need_simulation("a study that executes its plans")
-    truth = loaded_truth(simulation.parameters, around.weights)
-    return case.model_copy(update={"simulation": simulation.model_copy(update={"parameters": truth})})
 
 
 def cells_of(spec: Spec, case: Case) -> dict[str, dict[str, Any]]:
