@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
@@ -11,7 +10,7 @@ from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
-from identification.motion import Trajectory
+from identification.motion import Array, Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import (
@@ -25,8 +24,6 @@ from planner.noise import (
 )
 from planner.plans import Plan
 from planner.poses.pose_criteria import total_information
-
-Array = NDArray[np.float64]
 
 
 def predicted_std(

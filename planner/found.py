@@ -3,7 +3,6 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import payload_words
@@ -11,7 +10,7 @@ from identification.criteria import reference_scaling
 from identification.estimation.fit import PoseField
 from identification.limit import LimitKind, LimitReport, Status
 from identification.model import Model, identification_model
-from identification.motion import Trajectory
+from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.bounds.kept import box_bound, known_tight_bound
 from planner.deviations import figures_of, predicted_std_of, worst_std
@@ -24,8 +23,6 @@ from planner.request import Request, parse_targets
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.vibration import BothLaws, both_laws
 from planner.worth import BINDING, Search, Worth, bound_by
-
-Array = NDArray[np.float64]
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one

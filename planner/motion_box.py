@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.chain import JointLimit
 from cases.errors import CaseError
@@ -13,10 +12,8 @@ from cases.recording_format import POSE
 from cases.schema import Case
 from identification.limit import TOLERANCE, LimitCheck
 from identification.limit_proof import prove
-from identification.motion import StandingPoses
+from identification.motion import Array, StandingPoses
 from planner.reach import StaticLimits, corners_and_middles, static_limits
-
-Array = NDArray[np.float64]
 
 MARGIN = 1e-3  # share of a limit that the box leaves, or half of what home leaves: sampling cannot find every pose
 STARTS = 4  # boxes from which the search begins, for it ends at the next local optimum

@@ -8,18 +8,15 @@ predicted for these weights and this noise, whether the weights are right for it
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.estimation.fit import PoseField, matern, squared_distances
 from identification.estimation.stated_noise import StatedNoise, inverse_root
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
-from identification.motion import Trajectory
+from identification.motion import Array, Trajectory
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
-
-Array = NDArray[np.float64]
 
 DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
 UNITS = (slice(0, 3), slice(3, 6))  # forces and moments of a force/torque sensor

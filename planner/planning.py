@@ -8,7 +8,6 @@ from threading import Event
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
@@ -31,8 +30,6 @@ from planner.search.inside import keep_limits, remedy, require_plannable
 from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner, run_here, workers
 from planner.search.solving import Failed, Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
-
-Array = NDArray[np.float64]
 
 KEPT = 3  # of several orders and periods, the best get more starts
 ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time

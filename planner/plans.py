@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.basis import KEPT, plan_basis
 from cases.errors import HexciteError
@@ -15,14 +14,12 @@ from cases.units import DEG, MM
 from identification.estimation.fit import PoseField
 from identification.limit import LimitReport
 from identification.model import identification_model
-from identification.motion import Joined, Measurement, Motion, Trajectory, sample
+from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 from planner.worth import PoseWorth, Worth, bound_by
-
-Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv

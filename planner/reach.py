@@ -10,7 +10,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -20,10 +19,8 @@ from identification.limit import TOLERANCE, Limit, LimitKind
 from identification.limit_proof import CHUNK, of_mechanics
 from identification.limited_chain import joint_ranges
 from identification.limited_quantities import Quantity
-from identification.motion import StandingPoses
+from identification.motion import Array, StandingPoses
 from identification.symbolic import over_samples, rotation
-
-Array = NDArray[np.float64]
 
 POSES = 20_000  # drawn in the box: a standard error of at most 0.35 % of its volume
 STEPS = 400  # along each coordinate from home to the end of the box: what is out of reach for less is not seen

@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model, regressors
-from identification.motion import Joined, Standstill, Trajectory
+from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from identification.simulate import circumstances, mode_frequency
 from identification.trajectories.executed import Execution, vibrating
@@ -26,8 +25,6 @@ from planner.noise import expected_noise
 
 if TYPE_CHECKING:
     from identification.signals import Filter
-
-Array = NDArray[np.float64]
 
 STEPS, LIMITED_JERK = "steps of acceleration", "limited jerk"  # time laws of moves
 LARGE = 1.5  # times the predicted standard deviations: errors that are worth another evaluation

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
@@ -18,6 +17,7 @@ from identification.findings.sample_checks import scan
 from identification.formats.reading import files_of
 from identification.identify import default_model
 from identification.model import Model, identification_model
+from identification.motion import Array
 from identification.parameters import physical_form
 from identification.recording import Recording, read
 from identification.result import Value
@@ -31,8 +31,6 @@ from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.identifying import standing_of
 from planner.vibration import Vibration, vibration
-
-Array = NDArray[np.float64]
 
 
 class Level(IntEnum):

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
 from identification.identify import identify
+from identification.motion import Array
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording, read
 from identification.result import Estimate
@@ -24,8 +24,6 @@ from identification.simulate import Circumstances, ForceParts, Moved, loaded_tru
 from identification.trajectories.executed import Execution
 from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
 from planner.runs.identifying import standing_of
-
-Array = NDArray[np.float64]
 
 METHODS = ("Q5M", "Q5N", "D9M", "D9N", "ptp", "ptp-steps", "spline")
 

@@ -5,19 +5,17 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
+from identification.motion import Array
 from identification.parameters import physical_form
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.evaluation import Run
 from identification.runs.preparation import moving_run, standstills
 from identification.simulate import ForceParts
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

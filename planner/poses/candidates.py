@@ -9,19 +9,16 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limit_proof import prove
 from identification.model import Model
-from identification.motion import StandingPoses
+from identification.motion import Array, StandingPoses
 from identification.symbolic import over_samples
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import REASONS, ROUNDING, JointSpace, PoseSpace, margins_of, space_of, valid_poses
-
-Array = NDArray[np.float64]
 
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more have never told more
 JOINT_CANDIDATES = 2048  # of a chain, where no other number is asked for

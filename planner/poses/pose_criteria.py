@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.model import Model
+from identification.motion import Array
 from identification.symbolic import over_samples
-
-Array = NDArray[np.float64]
 
 
 def pose_regressors(model: Model, poses: Array) -> Array:

@@ -16,11 +16,10 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.model import Model
+from identification.motion import Array
 from planner.poses.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import JointSpace, PoseSpace, space_of
 from planner.precision import solver_text
-
-Array = NDArray[np.float64]
 
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
 CHUNK = 16  # poses that are evaluated together at first

@@ -13,13 +13,12 @@ from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limit_proof import MARGIN, slowed_for_forces
 from identification.machines import kinetic
+from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
 from planner.poses.space import space_of
 from postprocessors.execute.virtual import RuckigLaw
-
-Array = NDArray[np.float64]
 
 INSTANTS = 161  # of a move, at which its struts are looked at
 COARSE = 17  # the same where there are so many pairs of poses that only their order matters

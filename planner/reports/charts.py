@@ -13,11 +13,11 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from identification.motion import Array
+
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
 SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
 
-
-Array = NDArray[np.float64]
 
 AXES = ("x", "y", "z", "a", "b", "c")
 

@@ -7,21 +7,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import Identifiability
 from identification.limit import LimitReport, Status
-from identification.motion import Motion
+from identification.motion import Array, Motion
 from planner.precision import bounds_text, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.page import Item, Note, Plot, Table
 
 if TYPE_CHECKING:
     from identification.result import Residuals
-
-Array = NDArray[np.float64]
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 GREY = "#8593a1"

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.machine import KeepOut, Tool
 from cases.schema import Case
@@ -13,15 +12,13 @@ from identification.criteria import analyse, reference_scaling
 from identification.limit_proof import load_shares
 from identification.limited_quantities import strut_motion
 from identification.model import RIGID, Model, identification_model
-from identification.motion import Motion, Trajectory, sample
+from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.page import Item, MachineItem, Note, Plot, Section, Table
-
-Array = NDArray[np.float64]
 
 AROUND = 16  # corners of a ring around a tool
 BESIDE = 0.25  # of the machine's size: boxes are shown that far beside it

@@ -15,10 +15,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
-from numpy.typing import NDArray
 
 from cases.files import write_text
 from planner.reports.charts import Chart, script_json
@@ -30,8 +28,6 @@ if TYPE_CHECKING:
     from planner.plans import Plan
 
     Shown = Plan | Result | Comparison | Validation
-
-Array = NDArray[np.float64]
 
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",

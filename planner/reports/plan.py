@@ -2,9 +2,6 @@
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cases.files import provenance
 from identification.criteria import analyse
 from identification.estimation.fit import PoseField
@@ -25,8 +22,6 @@ from planner.reports.machine import force_items, information_items, pictured, po
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
 from planner.request import PoseRequest
 from planner.worth import bound_by
-
-Array = NDArray[np.float64]
 
 DRAWN_RATE = 500.0  # [1/s]
 

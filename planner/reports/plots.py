@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.machine import HexapodMachine
@@ -17,11 +16,10 @@ from cases.units import DEG, MM
 from identification.formats.looked import CLOCKS, Column, Look
 from identification.formats.naming import GROUPS
 from identification.limited_chain import frames_at
+from identification.motion import Array
 from planner.reach import Reach, StaticLimits
 from planner.reports.case_figures import share_words
 from planner.reports.machine import box_outlines, room, tool_outlines
-
-Array = NDArray[np.float64]
 
 GRID = 25  # poses along each side of a map
 BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it

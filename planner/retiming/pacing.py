@@ -15,17 +15,15 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.schema import Case
 from identification.machines import kinetic
-from identification.motion import Motion, Trajectory
+from identification.motion import Array, Motion, Trajectory
 from planner.precision import last_words
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
-
-Array = NDArray[np.float64]
 
 KNOT_DISTANCE = 0.05  # [s] of the planned time: limits of jerk let accelerations change in about that
 POINTS = 4  # between two knots, at which the limits are held

@@ -16,12 +16,10 @@ from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limit import TOLERANCE, LimitKind
 from identification.limit_proof import kinetic_shares, prove
-from identification.motion import TimedPoints, Trajectory
+from identification.motion import Array, TimedPoints, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
 from planner.search.inside import MARGIN, remedy
-
-Array = NDArray[np.float64]
 
 STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers tell a cubic spline by its points
 ROUNDS = 4

@@ -11,7 +11,6 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
@@ -31,9 +30,6 @@ from planner.plans import Plan
 from planner.request import LONGEST
 from planner.retiming.path_pace import retimed_path
 from planner.search.inside import MARGIN
-
-Array = NDArray[np.float64]
-
 
 METHODS = ("ruckig", "ipopt")
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, HexciteError, IdentificationError, RecordingError
@@ -21,6 +20,7 @@ from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
+from identification.motion import Array
 from identification.outcome import TOLD_OF_RUNS, Result
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
@@ -31,8 +31,6 @@ from identification.samples import USUAL, Conditioning
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan
 from planner.plans import Plan
-
-Array = NDArray[np.float64]
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 RESTLESS = 3.0  # times the usual scatter of an averaged force
