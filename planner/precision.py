@@ -99,14 +99,9 @@ def parameter_words(name: str, rods: bool = False) -> str:
     return name if words is None else f"{words} ({name})"
 
 
-def last_words(status: object) -> str:
-    """A solver's return status in plain words."""
-    return str(status).replace("_", " ").lower()
-
-
-def solver_text(words: str) -> str:
-    """A solver's last words as people are shown them: to stop at the iterations that a stage has is not a failure."""
-    plain = last_words(words)
+def solver_text(status: object) -> str:
+    """A solver's return status as people are shown it: to stop at the iterations that a stage has is not a failure."""
+    plain = str(status).replace("_", " ").lower()
     return _SHOWN.get(plain, plain)
 
 

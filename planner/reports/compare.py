@@ -9,7 +9,7 @@ from planner.comparison.advising import Comparison
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.charts import Series, ratio_figure
-from planner.reports.figures import COLOURS, GREY
+from planner.reports.figures import colour_or_grey
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
 
 
@@ -136,7 +136,7 @@ def compare_page(comparison: Comparison) -> Page:
 
 def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
     """Entries with colours: what belongs together has one."""
-    return [(entry, (*COLOURS, GREY)[k % 7]) for k, group in enumerate(groups) for entry in group]
+    return [(entry, colour_or_grey(k)) for k, group in enumerate(groups) for entry in group]
 
 
 def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:

@@ -67,6 +67,11 @@ def colour(k: int) -> str:
     return COLOURS[k % len(COLOURS)]
 
 
+def colour_or_grey(k: int) -> str:
+    """Of one of up to seven things that are compared, by its number, from 0."""
+    return (*COLOURS, GREY)[k % 7]
+
+
 def _both(limit: Array) -> Array:
     return np.array([-limit, limit])
 

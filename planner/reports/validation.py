@@ -1,7 +1,7 @@
 """The page of a validation: Table 7, what the methods cost and give, and why a value is off."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from planner.comparison.validation import Validation
 from planner.comparison.verdict import OFF_COLUMNS, off_rows
 from planner.precision import legible, parameter_words
 from planner.reports.charts import Chart, Series, plain, ratio_figure
-from planner.reports.figures import COLOURS, GREY
+from planner.reports.figures import COLOURS, colour_or_grey
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
@@ -107,36 +107,28 @@ def _std_plots(steps: Sequence[MethodStep]) -> list[Plot]:
     """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
     bare = [s for s in steps if s.weights == 0]
     timed = [s for s in bare if s.duration is not None]
-    over = ", over the smallest of each parameter."
-    note = "Reported standard deviations without payload, at each method's own residuals" + over
-    plots = [_std_plot("std", bare, lambda s: 1.0, note)]
+    reported = [{n: v.reported for n, v in s.estimate.physical.items()} for s in bare]
+    note = "Reported standard deviations without payload, at each method's own residuals"
+    kinds = [("std", bare, reported, note)]
     if bare and all(s.scatter for s in bare):
         note = (
             "What these deviations are in truth: over simulated machines whose errors of the pose differ, and which "
-            "therefore repeat wherever a motion comes back to a pose" + over
+            "therefore repeat wherever a motion comes back to a pose"
         )
-        plots.append(_std_plot("std-true", bare, lambda s: 1.0, note, true=True))
+        kinds.append(("std-true", bare, [dict(s.scatter) for s in bare], note))
     if timed:
-        note = "The same for one second of measuring: times the square root of the measuring time" + over
-        plots.append(_std_plot("std-per-second", timed, lambda s: float(np.sqrt(s.duration or 1.0)), note))
+        times = [(s, float(np.sqrt(s.duration or 1.0))) for s in timed]
+        each = [{n: v.reported * time for n, v in s.estimate.physical.items()} for s, time in times]
+        note = "The same for one second of measuring: times the square root of the measuring time"
+        kinds.append(("std-per-second", timed, each, note))
+    plots = []
+    for name, shown, deviations, note in kinds:
+        series = [
+            Series(s.method, d, colour_or_grey(k)) for k, (s, d) in enumerate(zip(shown, deviations, strict=True))
+        ]
+        figure = ratio_figure(series).update_layout(height=400, showlegend=True)
+        plots.append(Plot(name, figure, f"{note}, over the smallest of each parameter."))
     return plots
-
-
-def _std_plot(
-    name: str, bare: Sequence[MethodStep], factor: Callable[[MethodStep], float], note: str, true: bool = False
-) -> Plot:
-    series = [
-        Series(
-            step.method,
-            {
-                n: (step.scatter[n] if true else value.reported) * factor(step)
-                for n, value in step.estimate.physical.items()
-            },
-            (*COLOURS, GREY)[k % 7],
-        )
-        for k, step in enumerate(bare)
-    ]
-    return Plot(name, ratio_figure(series).update_layout(height=400, showlegend=True), note)
 
 
 def _std_table(steps: Sequence[MethodStep]) -> Table:
@@ -155,24 +147,14 @@ def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
     """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
     plots: list[Item] = []
     for name in COMPARED:
-        figure = Chart()
+        figure = _over_load(steps, [step.error(name) for step in steps])
         figure.add_hrect(
             y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line={"width": 0}, layer="below"
         )
-        drawn = False
-        for k, method in enumerate(_methods(steps)):
-            own = [(s.load, s.error(name)) for s in steps if s.method == method]
-            errors = [(load, error) for load, error in own if error is not None]
-            if errors:
-                x, y = zip(*errors, strict=True)
-                line = {"color": (*COLOURS, GREY)[k % 7]}
-                figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line=line)
-                drawn = True
-        figure.update_xaxes(title="load [kg]")
         figure.update_yaxes(title=f"error of {name} / std")
-        if drawn:
+        if figure.data:
             note = f"{parameter_words(name).capitalize()}: points inside the band may be chance."
-            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), note, half=True))
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320), note, half=True))
     if plots:
         caption = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
         plots.insert(0, Note(caption))
@@ -180,18 +162,19 @@ def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
 
 
 def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
-    figure = Chart()
-    for k, method in enumerate(_methods(steps)):
-        own = [s for s in steps if s.method == method]
-        line = {"color": (*COLOURS, GREY)[k % 7]}
-        figure.add_scatter(
-            x=[s.load for s in own],
-            y=[s.s0 for s in own],
-            name=plain(method),
-            mode="lines+markers",
-            line=line,
-        )
-    figure.update_xaxes(title="load [kg]")
+    figure = _over_load(steps, [step.s0 for step in steps])
     figure.update_yaxes(title="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
     note = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
-    return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
+    return Plot("s0", figure.update_layout(height=340), note)
+
+
+def _over_load(steps: Sequence[MethodStep], values: Sequence[float | None]) -> Chart:
+    """A line for each method that has values: these over the load."""
+    figure = Chart()
+    for k, method in enumerate(_methods(steps)):
+        own = [(s.load, v) for s, v in zip(steps, values, strict=True) if s.method == method and v is not None]
+        if own:
+            x, y = zip(*own, strict=True)
+            figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})
+    figure.update_xaxes(title="load [kg]")
+    return figure.update_layout(showlegend=True)

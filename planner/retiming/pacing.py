@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from cases.schema import Case
 from identification.machines import kinetic
 from identification.motion import Array, Motion, Trajectory
-from planner.precision import last_words
+from planner.precision import solver_text
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -174,7 +174,7 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
     stats = solver.stats()
     solution = answer["x"].full()[:, 0]
-    status = last_words(stats["return_status"])
+    status = solver_text(stats["return_status"])
     if not np.isfinite(solution).all():
         solution, status = np.full(len(solution), begin), f"{status}; one pace all along"
     return PacedMotion(path, _with(basis, solution), f"ipopt: {status}, {int(stats['iter_count'])} iterations")
