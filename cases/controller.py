@@ -329,24 +329,12 @@ class Controller(Part):
         """Settings of LinuxCNC's programs; raises CaseError where the case has none."""
         return _needed(self.linuxcnc, case, "linuxcnc")
 
-    def need_sinumerik(self, case: str) -> Sinumerik:
-        """Settings of SINUMERIK programs; raises CaseError where the case has none."""
-        settings = self.need_sinumerik_axes(case)
-        assert isinstance(settings, Sinumerik)  # a hexapod's are, `Case` sees to it
-        return settings
-
-    def need_sinumerik_axes(self, case: str) -> SinumerikAxes:
-        """What of these settings programs in own axes need; raises CaseError where the case has none."""
+    def need_sinumerik(self, case: str) -> SinumerikAxes:
+        """Settings of SINUMERIK programs, of a hexapod `Sinumerik`; raises CaseError where the case has none."""
         return _needed(self.sinumerik, case, "sinumerik")
 
-    def need_twincat(self, case: str) -> TwinCat:
-        """Settings of TwinCAT programs; raises CaseError where the case has none."""
-        settings = self.need_twincat_axes(case)
-        assert isinstance(settings, TwinCat)  # a hexapod's are, `Case` sees to it
-        return settings
-
-    def need_twincat_axes(self, case: str) -> TwinCatAxes:
-        """What of these settings programs in own axes need; raises CaseError where the case has none."""
+    def need_twincat(self, case: str) -> TwinCatAxes:
+        """Settings of TwinCAT programs, of a hexapod `TwinCat`; raises CaseError where the case has none."""
         return _needed(self.twincat, case, "twincat")
 
     def need_setpoints(self, case: str) -> Setpoints:

@@ -103,10 +103,6 @@ CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # subdivisions of a piece before giving up
 
 
-class TooCoarse(ValueError):
-    """No subdivision keeps the tolerance."""
-
-
 def knots(motion: Trajectory) -> Array:
     """Instants at which a motion changes from one polynomial to the next, shape (k,) [s]; its ends where it is none."""
     if isinstance(motion, PolynomialMotion):
@@ -137,7 +133,7 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
         tolerance: how far they may be off, positions [m] and angles [rad].
 
     Raises:
-        TooCoarse: no subdivision keeps the tolerance.
+        ValueError: no subdivision keeps the tolerance.
     """
     base = knots(motion)
     counts = np.ceil(np.diff(base) / longest - 1e-9).astype(int).clip(1)
@@ -150,7 +146,7 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
         if position <= tolerance[0] and angle <= tolerance[1]:
             return spline
         finer *= 2
-    raise TooCoarse(f"polynomials of degree {degree} stay {position * 1e3:.2g} mm off the motion")
+    raise ValueError(f"polynomials of degree {degree} stay {position * 1e3:.2g} mm off the motion")
 
 
 def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:

@@ -7,7 +7,6 @@ are (7), (8) and the derivative of (8).
 
 import io
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,24 +38,19 @@ DECIMALS, STRUT_DECIMALS = (12, 9, 6), [9] * 6 + [7] * 6 + [5] * 6
 SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
 
 
-@dataclass(frozen=True, slots=True)
-class _TablePart:
-    """A stretch of whole cycles."""
-
-    motion: Trajectory | None  # None for a standstill
-    cycles: int  # how many
-    on: bool  # whether the trigger is on
+TablePart = tuple[Trajectory | None, int, bool]
+"""A stretch of whole cycles: its motion, None for a standstill, how many cycles, and whether the trigger is on."""
 
 
-def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
+def _parts(program: NeutralProgram, cycle: float) -> Iterator[TablePart]:
     moving: list[Trajectory] = []
     on = False
 
-    def joined() -> Iterator[_TablePart]:
+    def joined() -> Iterator[TablePart]:
         if moving:
             motion = Joined(tuple(moving)) if len(moving) > 1 else moving[0]
             cycles = max(1, int(np.ceil(motion.duration / cycle - 1e-6)))
-            yield _TablePart(Slowed(motion, motion.duration / (cycles * cycle)), cycles, on)
+            yield (Slowed(motion, motion.duration / (cycles * cycle)), cycles, on)
             moving.clear()
 
     for block in program.blocks:
@@ -67,7 +61,7 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
                 moving.append(block.motion)
             case Dwell():
                 yield from joined()
-                yield _TablePart(None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)
+                yield (None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)
             case Trigger():
                 yield from joined()
                 on = block.on
@@ -76,11 +70,9 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
     yield from joined()
 
 
-def _sampled(part: _TablePart, cycle: float) -> list[Array]:
+def _sampled(motion: Trajectory, cycles: int, cycle: float) -> list[Array]:
     """Poses, rates and accelerations at the rows of a part but its first; the last at rest."""
-    assert part.motion is not None
-    t = np.minimum(np.arange(1, part.cycles + 1) * cycle, part.motion.duration)
-    at = part.motion.at(t)
+    at = motion.at(np.minimum(np.arange(1, cycles + 1) * cycle, motion.duration))
     values = [np.array(v) for v in (at.pose, at.rates, at.accelerations)]
     values[1][-1] = values[2][-1] = 0.0
     return values
@@ -92,15 +84,15 @@ def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
     home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
     rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
     trigger: list[Array] = []
-    for part in _parts(program, cycle):
-        if part.motion is None:
-            stand = np.tile(rows[0][-1][-1], (part.cycles, 1))
+    for motion, cycles, on in _parts(program, cycle):
+        if motion is None:
+            stand = np.tile(rows[0][-1][-1], (cycles, 1))
             values = [stand, np.zeros_like(stand), np.zeros_like(stand)]
         else:
-            values = _sampled(part, cycle)
+            values = _sampled(motion, cycles, cycle)
         for column, value in zip(rows, values, strict=True):
             column.append(value)
-        trigger.append(np.full(part.cycles, float(part.on)))
+        trigger.append(np.full(cycles, float(on)))
     pose, rates, accelerations = (np.vstack(column) for column in rows)
     time = np.asarray(np.arange(len(pose)) * cycle, dtype=float)
     last = [b.on for b in program.blocks if isinstance(b, Trigger)][-1:]
@@ -186,12 +178,12 @@ def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
     read = [s for s in stretches(reading) if isinstance(s, Timed)]
-    written = [p for p in _parts(program, cycle) if p.motion is not None]
+    written = [part for part in _parts(program, cycle) if part[0] is not None]
     if len(read) != len(written):
         raise ProgramError(reading.file, 0, 0, f"{len(read)} paths where {len(written)} were written; report this")
-    for part, stretch in zip(written, read, strict=True):
-        assert part.motion is not None
-        rows = part.motion.at(np.minimum(stretch.points.times, part.motion.duration)).pose
-        near = len(stretch.points.times) == part.cycles + 1 and part.on == stretch.trigger
+    for (motion, cycles, on), stretch in zip(written, read, strict=True):
+        assert motion is not None
+        rows = motion.at(np.minimum(stretch.points.times, motion.duration)).pose
+        near = len(stretch.points.times) == cycles + 1 and on == stretch.trigger
         if not (near and np.all(np.abs(stretch.points.at(stretch.points.times).pose - rows) <= SAME)):
             raise ProgramError(reading.file, stretch.lines[0], 0, "a path reads back differently; report this")

@@ -17,7 +17,6 @@ from postprocessors.blocks import (
     NeutralProgram,
     SplinePath,
     TimedPath,
-    TooCoarse,
     even_deviation,
     path_speed_deviation,
     pieces,
@@ -38,7 +37,7 @@ class _SinumerikWriter(GroupedWriter):
 
     def __init__(self, case: Case) -> None:
         controller = case.need_controller("a SINUMERIK program")
-        self.settings, self.block = controller.need_sinumerik_axes(case.name), controller.block
+        self.settings, self.block = controller.need_sinumerik(case.name), controller.block
         if isinstance(self.settings, Sinumerik):
             words = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in self.settings.orientation_words)]
             axes = ["X", "Y", "Z", *self.settings.orientation_axes]
@@ -76,7 +75,7 @@ class _SinumerikWriter(GroupedWriter):
             raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates; set path = 'lines'")
         try:
             spline = pieces(motion, s.poly_degree, s.poly_block, s.poly_tolerance)
-        except TooCoarse as error:
+        except ValueError as error:
             raise self.wrong(
                 "poly_tolerance_mm", f"is not reached: {error}; loosen it or set path = 'lines'"
             ) from error
@@ -127,7 +126,7 @@ class _SinumerikWriter(GroupedWriter):
 
 def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
     """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik_axes(case.name)
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
     return moves_as_polynomials(program) if isinstance(settings, Sinumerik) and settings.moves == "poly" else program
 
 

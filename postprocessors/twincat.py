@@ -23,7 +23,7 @@ class _TwinCatWriter(GroupedWriter):
 
     def __init__(self, case: Case) -> None:
         controller = case.need_controller("a TwinCAT program")
-        self.settings, self.block = controller.need_twincat_axes(case.name), controller.block
+        self.settings, self.block = controller.need_twincat(case.name), controller.block
         letters = "XYZABC"
         if not isinstance(self.settings, TwinCat):
             chain, _ = case.need_chain("a program")

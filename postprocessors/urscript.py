@@ -4,21 +4,13 @@ The controller covers a way D of the joint that moves most, the others in propor
 D / v + v / a, or 2 sqrt(D / a) where v is not reached. What ramps a stated time would have is not documented.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
-from postprocessors.blocks import (
-    Array,
-    Block,
-    Comment,
-    Dwell,
-    ExactStopMove,
-    NeutralProgram,
-    ToHome,
-    Trigger,
-)
+from postprocessors.blocks import Array, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.wording import comment_lines, digits, number
 
 DECIMALS = 9  # of angles [rad]
@@ -42,52 +34,49 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
             f"joint {endless} turns without end: movej counts turns, and nobody knows on which one the robot stands; "
             'state it as kind = "revolute" with position_deg'
         )
-    writer = _UrScriptWriter(chain.home, settings, float(limits.rate.min()), float(limits.acceleration.min()))
-    lines = [*(line for text in program.header for line in _comments(text))]
-    for block in program.blocks:
-        lines += writer.lines(block)
+    speeds = float(limits.rate.min()), float(limits.acceleration.min())  # smallest limits of any joint
+    lines = [line for text in program.header for line in _comments(text)]
+    lines += _statements(program, chain.home, settings.trigger_output, speeds)
     body = "".join(f"{INDENT}{line}\n" for line in lines)
     return f"def {settings.program_name}():\n{body}end\n".encode("ascii")
 
 
-class _UrScriptWriter:
-    """Statements, and where the robot stands as it was written."""
+def _statements(program: NeutralProgram, at: Array, output: int, speeds: tuple[float, float]) -> Iterator[str]:
+    """Statements of the blocks.
 
-    def __init__(self, home: Array, settings: UrScript, slowest: float, gentlest: float) -> None:
-        self.at = home
-        self.settings = settings
-        self.slowest, self.gentlest = slowest, gentlest  # smallest limits of any joint [rad/s, rad/s^2]
-
-    def lines(self, block: Block) -> list[str]:
+    Args:
+        at: where the robot stands before the first [rad].
+        output: output that the trigger is.
+        speeds: speed and acceleration of which the first move may use its share [rad/s, rad/s^2].
+    """
+    for block in program.blocks:
         match block:
             case Comment():
-                return _comments(block.text)
+                yield from _comments(block.text)
             case ToHome():
-                speed, acceleration = block.feed * self.slowest, block.feed * self.gentlest
-                return [*_comments("to home"), self.move(block.pose, acceleration, speed)]
-            case ExactStopMove():
-                return [self.point_to_point(block)]
+                yield from _comments("to home")
+                yield _move(block.pose, block.feed * speeds[1], block.feed * speeds[0])
+                at = block.pose
+            case ExactStopMove():  # a trapezoid of the planned duration and speed, no steeper than planned
+                law, end = block.move.profile, block.move.end
+                way = float(np.abs(np.round(end, DECIMALS) - np.round(at, DECIMALS)).max())
+                acceleration = law.peak_velocity / (law.duration - 1.0 / law.peak_velocity)
+                yield _move(end, acceleration * way, law.peak_velocity * way)
+                at = end
             case Dwell():
-                return [f"sleep({number(block.duration, 6)})"]
+                yield f"sleep({number(block.duration, 6)})"
             case Trigger():
-                return [f"set_standard_digital_out({self.settings.trigger_output}, {block.on})"]
+                yield f"set_standard_digital_out({output}, {block.on})"
             case _:
                 raise HexciteError(
                     "URScript programs are made of moves from rest to rest, for what servoj makes of a path cannot be "
                     "proven; plan with --family ptp"
                 )
 
-    def point_to_point(self, block: ExactStopMove) -> str:
-        """The trapezoid of the planned duration and largest speed; its acceleration is at most the planned one."""
-        law = block.move.profile
-        way = float(np.abs(np.round(block.move.end, DECIMALS) - np.round(self.at, DECIMALS)).max())
-        acceleration = law.peak_velocity / (law.duration - 1.0 / law.peak_velocity)
-        return self.move(block.move.end, acceleration * way, law.peak_velocity * way)
 
-    def move(self, end: Array, acceleration: float, speed: float) -> str:
-        self.at = end
-        angles = ", ".join(number(v, DECIMALS) for v in end)
-        return f"movej([{angles}], a={digits(acceleration)}, v={digits(speed)}, r=0)"
+def _move(end: Array, acceleration: float, speed: float) -> str:
+    angles = ", ".join(number(v, DECIMALS) for v in end)
+    return f"movej([{angles}], a={digits(acceleration)}, v={digits(speed)}, r=0)"
 
 
 def _comments(text: str) -> list[str]:

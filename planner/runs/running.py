@@ -23,7 +23,7 @@ from planner.bounds.kept import Bound, box_bound
 from planner.noise import mean_information
 from planner.runs.written import of_another, plan_of_program, read_for, written_for_another
 from postprocessors.dialects import Program
-from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, stood, windows
+from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
@@ -135,9 +135,9 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
         # Blocks that come too slowly from a busy computer make the motion wait for them; a slower session tells.
         slower = run_linuxcnc(read.path, case, read.content, headroom=headroom, speedup=SLOWER)
         again = slowest_path(read.reading, slower)
-        agree = again is not None and abs(again.taken - path_time.taken) <= TIME_TOLERANCE * path_time.planned
+        agree = again is not None and abs(again[2] - path_time[2]) <= TIME_TOLERANCE * path_time[1]
         reason = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"
-        remark = f"{path_time.sentence()}; {reason}" if agree or again is None else f"{again.sentence()}; {reason}"
+        remark = f"{path_words(*(path_time if agree or again is None else again))}; {reason}"
         log = slower
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"

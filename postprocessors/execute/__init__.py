@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,11 +64,7 @@ def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array
 
 @dataclass(frozen=True, slots=True)
 class ControllerLog:
-    """What a controller did, one row a cycle. Arrays are copied and read-only.
-
-    Raises:
-        ValueError: a shape is wrong, a value is not finite, or the log is empty.
-    """
+    """What a controller did, one row a cycle."""
 
     controller: str  # name and version of the controller, as it gave them itself
     period: float  # duration of a cycle [s]
@@ -79,27 +75,6 @@ class ControllerLog:
     # it so (LinuxCNC), shape (n,)
     lines: NDArray[np.int64]
     left_out: int = 0  # cycles of standstill that are not in it, because only the computer's clock made them
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.period) and self.period > 0.0):
-            raise ValueError(f"controller log: period is {self.period} s, must be positive")
-        count = len(self.lines)
-        if count == 0:
-            raise ValueError("controller log: holds no cycle")
-        for name in ("drives", "poses"):
-            values = np.array(getattr(self, name), dtype=np.float64)
-            self._freeze(name, values, (count, *np.shape(self.poses)[1:]))
-        self._freeze("trigger", np.array(self.trigger, dtype=np.bool_), (count,))
-        self._freeze("lines", np.array(self.lines, dtype=np.int64), (count,))
-
-    def _freeze(self, name: str, values: NDArray[np.generic], shape: tuple[int, ...]) -> None:
-        if values.shape != shape:
-            raise ValueError(f"controller log: {name} has shape {values.shape}, expected {shape}")
-        if not np.isfinite(values).all():
-            row = int(np.argmin(np.isfinite(values).reshape(len(values), -1).all(axis=1)))
-            raise ValueError(f"controller log: {name} is not finite in row {row + 1}")
-        values.setflags(write=False)
-        object.__setattr__(self, name, values)
 
     @property
     def time(self) -> Array:
@@ -114,36 +89,24 @@ CYCLES = 30
 """And these many cycles, which starting and stopping cost: blending ends some blocks late."""
 
 
-class PathTime(NamedTuple):
-    """A timed path and how long it took."""
-
-    line: int  # line of the program at which it ends
-    planned: float  # duration in the program [s]
-    taken: float  # time that the controller took [s]
-
-    def sentence(self) -> str:
-        """One phrase for people."""
-        return f"the timed path that ends in line {self.line} took {self.taken:.3f} s instead of {self.planned:.3f} s"
+def path_words(line: int, planned: float, taken: float) -> str:
+    """One phrase on a timed path for people; arguments as `slowest_path` gives them."""
+    return f"the timed path that ends in line {line} took {taken:.3f} s instead of {planned:.3f} s"
 
 
-def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
-    """The timed path that was most late, None where all were in time.
+def slowest_path(reading: Reading, log: ControllerLog) -> tuple[int, float, float] | None:
+    """The timed path that was most late: the line at which it ends, planned and actual duration [s]; None: none was.
 
     Args:
         reading: the program that was run.
     """
-    worst: PathTime | None = None
+    paths = []
     for part in stretches(reading):
-        if not isinstance(part, Timed):
-            continue
-        rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
-        path = PathTime(part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period)
-        delay = path.taken - path.planned
-        if delay > TIME_TOLERANCE * path.planned + CYCLES * log.period and (
-            worst is None or delay > worst.taken - worst.planned
-        ):
-            worst = path
-    return worst
+        if isinstance(part, Timed):
+            rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
+            paths.append((part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period))
+    late = [path for path in paths if path[2] - path[1] > TIME_TOLERANCE * path[1] + CYCLES * log.period]
+    return max(late, key=lambda path: path[2] - path[1], default=None)
 
 
 STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles

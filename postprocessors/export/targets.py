@@ -1,7 +1,6 @@
 """From a calibration to files: which targets there are, what each is called, and how it appears as a whole or not."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import permutations, product
 from pathlib import Path
 from typing import NamedTuple
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.errors import FileProblem, HexciteError, IdentificationError
-from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder, output_place
+from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from cases.units import DEG, MM
 from identification.outcome import Result
 from identification.parameters import INERTIA
@@ -25,22 +24,13 @@ from postprocessors.export.calibration import (
 )
 from postprocessors.export.code import c_sources, linuxcnc_component, structured_text
 
-
-@dataclass(frozen=True, slots=True)
-class SingleFile:
-    """A target that is one file."""
-
-    suffix: str  # suffix of the file, where none is given
-    text: Callable[[Calibration, str], str]  # what it holds, from the calibration and the name of the model
-    named: bool  # whether the file's name becomes the name of the model
-
-
-SINGLE_FILES = {
-    "linuxcnc": SingleFile(".comp", linuxcnc_component, named=True),
-    "st": SingleFile(".st", structured_text, named=True),
-    "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
-    "urscript": SingleFile(".script", lambda calibration, _: urscript_payload(calibration), named=False),
-    "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
+# target that is one file -> its suffix, what it holds, and whether the file's name becomes the name of the model
+SINGLE_FILES: dict[str, tuple[str, Callable[[Calibration, str], str], bool]] = {
+    "linuxcnc": (".comp", linuxcnc_component, True),
+    "st": (".st", structured_text, True),
+    "json": (".json", lambda calibration, _: json_document(calibration), False),
+    "urscript": (".script", lambda calibration, _: urscript_payload(calibration), False),
+    "isg-load": (".nc", lambda calibration, _: isg_load(calibration), False),
 }
 
 TARGETS = ("c", *SINGLE_FILES)
@@ -80,13 +70,11 @@ def export_calibration(calibration: Calibration, target: str, output: Path | Non
         return _c_folder(calibration, output, overwrite)
     if target not in SINGLE_FILES:
         raise HexciteError(f"target {target!r} is unknown; choose {', '.join(TARGETS)}")
-    kind = SINGLE_FILES[target]
-    usual = Path(f"{default_name(calibration)}{kind.suffix}")
-    file = output_place(output, usual, overwrite, "_" if kind.named else "-")  # no name of a model holds "-"
-    check_file(file, [kind.suffix], [Path(calibration.result.source)], overwrite)
-    text = kind.text(calibration, checked_name(file.stem, file) if kind.named else file.stem)
-    with atomic_file(file) as part:
-        part.write_text(text, encoding="utf-8")
+    suffix, text, named = SINGLE_FILES[target]
+    usual = Path(f"{default_name(calibration)}{suffix}")
+    file = output_place(output, usual, overwrite, "_" if named else "-")  # no name of a model holds "-"
+    check_file(file, [suffix], [Path(calibration.result.source)], overwrite)
+    write_text(file, text(calibration, checked_name(file.stem, file) if named else file.stem))
     return [file]
 
 

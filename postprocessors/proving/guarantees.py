@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cases.controller import Sinumerik
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
@@ -121,7 +122,7 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik_axes(case.name)
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
     polynomial = any(isinstance(e, Polynomial) for e in reading.events)
     return Guarantees(
         controller="SINUMERIK",
@@ -136,15 +137,13 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 def sinumerik_tolerance(case: Case) -> Array:
     """How far POLY blocks may be off a motion that is not a polynomial, shape (6,) [m, rad]."""
-    if case.chain is not None:
-        return np.zeros(1)
-    length, angle = case.need_controller("a SINUMERIK program").need_sinumerik(case.name).poly_tolerance
-    return np.repeat([length, angle], 3)
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    return np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1)
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
-    settings = case.need_controller("a TwinCAT program").need_twincat_axes(case.name)
+    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
         controller="TwinCAT",

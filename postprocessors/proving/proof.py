@@ -31,10 +31,6 @@ class Violation:
     line: int  # line of the program
     check: LimitCheck  # which limit, and by how much
 
-    def sentence(self) -> str:
-        """Line, value and limit."""
-        return f"line {self.line}: {self.check.sentence()}"
-
 
 @dataclass(frozen=True, slots=True)
 class ProgramProof:
@@ -160,7 +156,7 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
         excitation,
         worst_of(reports),
         worst_first,
-        remarks(reading, parts, case),
+        tuple(_remarks(reading, parts, case)),
     )
 
 
@@ -171,20 +167,10 @@ def _line(part: Stretch, time: float) -> int:
 AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
-def remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> tuple[str, ...]:
-    """One sentence each.
-
-    Raises:
-        CaseError: the case has no machine.
-    """
-    return tuple(_remarks(reading, program, case))
-
-
 def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterator[str]:
+    """What no limit says, one sentence each; raises CaseError where the case has no machine."""
     home, limits = case.need_motion("the check of a program")
     moves = [part for part in program if not isinstance(part, Still)]
-    if not moves:
-        return
     first = moves[0]
     if isinstance(first, Untimed) and first.start is None:
         sensed = "" if case.sensor_frame.struts is None or case.sensors.range is None else "forces in struts, "

@@ -6,7 +6,7 @@ Between points with position, rate and acceleration `joint_trajectory_controller
 
 import re
 from itertools import pairwise
-from typing import NamedTuple, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
@@ -44,10 +44,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     return Reading(file, tuple(_events(reader, points, len(names))), len(points))
 
 
-class _TablePoint(NamedTuple):
-    line: int
-    state: Array  # position, rate, acceleration: shape (3, joints)
-    time: float
+_Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
 
 
 class _Reader:
@@ -62,7 +59,7 @@ class _Reader:
     def fail(self, line: int, problem: str) -> NoReturn:
         raise ProgramError(self.file, line, 0, problem)
 
-    def message(self) -> tuple[list[str], list[_TablePoint]]:
+    def message(self) -> tuple[list[str], list[_Point]]:
         if len(self.lines) < 3:
             self.fail(0, "has no joint_names and points; is this a JointTrajectory?")
         (self.named, first), (place, second), *rest = self.lines
@@ -74,7 +71,7 @@ class _Reader:
         groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
         return names, [self.point(group, len(names)) for group in groups]
 
-    def point(self, group: list[tuple[int, str]], count: int) -> _TablePoint:
+    def point(self, group: list[tuple[int, str]], count: int) -> _Point:
         rows = []
         for mark, key, (line, code) in zip("-  ", _KEYS[:3], group, strict=False):
             words = self.list_of(line, code, f"{mark} {key}: ")
@@ -85,7 +82,7 @@ class _Reader:
         time = _TIME.match(code.removeprefix("  time_from_start: ")) if code.startswith("  time_from_start: ") else None
         if time is None or int(time[2]) >= 10**9:
             self.fail(line, "expected `  time_from_start: {sec: .., nanosec: ..}` with less than 10^9 nanoseconds")
-        return _TablePoint(group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
+        return (group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
 
     def list_of(self, line: int, code: str, start: str) -> list[str]:
         match = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
@@ -99,24 +96,24 @@ class _Reader:
         return float(word)
 
 
-def _events(reader: _Reader, points: list[_TablePoint], count: int) -> list[Event]:
+def _events(reader: _Reader, points: list[_Point], count: int) -> list[Event]:
     """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
-    first, last = points[0], points[-1]
-    if not first.time > 0.0:
-        reader.fail(first.line, "the first point is at 0 s, to which the controller would jump; give it some time")
-    for point, verb in ((first, "begins"), (last, "ends")):
-        if point.state[1:].any():
-            reader.fail(point.line, f"the motion {verb} with a velocity or acceleration; it must be at rest there")
-    events: list[Event] = [Stand(first.line, first.state[0]), Pause(first.line, first.time)]
-    for before, after in pairwise(points):
-        duration = after.time - before.time
+    (line, state, time), (end, final, _) = points[0], points[-1]
+    if not time > 0.0:
+        reader.fail(line, "the first point is at 0 s, to which the controller would jump; give it some time")
+    for place, values, verb in ((line, state, "begins"), (end, final, "ends")):
+        if values[1:].any():
+            reader.fail(place, f"the motion {verb} with a velocity or acceleration; it must be at rest there")
+    events: list[Event] = [Stand(line, state[0]), Pause(line, time)]
+    for (_, before, start), (line, after, time) in pairwise(points):
+        duration = time - start
         if not duration > 0.0:
-            reader.fail(after.line, f"time_from_start {after.time:g} s is not after the point before; correct it")
-        resting = not (before.state[1:].any() or after.state[1:].any())
-        if resting and np.array_equal(before.state[0], after.state[0]):
-            events.append(Pause(after.line, duration))
+            reader.fail(line, f"time_from_start {time:g} s is not after the point before; correct it")
+        resting = not (before[1:].any() or after[1:].any())
+        if resting and np.array_equal(before[0], after[0]):
+            events.append(Pause(line, duration))
         else:
-            events.append(Polynomial(after.line, _quintic(before.state, after.state, duration), duration))
+            events.append(Polynomial(line, _quintic(before, after, duration), duration))
     moving = [k for k, event in enumerate(events) if isinstance(event, Polynomial)]
     if moving:
         begin, end = moving[0], moving[-1] + 1

@@ -17,7 +17,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading import Pause, Reading, Switch, Timing, axis_letters, each_word, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
@@ -58,18 +58,16 @@ _REMEDY = {
 _OF_A_POSE = {"G2": "an arc", "G3": "an arc", "G64": "rounding of corners", "G93": "a time for a block"}
 _BY_MOVES = "write G1 moves with G94 and G61"
 
-SPELLING = Spelling(
-    "LinuxCNC", _GROUPS, last="M2", rapid="G0", straight="G1", block_time="F = 60 / seconds", inverse_time=True
-)
-
 
 class _LinuxCncInterpreter(ModalState):
     """What the words mean."""
 
+    name, groups, last, straight_word, block_time = "LinuxCNC", _GROUPS, "M2", "G1", "F = 60 / seconds"
+
     def __init__(self, file: str, chain: Chain | None = None) -> None:
         axes = "XYZABC" if chain is None else axis_letters(chain, "LinuxCNC", file)
         scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
-        super().__init__(file, SPELLING, list(axes), "ABC", scale, chain is not None)
+        super().__init__(file, list(axes), "ABC", scale, chain is not None)
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.said: set[str] = set()
@@ -101,7 +99,7 @@ class _LinuxCncInterpreter(ModalState):
                 self.fail(block[code], f"{code} without a centre; write I and J, or remove it")
         if self.active("G93"):
             if "G1" in block and "F" not in block:
-                self.fail(block["G1"], f"G1 without F under G93; add {SPELLING.block_time}, or remove it")
+                self.fail(block["G1"], f"G1 without F under G93; add {self.block_time}, or remove it")
             self.feed = None
 
     def _number(self, word: Word, value: float) -> None:

@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, NoReturn
+from typing import ClassVar, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -33,38 +33,28 @@ class Word(NamedTuple):
     selector: str | None = None  # what stands in brackets before its value; of a synchronised action, its condition
 
 
-class Spelling(NamedTuple):
-    """How a controller writes what all of them have."""
-
-    name: str  # name of the language, for messages
-    groups: tuple[tuple[str, ...], ...]  # words of which one is active at a time, and one may stand in a block
-    last: str  # the word that ends a program
-    rapid: str  # the word of the fastest move
-    straight: str  # the word of a straight move at a feed
-    block_time: str  # F under G93, for messages
-    inverse_time: bool  # whether that F is one over minutes; else seconds
-    # command that names the axes whose path F counts, with {} for them; empty: X, Y, Z where they move
-    feed_group: str = ""
-
-
 class ModalState(ABC):
-    """State of a controller while a program is read.
+    """State of a controller while a program is read; subclasses say how it writes what all of them have.
 
     Args:
         file: name of the program, for messages.
-        spelling: spelling of the controller.
         axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
         angles: names of the others where F counts them.
         scale: what the coordinates count, shape (k,) [m or rad].
         own_axes: whether the coordinates are the machine's own axes; else they are the pose of a platform.
     """
 
-    def __init__(
-        self, file: str, spelling: Spelling, axes: list[str], angles: Iterable[str], scale: Array, own_axes: bool
-    ) -> None:
+    name: ClassVar[str]  # name of the language, for messages
+    groups: ClassVar[tuple[tuple[str, ...], ...]]  # words of which one is active at a time, and stands in a block
+    last: ClassVar[str]  # the word that ends a program
+    straight_word: ClassVar[str]  # the word of a straight move at a feed
+    block_time: ClassVar[str]  # F under G93, for messages
+    inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
+    feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
+
+    def __init__(self, file: str, axes: list[str], angles: Iterable[str], scale: Array, own_axes: bool) -> None:
         self.file = file
-        self.spelling = spelling
-        self.group_of = {name: k for k, group in enumerate(spelling.groups) for name in group}
+        self.group_of = {name: k for k, group in enumerate(self.groups) for name in group}
         self.axes = axes
         self.angles = tuple(angles)
         self.scale = scale
@@ -93,16 +83,16 @@ class ModalState(ABC):
         Raises:
             ProgramError: anything that is not understood, with line and column; no end of program.
         """
-        blocks, last = 0, self.spelling.last
+        blocks = 0
         for number, text in enumerate(lines, start=1):
             if words := words_of(text, number, self.file):
                 self.line = number
                 if self.ended:
-                    self.fail(words[0], f"a word after the end of the program; {last} must be last")
+                    self.fail(words[0], f"a word after the end of the program; {self.last} must be last")
                 self.read(words)
                 blocks += 1
         if not self.ended:
-            problem = f"no {last} at the end; the file is truncated or not a {self.spelling.name} program"
+            problem = f"no {self.last} at the end; the file is truncated or not a {self.name} program"
             raise ProgramError(self.file, 0, 0, problem)
         return Reading(self.file, tuple(self.events), blocks)
 
@@ -172,22 +162,21 @@ class ModalState(ABC):
 
     def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
         """What determines how fast a straight move to coordinates, shape (k,) as written, runs, and its value."""
-        spelling = self.spelling
         if self.active("G0"):
             return Timing.RAPID, math.nan
         if self.active("G93"):
             if "F" not in seen:
-                self.fail(first, f"{spelling.straight} without F under G93; add {spelling.block_time}")
+                self.fail(first, f"{self.straight_word} without F under G93; add {self.block_time}")
             value = float(seen["F"].value or math.nan)
-            return Timing.DURATION, MINUTE / value if spelling.inverse_time else value
+            return Timing.DURATION, MINUTE / value if self.inverse_time else value
         if not self.active("G94"):
             self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
         if self.feed is None:
-            self.fail(first, f"{spelling.straight} without a feed; add F")
+            self.fail(first, f"{self.straight_word} without a feed; add F")
         linear = self.moves_origin(end)
-        if self.own_axes and spelling.feed_group and np.isnan(self.pose).any():
+        if self.own_axes and self.feed_group and np.isnan(self.pose).any():
             if set(self.feed_axes or ()) != set(self.axes):
-                group = spelling.feed_group.format(",".join(self.axes))
+                group = self.feed_group.format(",".join(self.axes))
                 self.fail(first, f"the first move comes from anywhere; write {group} and F, so that F counts all axes")
         else:
             self._require_counted(first, linear)
@@ -195,8 +184,8 @@ class ModalState(ABC):
 
     def _require_counted(self, first: Word, linear: bool) -> None:
         axes = tuple(a for a in self.axes if a in ("X", "Y", "Z")) if linear else self.angles
-        if self.spelling.feed_group and self.feed_axes != axes:
-            command = self.spelling.feed_group.format(",".join(axes))
+        if self.feed_group and self.feed_axes != axes:
+            command = self.feed_group.format(",".join(axes))
             self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}; add it before")
 
     def straight(self, end: Array, timing: Timing, value: float, exact: bool) -> Move:

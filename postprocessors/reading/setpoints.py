@@ -6,7 +6,6 @@ of a hexapod are computed again from pose, rates and accelerations.
 
 import re
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,15 +51,11 @@ def units_of(columns: tuple[str, ...]) -> Array:
     return np.array([DEG if "deg" in c else MM if "mm" in c else 1.0 for c in columns])
 
 
-class SetpointTable(NamedTuple):
-    """A table as read."""
-
-    first: int  # line of its first row (Parquet: 1)
-    header: dict[str, str]  # keys and values
-    values: Array  # one row a cycle, the columns of `columns_of`, in the units of their names
+Table = tuple[int, dict[str, str], Array]
+"""Line of the first row (Parquet: 1), keys and values of the header, and the numbers, one row a cycle."""
 
 
-def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> SetpointTable:
+def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> Table:
     """The numbers of a table.
 
     Args:
@@ -72,24 +67,25 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
         ProgramError: not such a table, or a cell that is not a number; with line and column.
     """
     table = _parquet(content, file, columns) if content[:4] == PARQUET else _csv(content, file, columns)
-    rows, _ = table.values.shape
+    first, header, values = table
+    rows, _ = values.shape
     if rows > most:
         raise ProgramError(
             file, 0, 0, f"{rows} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
         )
     if rows < 2:
         raise ProgramError(file, 0, 0, "fewer than two rows; the file is truncated")
-    bad = ~(np.abs(table.values) <= LARGEST)
+    bad = ~(np.abs(values) <= LARGEST)
     if bad.any():
         row, column = np.argwhere(bad)[0]
-        value = table.values[row, column]
-        raise ProgramError(file, table.first + int(row), 0, f"{columns[column]} = {value:g} is not a machine's number")
-    if table.header.get("format") != FORMAT:
+        value = values[row, column]
+        raise ProgramError(file, first + int(row), 0, f"{columns[column]} = {value:g} is not a machine's number")
+    if header.get("format") != FORMAT:
         raise ProgramError(file, 1, 0, f"does not begin with '# format: {FORMAT}'; is this a table of setpoints?")
     return table
 
 
-def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
+def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
     text = content.decode("latin-1").replace("\r\n", "\n")
     lines = text.split("\n")
     header: dict[str, str] = {}
@@ -110,7 +106,7 @@ def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
         row, column = _place(body, match.start())
         bad = body[row][column]
         raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is not a part of a plain number; correct it")
-    return SetpointTable(number + 2, header, _numbers(body, number + 2, file, columns))
+    return (number + 2, header, _numbers(body, number + 2, file, columns))
 
 
 def _place(body: list[str], position: int) -> tuple[int, int]:
@@ -140,7 +136,7 @@ def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -
     return values
 
 
-def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
+def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -156,7 +152,7 @@ def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTab
         raise ProgramError(file, 0, 0, f"column {wrong} does not hold 64-bit floats; write it so")
     text = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
     header = {m["key"]: m["value"] for line in reversed(text.split("\n")) if (m := _HEADER.match(line))}
-    return SetpointTable(1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
+    return (1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
 
 
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # of poses and rates: a thousand times the last decimal of a table
@@ -170,18 +166,16 @@ _PARTS = ("pose", "rates", "accelerations")
 class _Rows:
     """The table in SI with the places of its cells."""
 
-    def __init__(
-        self, file: str, table: SetpointTable, settings: Setpoints, columns: tuple[str, ...], count: int
-    ) -> None:
+    def __init__(self, file: str, table: Table, settings: Setpoints, columns: tuple[str, ...], count: int) -> None:
         self.file, self.columns, self.units = file, columns, units_of(columns)
         self.parts = {name: slice(1 + k * count, 1 + (k + 1) * count) for k, name in enumerate(_PARTS)}
         self.struts = slice(1 + 3 * count, len(columns) - 1)
-        self.first = table.first
+        self.first, _, numbers = table
         self.cycle = settings.cycle
-        self.values = table.values * self.units
+        self.values = numbers * self.units
         self.time = self.values[:, 0]
         self.pose, self.rates, self.accelerations = (self.values[:, part] for part in self.parts.values())
-        self.trigger = table.values[:, -1]
+        self.trigger = numbers[:, -1]
         self.rest: NDArray[np.bool_] = np.asarray(~(self.rates.any(axis=1) | self.accelerations.any(axis=1)))
 
     def error(self, row: int, column: int | None, problem: str) -> ProgramError:
@@ -298,4 +292,4 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     table = read_table(content, file, settings.most_rows, columns)
     rows = _Rows(file, table, settings, columns, len(home))
     rows.require(case)
-    return Reading(file, tuple(rows.events()), len(table.values))
+    return Reading(file, tuple(rows.events()), len(rows.values))

@@ -15,7 +15,7 @@ from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading import Event, Pause, Reading, Switch, Timing, axis_letters, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
     LONGEST_LINE,
@@ -26,11 +26,6 @@ from postprocessors.reading.sinumerik_words import (
     sinumerik_words,
 )
 
-SPELLING = Spelling(
-    "SINUMERIK", GROUPS, last="M30", rapid="G0", straight="G1",
-    block_time="F = 60 / seconds", inverse_time=True, feed_group="FGROUP({})",
-)  # fmt: skip
-
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G710", "G500", "G60", "COMPOF", "SOFT"}  # modal words
 SAME_RADIUS = 1e-5  # [mm] of FGREF
@@ -39,6 +34,9 @@ MM_A_DEGREE = 180.0 / np.pi
 
 class _SinumerikInterpreter(ModalState):
     """What the words mean."""
+
+    name, groups, last, straight_word, block_time = "SINUMERIK", GROUPS, "M30", "G1", "F = 60 / seconds"
+    feed_group = "FGROUP({})"
 
     def __init__(self, file: str, settings: SinumerikAxes, chain: Chain | None) -> None:
         self.settings = settings
@@ -57,7 +55,7 @@ class _SinumerikInterpreter(ModalState):
             radii = (f"FGREF[{axis}]" for axis in angles)
             self.needed = ["G90", "G710", "G500", "SOFT", "TRAFOOF", "COMPOF", "G94", *radii]
         scale = np.array([MM if axis in ("X", "Y", "Z") else DEG for axis in axes])
-        super().__init__(file, SPELLING, axes, angles, scale, self.of_pose is None)
+        super().__init__(file, axes, angles, scale, self.of_pose is None)
         self.trigger: Switch | None = None
 
     def read(self, words: list[Word]) -> None:
@@ -252,6 +250,6 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not understood, with line and column; no end of program.
         CaseError: the case has no settings of this dialect.
     """
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik_axes(case.name)
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
     return _SinumerikInterpreter(file, settings, case.chain).read_program(lines, sinumerik_words)

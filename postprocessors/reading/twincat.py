@@ -13,7 +13,7 @@ from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading import Pause, Reading, Switch, Timing, axis_letters, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
@@ -24,17 +24,16 @@ from postprocessors.reading.twincat_words import (
     twincat_words,
 )
 
-SPELLING = Spelling(
-    "TwinCAT", GROUPS, last="M30", rapid="G00", straight="G01",
-    block_time="F, the block's time in seconds", inverse_time=False, feed_group="#FGROUP [{}]",
-)  # fmt: skip
-
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
 _COMMANDS_OF_OWN_AXES = ("#SLOPE", "#TRAFO OFF", "#FGROUP", "#MSG", "#MSG SYN", "#TIME")
 
 
 class _TwinCatInterpreter(ModalState):
     """What the words mean."""
+
+    name, groups, last, straight_word = "TwinCAT", GROUPS, "M30", "G01"
+    block_time, inverse_time = "F, the block's time in seconds", False
+    feed_group = "#FGROUP [{}]"
 
     def __init__(self, file: str, settings: TwinCatAxes, chain: Chain | None) -> None:
         self.settings = settings
@@ -49,7 +48,7 @@ class _TwinCatInterpreter(ModalState):
             self.needed = {"G94": "G94", "#TRAFO OFF": "#TRAFO OFF"}
         scale = np.array([MM if a in "XYZ" else DEG * (sign_b if a == "B" else 1) for a in letters])
         angles = (a for a in letters if a in "ABC")
-        super().__init__(file, SPELLING, list(letters), angles, scale, self.of_pose is None)
+        super().__init__(file, list(letters), angles, scale, self.of_pose is None)
         self.said: set[str] = set()  # commands that a move needs before it
         self.path = PointPath(self)
         self.messages = 0
@@ -241,6 +240,6 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not understood, with line and column; no end of program.
         CaseError: the case has no settings of this dialect.
     """
-    settings = case.need_controller("a TwinCAT program").need_twincat_axes(case.name)
+    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
     return _TwinCatInterpreter(file, settings, case.chain).read_program(lines, twincat_words)

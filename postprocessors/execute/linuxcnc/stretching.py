@@ -10,7 +10,6 @@ with LinuxCNC within 1 % for blocks of 10 to 210 ms that last whole cycles; what
 
 import math
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,18 +68,6 @@ LONGER = 1.1
 MOST_HEADROOM = 1e6
 
 
-class Stretch(NamedTuple):
-    """The timed paths of a program under a controller's limits."""
-
-    planned: float  # duration of those that run with the trigger on [s]
-    expected: float  # what they will take [s]
-
-    @property
-    def factor(self) -> float:
-        """Predicted duration over the planned one, 1 where the plan's is kept."""
-        return max(1.0, self.expected / self.planned)
-
-
 def triggered_paths(reading: Reading) -> list[TimedPoints]:
     """The timed paths that run with the trigger on.
 
@@ -91,35 +78,33 @@ def triggered_paths(reading: Reading) -> list[TimedPoints]:
     return [points for points in timed if isinstance(points, TimedPoints)]  # LinuxCNC has no other
 
 
-def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> Stretch | None:
-    """What becomes of timed paths; None where there are none.
+def expected_duration(paths: list[TimedPoints], case: Case, headroom: float) -> float:
+    """What timed paths will take [s].
 
     Args:
-        headroom: what LinuxCNC gets, as a multiple of them.
+        headroom: what LinuxCNC gets, as a multiple of the case's limits.
 
     Raises:
         CaseError: the case has no machine.
     """
-    if not paths:
-        return None
     acceleration = headroom * case.need_machine(PURPOSE)[2].motion.acceleration
-    seconds = sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
-    return Stretch(sum(p.duration for p in paths), seconds)
+    return sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
+
+
+def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> float:
+    """Predicted duration of timed paths over the planned one, 1 where that is kept; arguments as above."""
+    return max(1.0, expected_duration(paths, case, headroom) / sum(p.duration for p in paths))
 
 
 def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -> int:
     """The least whole multiple of the case's acceleration limits, above `headroom`, that keeps the paths' time."""
-
-    def late(multiple: float) -> bool:
-        stretch = predicted_stretch(paths, case, multiple)
-        return stretch is not None and stretch.factor > NOTICEABLE
-
     low, high = math.floor(headroom), math.ceil(headroom) + 1
-    while late(high) and high < MOST_HEADROOM:
+    while predicted_stretch(paths, case, high) > NOTICEABLE and high < MOST_HEADROOM:
         low, high = high, 2 * high
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (middle, high) if late(middle) else (low, middle)
+        late = predicted_stretch(paths, case, middle) > NOTICEABLE
+        low, high = (middle, high) if late else (low, middle)
     return high
 
 
@@ -131,8 +116,7 @@ def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> tupl
         cut = max(largest_cut(p.times, p.poses) for p in coarse)
         if cut > CUT:
             return None
-        stretch = predicted_stretch(coarse, case, headroom)
-        if stretch is not None and stretch.factor <= NOTICEABLE:
+        if predicted_stretch(coarse, case, headroom) <= NOTICEABLE:
             return block, cut
     return None
 
@@ -145,23 +129,24 @@ def _in_blocks(path: TimedPoints, block: float) -> TimedPoints:
 def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     """How much LinuxCNC will stretch a program, as it is set up and under the case's own acceleration limits."""
     headroom, paths = acceleration_headroom(reading, case), triggered_paths(reading)
-    stretch, own = predicted_stretch(paths, case, headroom), predicted_stretch(paths, case, 1.0)
-    if stretch is None or own is None:
+    if not paths:
         return Forecast()
+    stretch, own = predicted_stretch(paths, case, headroom), predicted_stretch(paths, case, 1.0)
+    planned = sum(p.duration for p in paths)
     remarks = []
-    if stretch.factor > NOTICEABLE:
+    if stretch > NOTICEABLE:
         remarks.append(
-            f"LinuxCNC will take {stretch.factor:.2f} times as long for the timed path ({stretch.expected:.1f} s, not "
-            f"{stretch.planned:.1f} s); what keeps its time: controller.linuxcnc.acceleration_headroom = "
+            f"LinuxCNC will take {stretch:.2f} times as long for the timed path ({stretch * planned:.1f} s, not "
+            f"{planned:.1f} s); what keeps its time: controller.linuxcnc.acceleration_headroom = "
             f"{sufficient_headroom(paths, case, headroom)}, or point-to-point moves (hexcite plan --family ptp)"
             f"{_about(longer_blocks(paths, case, headroom))}"
         )
-    if own.factor > NOTICEABLE and headroom > 1.0:
+    if own > NOTICEABLE and headroom > 1.0:
         remarks.append(
-            f"under the case's own acceleration limits it would take {own.factor:.2f} times as long "
+            f"under the case's own acceleration limits it would take {own:.2f} times as long "
             f"(acceleration_headroom is {headroom:g}); point-to-point moves keep their time and these limits"
         )
-    return Forecast(stretch.factor, tuple(remarks))
+    return Forecast(stretch, tuple(remarks))
 
 
 def _about(longer: tuple[float, float] | None) -> str:

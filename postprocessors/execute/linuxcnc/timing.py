@@ -15,7 +15,6 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -144,29 +143,24 @@ def dwell_problem(
     Returns:
         None, or what is wrong, beginning with the line.
     """
-    for still in _standstills(log, durations.keys() | switched.keys(), window):
-        phases = _phases(log, still, durations, switched)
+    for numbers, rows in _standstills(log, durations.keys() | switched.keys(), window):
+        phases = _phases(log, numbers, rows, durations, switched)
         if not phases:
-            return f"line {still.numbers[0]}: the trigger did not switch here as the program asks; run again"
+            return f"line {numbers[0]}: the trigger did not switch here as the program asks; run again"
         for start, end, seconds in phases:
             taken = (end - start) * log.period
             if taken < seconds - log.period / 2:
                 return (
-                    f"line {still.numbers[0]}: LinuxCNC dwelt {taken:.3f} s instead of {seconds:.3f} s; the "
+                    f"line {numbers[0]}: LinuxCNC dwelt {taken:.3f} s instead of {seconds:.3f} s; the "
                     "computer is too busy, run again"
                 )
     return None
 
 
-class _Standstill(NamedTuple):
-    """Dwells and switches without a motion between them."""
-
-    numbers: list[int]  # numbers of their lines, ascending
-    start: int  # first row of the log during which they stood
-    end: int  # one past the last
-
-
-def _standstills(log: ControllerLog, numbers: Iterable[int], window: tuple[int, int]) -> Iterator[_Standstill]:
+def _standstills(
+    log: ControllerLog, numbers: Iterable[int], window: tuple[int, int]
+) -> Iterator[tuple[list[int], slice]]:
+    """Dwells and switches without a motion between them: numbers of their lines, ascending, and rows of the log."""
     moving = np.flatnonzero(log.lines)
     executed = log.lines[moving]
     together: dict[int, list[int]] = {}  # those that the same motion follows
@@ -176,7 +170,7 @@ def _standstills(log: ControllerLog, numbers: Iterable[int], window: tuple[int, 
         start = int(moving[k - 1]) + 1 if k > 0 else window[0]
         # The first cycle of a motion still shows the line before it.
         end = int(moving[k]) - 1 if k < len(moving) else window[1]
-        yield _Standstill(group, start, end)
+        yield group, slice(start, end)
 
 
 def without_surplus(
@@ -194,8 +188,8 @@ def without_surplus(
         window: rows between which the program ran: first, and one past the last.
     """
     mask = np.ones(len(log.lines), dtype=bool)
-    for still in _standstills(log, durations.keys() | switched.keys(), window):
-        for start, end, seconds in _phases(log, still, durations, switched):
+    for numbers, rows in _standstills(log, durations.keys() | switched.keys(), window):
+        for start, end, seconds in _phases(log, numbers, rows, durations, switched):
             cycles = max(round(seconds / log.period), FEWEST_CYCLES)
             middle = start + cycles // 2
             surplus = slice(middle, middle + end - start - cycles)
@@ -208,19 +202,20 @@ def without_surplus(
 
 
 def _phases(
-    log: ControllerLog, still: _Standstill, durations: dict[int, float], switched: dict[int, bool]
+    log: ControllerLog, numbers: list[int], rows: slice, durations: dict[int, float], switched: dict[int, bool]
 ) -> list[tuple[int, int, float]]:
     """First row, one past the last, and programmed time [s] of each part of a standstill without a switch.
 
     None where the log does not show the switches that the program asks for.
     """
-    edges = still.start + 1 + np.flatnonzero(np.diff(log.trigger[still.start : still.end].astype(int)))
-    planned = _between_switches(still.numbers, durations, switched, bool(log.trigger[still.start]))
+    trigger = log.trigger[rows]
+    edges = rows.start + 1 + np.flatnonzero(np.diff(trigger.astype(int)))
+    planned = _between_switches(numbers, durations, switched, bool(trigger[0]))
     if len(planned) == len(edges) + 2 and planned[-1] == 0.0:
         planned.pop()  # the last switch comes with the motion
     if len(planned) != len(edges) + 1:
         return []
-    bounds = [still.start, *(int(edge) for edge in edges), still.end]
+    bounds = [rows.start, *(int(edge) for edge in edges), rows.stop]
     return list(zip(bounds, bounds[1:], planned, strict=False))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from postprocessors.execute import ControllerLog, moving_windows, slowest_path
+from postprocessors.execute import ControllerLog, moving_windows, path_words, slowest_path
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.programs import FIRST, there_and_back, timed, typed
 
@@ -33,10 +33,9 @@ def test_paths_that_kept_their_time_are_not_mentioned():
 def test_the_path_that_was_most_late_is_named_with_both_times():
     late = slowest_path(READING, log(110, 90))
     assert late is not None
-    assert (late.line, late.planned) == (OTHER + 9, pytest.approx(0.5))
-    assert late.taken == pytest.approx(0.9)
-    assert "took 0.900 s instead of 0.500 s" in late.sentence()
-    assert slowest_path(READING, log(130, 50)).line == ONE + 19
+    assert late == (OTHER + 9, pytest.approx(0.5), pytest.approx(0.9))
+    assert "took 0.900 s instead of 0.500 s" in path_words(*late)
+    assert slowest_path(READING, log(130, 50))[0] == ONE + 19
 
 
 def test_a_window_of_the_trigger_counts_from_the_first_movement_to_the_last():

@@ -83,7 +83,7 @@ def test_the_worst_violation_comes_first(hexapod_case: Case):
 @pytest.mark.parametrize("feed", ["36000.5", "36001", "36010"])
 def test_a_value_just_above_its_limit_is_not_printed_as_if_it_were_the_limit(feed: str, hexapod_case: Case):
     (violation,) = proof(typed(f"G1 X100 F{feed}"), hexapod_case).violations
-    value = violation.sentence().split("reaches ")[1].split(" ")[0]
+    value = violation.check.sentence().split("reaches ")[1].split(" ")[0]
     assert float(value) > 600
 
 
