@@ -8,14 +8,14 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import field_validator, model_validator
+from pydantic import Tag, field_validator, model_validator
 
-from cases.machine import KeepOut, Tool
-from cases.parts import Array, Part, Positive, Range, Vector, frozen
+from cases.machine import KeepOut, MotionLimits, Tool
+from cases.parts import Array, Part, Positive, Range, Vector, frozen, kind_of
 from cases.parts import Number as Real
 from cases.sensors import RigidBody
 from cases.units import DEG, MM
@@ -316,10 +316,16 @@ class JointMotionLimits(Part):
         return JointMotionLimits.model_construct(joints=tuple(free))
 
 
-class JointLimits(Part):
-    """The limits of a case with a chain, by kind of excitation."""
+AnyMotion = Annotated[
+    Annotated[MotionLimits, Tag("<MotionLimits>")] | Annotated[JointMotionLimits, Tag("<JointMotionLimits>")],
+    kind_of(JointMotionLimits, MotionLimits, ["joints"]),
+]
 
-    motion: JointMotionLimits
+
+class Limits(Part):
+    """The limits of a case, by kind of excitation."""
+
+    motion: AnyMotion
     """Limits of moving excitations."""
 
 

@@ -1,13 +1,12 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
 import re
-from collections.abc import Callable
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Literal, TypeVar
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Field, Tag, model_validator
 
 from cases.errors import CaseError
-from cases.parts import Part, Positive
+from cases.parts import Part, Positive, kind_of
 from cases.units import DEG, MINUTE, MM, MS
 
 Kept = Literal["velocity", "acceleration", "jerk", "strut velocity", "strut acceleration"]
@@ -244,24 +243,13 @@ class TwinCat(TwinCatAxes):
     """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
 
 
-def _kind(name: str, full: type[Part], axes: type[Part]) -> Callable[[Any], str]:
-    """What tells the settings of a hexapod's programs, tag NAME, from those of a machine's own axes."""
-    more = set(full.model_fields) - set(axes.model_fields)
-
-    def tag(table: Any) -> str:
-        of_axes = not more & set(table) if isinstance(table, dict) else not isinstance(table, full)
-        return f"<{name}Axes>" if of_axes else f"<{name}>"
-
-    return tag
-
-
 AnySinumerik = Annotated[
     Annotated[Sinumerik, Tag("<Sinumerik>")] | Annotated[SinumerikAxes, Tag("<SinumerikAxes>")],
-    Discriminator(_kind("Sinumerik", Sinumerik, SinumerikAxes)),
+    kind_of(Sinumerik, SinumerikAxes, set(Sinumerik.model_fields) - set(SinumerikAxes.model_fields)),
 ]
 AnyTwinCat = Annotated[
     Annotated[TwinCat, Tag("<TwinCat>")] | Annotated[TwinCatAxes, Tag("<TwinCatAxes>")],
-    Discriminator(_kind("TwinCat", TwinCat, TwinCatAxes)),
+    kind_of(TwinCat, TwinCatAxes, set(TwinCat.model_fields) - set(TwinCatAxes.model_fields)),
 ]
 
 Settings = TypeVar("Settings", "LinuxCnc", SinumerikAxes, TwinCatAxes, Setpoints, UrScript)

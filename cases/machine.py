@@ -302,10 +302,3 @@ class MotionLimits(Part):
         values = {name: getattr(self, name) for name in type(self).model_fields}  # not what was derived and kept
         unlimited = (math.inf, math.inf, math.inf)
         return self.model_construct(**values | {"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})
-
-
-class Limits(Part):
-    """The limits of the case by kind of excitation."""
-
-    motion: MotionLimits
-    """Limits of moving excitations."""

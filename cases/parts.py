@@ -1,10 +1,11 @@
 """Building blocks of a case file: strict numbers, ranges and points, each with its unit in the key that holds it."""
 
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 
 Array = NDArray[np.float64]
 
@@ -19,6 +20,20 @@ class Part(BaseModel):
         return type(self) is type(other) and self.model_dump() == other.model_dump()
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def kind_of(one: type[Part], other: type[Part], keys: Iterable[str]) -> Discriminator:
+    """What tells a table of one kind, which has some of these keys, from one of another.
+
+    Tags in angle brackets name the class that a table was read as; messages leave them out.
+    """
+    telling = frozenset(keys)
+
+    def tag(table: Any) -> str:
+        own = not telling.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
+        return f"<{(one if own else other).__name__}>"
+
+    return Discriminator(tag)
 
 
 LARGEST = 1e15  # beyond any machine, in any unit; sixth powers of it are still numbers

@@ -9,19 +9,19 @@ import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Literal, NoReturn
 
-from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, model_validator
+from pydantic import Field, PrivateAttr, Tag, field_validator, model_validator
 
-from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
+from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.machine import HexapodMachine, Limits, MotionLimits, Workspace
-from cases.parts import Array, Part, Vector, frozen
+from cases.machine import HexapodMachine, MotionLimits, Workspace
+from cases.parts import Array, Part, Vector, frozen, kind_of
 from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
+from cases.units import DEG, MINUTE, MM, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
@@ -33,35 +33,13 @@ def fingerprint(content: object) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def _kind_of_machine(table: Any) -> str:
-    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<HexapodMachine>"
-
-
-def _kind_of_limits(table: Any) -> str:
-    motion = table.get("motion") if isinstance(table, dict) else None
-    return "<JointLimits>" if isinstance(table, JointLimits) or _has(motion, "joints") else "<Limits>"
-
-
-def _kind_of_poses(table: Any) -> str:
-    more = set(Poses.model_fields) - set(JointPoses.model_fields)
-    own = not more & set(table) if isinstance(table, dict) else not isinstance(table, Poses)
-    return "<JointPoses>" if own else "<Poses>"
-
-
-def _has(table: Any, key: str) -> bool:
-    return isinstance(table, dict) and key in table
-
-
-# Tags in angle brackets name the class that a table was read as; messages leave them out.
 AnyMachine = Annotated[
     Annotated[HexapodMachine, Tag("<HexapodMachine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
-    Discriminator(_kind_of_machine),
-]
-AnyLimits = Annotated[
-    Annotated[Limits, Tag("<Limits>")] | Annotated[JointLimits, Tag("<JointLimits>")], Discriminator(_kind_of_limits)
+    kind_of(SerialMachine, HexapodMachine, ["chain"]),
 ]
 AnyPoses = Annotated[
-    Annotated[Poses, Tag("<Poses>")] | Annotated[JointPoses, Tag("<JointPoses>")], Discriminator(_kind_of_poses)
+    Annotated[Poses, Tag("<Poses>")] | Annotated[JointPoses, Tag("<JointPoses>")],
+    kind_of(Poses, JointPoses, set(Poses.model_fields) - set(JointPoses.model_fields)),
 ]
 
 
@@ -89,7 +67,7 @@ class Case(Part):
     """A hexapod's joints and home, or a chain of joints."""
     workspace: Workspace | None = None
     """What a hexapod can reach."""
-    limits: AnyLimits | None = None
+    limits: Limits | None = None
     """What an excitation may use."""
     poses: AnyPoses | None = None
     """Candidates for measuring at standstills."""
@@ -148,6 +126,7 @@ class Case(Part):
 
     def _kind(self) -> Iterator[str]:
         """What a hexapod has and a chain lacks, and the other way round."""
+        motion = None if self.limits is None else self.limits.motion
         if (self.setup == "2x") != (self.sensor_frame.struts is not None):
             yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
         if self.sensor_frame.struts is not None and self.hexapod is None:
@@ -165,7 +144,7 @@ class Case(Part):
                     else f"controller.{name}.{key} is missing; a hexapod's programs need it, see cases/hexapod"
                 )
         if not isinstance(self.machine, SerialMachine):
-            if isinstance(self.limits, JointLimits):
+            if isinstance(motion, JointMotionLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
             if self.poses is not None and not isinstance(self.poses, Poses):
                 yield "poses.x_mm and the other ranges are missing; add the grid of candidates, as in the case hexapod"
@@ -179,13 +158,13 @@ class Case(Part):
             yield "workspace is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
         if isinstance(self.poses, Poses):
             yield "poses of a chain have settle_s and average_s alone; its candidates lie in limits.motion"
-        if isinstance(self.limits, Limits):
+        if isinstance(motion, MotionLimits):
             yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
-        elif self.limits is not None:
-            yield from joint_problems(self.machine.chain, self.limits.motion)
+        elif motion is not None:
+            yield from joint_problems(self.machine.chain, motion)
 
     def _feed(self) -> Iterator[str]:
-        if self.controller is not None and isinstance(self.limits, Limits):
+        if self.controller is not None and self.limits is not None and isinstance(self.limits.motion, MotionLimits):
             fastest = float(self.limits.motion.rate[:3].min())
             if self.controller.safe_feed_mm_min is None:
                 yield "controller.safe_feed_mm_min is missing; add the feed of the first move, from anywhere to home"
@@ -225,7 +204,7 @@ class Case(Part):
             )
 
     def _box(self) -> Iterator[str]:
-        if self.workspace is None or not isinstance(self.limits, Limits):
+        if self.workspace is None or self.limits is None or not isinstance(self.limits.motion, MotionLimits):
             return
         for name in ("x_mm", "y_mm"):
             inner, outer = getattr(self.limits.motion, name), getattr(self.workspace, name)
@@ -297,7 +276,7 @@ class Case(Part):
         """
         if self.chain is None:
             self.missing("machine.chain", purpose)
-        if not isinstance(self.limits, JointLimits):
+        if self.limits is None or not isinstance(self.limits.motion, JointMotionLimits):
             self.missing("limits.motion", purpose)
         return self.chain, self.limits.motion
 
@@ -314,13 +293,17 @@ class Case(Part):
             chain, limits = self.need_chain(purpose)
             return chain.home, limits
         machine, _, of_pose = self.need_machine(purpose)
-        return machine.home.vector, of_pose.motion
+        return machine.home.vector, of_pose
 
     def words(self, coordinates: Iterable[float]) -> str:
         """Coordinates of the machine, shape (n,) [m or rad], in words."""
         if self.chain is None:
-            return pose_words(coordinates)
-        return coordinate_words(coordinates, self.chain.names, [joint.turns for joint in self.chain.joints])
+            x, y, z, a, b, c = (value / unit for value, unit in zip(coordinates, (MM,) * 3 + (DEG,) * 3, strict=True))
+            return f"x {x:.1f} y {y:.1f} z {z:.1f} mm, a {a:.2f} b {b:.2f} c {c:.2f} deg"
+        return ", ".join(
+            f"{joint.name} {value / joint.unit:.{2 if joint.turns else 1}f} {'deg' if joint.turns else 'mm'}"
+            for value, joint in zip(coordinates, self.chain.joints, strict=True)
+        )
 
     def without_jerk(self) -> "Case":
         """The same where jerks are not limited, as for a controller whose accelerations step."""
@@ -328,8 +311,8 @@ class Case(Part):
         limits = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
         return self.model_copy(update={"limits": limits})
 
-    def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, Limits]:
-        """Hexapod, workspace and limits.
+    def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, MotionLimits]:
+        """Hexapod, workspace and limits of motion.
 
         Args:
             purpose: what they are needed for, for the message.
@@ -352,9 +335,9 @@ class Case(Part):
             self.missing("machine", purpose)
         if self.workspace is None:
             self.missing("workspace", purpose)
-        if not isinstance(self.limits, Limits):
+        if self.limits is None or not isinstance(self.limits.motion, MotionLimits):
             self.missing("limits.motion", purpose)
-        return self.hexapod, self.workspace, self.limits
+        return self.hexapod, self.workspace, self.limits.motion
 
     @cached_property
     def bodies(self) -> tuple[RigidBody, ...]:

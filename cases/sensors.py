@@ -368,3 +368,8 @@ class Payloads(Part):
     """Where the values come from."""
     weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
     """In order of mounting; centres of gravity in {P}."""
+
+
+def payload_words(count: int) -> str:
+    """How many payloads are mounted, in words."""
+    return f"{count} payload{'' if count == 1 else 's'}"

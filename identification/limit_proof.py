@@ -76,7 +76,7 @@ def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]
         rotation, acceleration = load_motion(motion, case)
     if case.hexapod is not None:
         machine, workspace, limits = case.need_machine("the proof of limits")
-        yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
+        yield from limited_struts(motion, rotation, machine, workspace, limits)
     loads = Loads.of(case)
     if loads is not None:
         yield from sensor_loads(loads.forces(motion, rotation, acceleration), loads)
@@ -110,7 +110,7 @@ def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
     yield from limited_rates(motion, case.need_motion("the proof of limits")[1])
     if case.hexapod is not None:
         machine, _, limits = case.need_machine("the proof of limits")
-        yield strut_velocities(motion, machine, limits.motion)
+        yield strut_velocities(motion, machine, limits)
 
 
 def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:

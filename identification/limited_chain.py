@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
 from cases.machine import Tool
-from cases.sensors import RigidBody
-from cases.units import MM, payload_words
+from cases.sensors import RigidBody, payload_words
+from cases.units import MM
 from identification.keep_out import distance_of_segments
 from identification.limit import Limit, LimitKind
 from identification.limited_quantities import Quantity, axis_rotation

@@ -53,8 +53,7 @@ def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, ac
         rates: its first derivative in time.
         accelerations: its second derivative.
     """
-    _, workspace, limits = case.need_machine("planning")
-    box = limits.motion
+    _, workspace, box = case.need_machine("planning")
     length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
     shortest = max(box.strut_length[0], workspace.strut_length[0])
     longest = min(box.strut_length[1], workspace.strut_length[1])
@@ -94,7 +93,7 @@ def _keep_out(case: Case, hexapod: "Hexapod", pose: ca.SX) -> list[ca.SX]:
     distances = ca.vertcat(
         *(_distance(point, box.corners, ROUNDING) - radius for box in workspace.keep_out for point, radius in points)
     )
-    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.motion.pose.mean(axis=0)).full()
+    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.pose.mean(axis=0)).full()
     return [ca.exp((np.clip(at_rest / 2, 0.0, CLEARANCE) - distances) / VICINITY)]
 
 

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.sensors import RigidBody
-from cases.units import payload_words
+from cases.sensors import RigidBody, payload_words
 from identification.limit import LimitKind
 from identification.limited_quantities import Quantity, strut_vectors
 from identification.motion import Motion

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from cases.units import payload_words
+from cases.sensors import payload_words
 from identification.criteria import reference_scaling
 from identification.estimation.fit import PoseField
 from identification.limit import LimitKind, LimitReport, Status

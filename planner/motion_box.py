@@ -206,7 +206,7 @@ def _joints(case: Case, box: Array) -> tuple[JointLimit, ...]:
 def _rounded(case: Case, sides: Array) -> Array:
     """The box in the units of the case file, rounded inwards to a 500th of its widths, shape (2, n) [mm, deg]."""
     if case.chain is None:
-        limits = case.need_machine("the reach of the motion box")[2].motion
+        limits = case.need_machine("the reach of the motion box")[2]
         case_box = np.array([getattr(limits, key) for key in POSE]).T
     else:
         joints = case.need_chain("the reach of the motion box")[1].joints

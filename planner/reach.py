@@ -162,9 +162,9 @@ class StaticLimits:
 
     def __init__(self, case: Case) -> None:
         self.machine, self.workspace, limits = case.need_machine("the reach of the motion box")
-        self.home, self.box, self.units = self.machine.home.vector, limits.motion.pose, UNITS
-        self.shortest = max(limits.motion.strut_length[0], self.workspace.strut_length[0])
-        self.longest = min(limits.motion.strut_length[1], self.workspace.strut_length[1])
+        self.home, self.box, self.units = self.machine.home.vector, limits.pose, UNITS
+        self.shortest = max(limits.strut_length[0], self.workspace.strut_length[0])
+        self.longest = min(limits.strut_length[1], self.workspace.strut_length[1])
         hexapod, pose = Hexapod.of(case), ca.SX.sym("pose", 6)
         self.functions = (
             hexapod.inverse_jacobian,

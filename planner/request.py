@@ -11,7 +11,8 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from cases.units import MM, UM, payload_words
+from cases.sensors import payload_words
+from cases.units import MM, UM
 from identification.criteria import CRITERIA
 from identification.model import identification_model
 from identification.parameters import physical_form

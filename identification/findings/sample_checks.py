@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.machine import Limits
+from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM
 from identification.findings import Finding, Kind, Severity, sentences, warning
@@ -226,10 +226,10 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
                     _at(leaps + 1, count),
                 )
             )
-    if recording.struts is None or not isinstance(case.limits, Limits):
+    limits = None if case.limits is None else case.limits.motion
+    if recording.struts is None or not isinstance(limits, MotionLimits):
         return problems
     step = float(np.median(np.diff(recording.t)))
-    limits = case.limits.motion
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
     gaps = np.flatnonzero(recording.lost)
     for k in range(6):

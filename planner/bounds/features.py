@@ -101,8 +101,7 @@ def box_features(case: Case, model: Model, scaling: Array) -> Features:
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    machine, _, limits = case.need_machine("the information limit")
-    box = limits.motion
+    machine, _, box = case.need_machine("the information limit")
     middle = np.r_[machine.home.vector + box.pose.mean(axis=0), np.zeros(12)]
     half = np.r_[(box.pose[1] - box.pose[0]) / 2, box.rate, box.acceleration]
     return Features(_coefficients(model) * scaling, _table(model, middle, half), middle, half)
@@ -180,7 +179,7 @@ class Moments:
 
 def motion_moments(case: Case, features: Features) -> Moments:
     """All constraints of a case."""
-    limits = case.need_machine("the information limit")[2].motion
+    limits = case.need_machine("the information limit")[2]
     half = features.half
     product = half[:6, None] * half[None, 12:]  # of q_i a_j
     equal, at_most, constant = [], [], []

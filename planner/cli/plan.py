@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cases.units import payload_words
+from cases.sensors import payload_words
 from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, Overwrite, limit_rows, print_answer, print_table, status
 
 MOST_USED = 0.9  # share of a limit from which on it is shown

@@ -11,7 +11,7 @@ import numpy as np
 from cases.basis import values
 from cases.errors import CaseError
 from cases.loading import built_in_cases, find_case, load_case
-from cases.machine import Joints, Limits
+from cases.machine import Joints, MotionLimits
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.limit import LimitKind
@@ -236,8 +236,7 @@ def mistaken_units(case: Case) -> Iterator[str]:
         for key in ("base_joint_angle_deg", "platform_joint_angle_deg"):
             angles[f"workspace.{key}"] = (getattr(case.workspace, key), _RADIANS)
         lengths["workspace.strut_length_mm"] = max(case.workspace.strut_length_mm)
-    if isinstance(case.limits, Limits):
-        motion = case.limits.motion
+    if case.limits is not None and isinstance(motion := case.limits.motion, MotionLimits):
         largest = max(abs(v) for key in ("a_deg", "b_deg", "c_deg") for v in getattr(motion, key))
         angles["limits.motion.a_deg, b_deg and c_deg"] = (largest, _SMALL_BOX)
         angles["limits.motion.angular_velocity_deg_s"] = (max(motion.angular_velocity_deg_s), _RADIANS)

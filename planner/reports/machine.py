@@ -7,7 +7,8 @@ import numpy as np
 
 from cases.machine import KeepOut, Tool
 from cases.schema import Case
-from cases.units import MM, payload_words
+from cases.sensors import payload_words
+from cases.units import MM
 from identification.criteria import analyse, reference_scaling
 from identification.limit_proof import load_shares
 from identification.limited_quantities import strut_motion
@@ -128,8 +129,7 @@ def tool_outlines(tools: Iterable[Tool]) -> list[Array]:
 
 def strut_items(case: Case, motion: Motion) -> tuple[Item, ...]:
     """Lengths, velocities and accelerations of struts, with their limits."""
-    machine, workspace, limits = case.need_machine("the page of a plan")
-    box = limits.motion
+    machine, workspace, box = case.need_machine("the page of a plan")
     length, velocity, acceleration = strut_motion(motion, machine)
     low = max(box.strut_length[0], workspace.strut_length[0]) / MM
     high = min(box.strut_length[1], workspace.strut_length[1]) / MM

@@ -37,7 +37,7 @@ def case_figure(case: Case, reach: Reach) -> Figure:
     grid = figure.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 1.0), wspace=0.08)
     geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
     _draw_machine(geometry, case, machine)
-    box = limits.motion.pose
+    box = limits.pose
     over, tilted = figure.add_subplot(grid[1]), figure.add_subplot(grid[2])
     x, y = (np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm))
     colours = _map(over, case, machine, (0, 1), (x, y), MM)

@@ -167,8 +167,7 @@ def _peak_accelerations(rate: Array, by: Answering) -> Array:
 
 def _of_struts(feed: float, rate: Array, peaks: Array, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Bounds wherever the machine stands: |omega| <= |roll'| + |pitch'| + |yaw'|, and l'' <= |s''| + |s'|^2 / l."""
-    machine, workspace, limits = by.case.need_machine("the check of a program")
-    motion = limits.motion
+    machine, workspace, motion = by.case.need_machine("the check of a program")
     arm = float(np.linalg.norm(machine.platform.points, axis=1).max())
     omega = float(rate[3:].sum())
     speed = feed + arm * omega

@@ -34,8 +34,8 @@ ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")
 
 def walk(case: Case, limited: bool) -> Joined:
     """Moves between random places of half the box, as fast as their coordinates may."""
-    machine, _, limits = case.need_machine("a test")
-    box, draw = limits.motion, np.random.default_rng(4)
+    machine, _, box = case.need_machine("a test")
+    draw = np.random.default_rng(4)
     places = machine.home.vector + 0.5 * draw.uniform(box.pose[0], box.pose[1], (25, 6))
     law = [0.99 * limit for limit in (box.rate, box.acceleration, *([box.jerk] if limited else []))]
     return Joined(tuple(StraightMove.fastest(a, b, *law) for a, b in pairwise(places)))

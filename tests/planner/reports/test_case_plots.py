@@ -14,7 +14,7 @@ from tests.planner.command_line import call, refused
 def test_reach_ends_where_the_struts_do(hexapod_case: Case) -> None:
     """Lifting the level platform straight up stretches all struts alike: their length says where the reach ends."""
     machine, _, limits = hexapod_case.need_machine("test")
-    longest = limits.motion.strut_length[1]
+    longest = limits.strut_length[1]
     flat = np.linalg.norm((machine.platform.points - machine.base.points)[0, :2])
     height = np.sqrt(longest**2 - flat**2)
     poses = np.tile(machine.home.vector, (2, 1))
