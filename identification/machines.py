@@ -61,7 +61,7 @@ def kinetic(
     if case.chain is not None:
         none = np.zeros((len(pose), 0))
         return (none, none), (none[:0].ravel(), none[:0].ravel())
-    limits = case.need_machine("the motion of struts")[2].motion
+    limits = case.need_machine("the motion of struts")[2]
     _, velocities, second = over_samples(Hexapod.of(case).strut_motion, pose, rates, accelerations)
     six = np.ones(6)
     return (velocities, second), (limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six)

@@ -15,7 +15,7 @@ from identification.criteria import reference_scaling
 from identification.limit import LimitKind
 from identification.machines import machine_of
 from identification.model import full_model, identification_model
-from identification.motion import Trajectory
+from identification.motion import Joined, Trajectory
 from identification.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
@@ -28,7 +28,7 @@ from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.homing import planned_excitation, way_of
+from postprocessors.proving.homing import motions, planned_excitation
 from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
@@ -81,7 +81,8 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     parts, run = carried_out(program, case, on)
     planned: Trajectory
     if measures_at_poses(parts):
-        planned, poses = way_of(parts, case, program.guarantees), measured_poses(parts)
+        planned = Joined(tuple(motion for _, motion in motions(parts, case, program.guarantees)))
+        poses = measured_poses(parts)
         seconds, off = stood(run, poses, program.path)
         rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
         rating["poses_m_rad"] = poses.tolist()

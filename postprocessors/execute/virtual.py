@@ -10,15 +10,14 @@ from ruckig import Trajectory as Planned
 
 from cases.errors import ExecutionError
 from cases.schema import Case
-from identification.limited_quantities import Box
 from identification.machines import kinetic, machine_of
 from identification.motion import Joined, Slowed, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
 from identification.trajectories.profile import TimeLaw
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
-from postprocessors.proving.homing import predicted
-from postprocessors.proving.stretches import Still, Stretch, Timed, measures_at_poses, stretches
+from postprocessors.proving.homing import motions
+from postprocessors.proving.stretches import Still, measures_at_poses, stretches
 from postprocessors.reading import Reading
 
 Array = NDArray[np.float64]
@@ -69,19 +68,15 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
         ExecutionError: ruckig cannot time a move.
         CaseError: the case has no machine.
     """
-    home, limits = case.need_motion("a run")
+    home, _ = case.need_motion("a run")
     own = replace(guarantees, law=by_ruckig(guarantees.law))
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
-    clock, pose, on = REST, home, False
+    clock, on = REST, False
     program = stretches(reading)
     at_poses = measures_at_poses(program)
-    for stretch in program:
-        part = _trajectory(stretch, pose, limits, own)
-        if isinstance(part, TimedPoints):
-            part = _followed(part, case)
-        if part is None:
-            continue
+    for stretch, motion in motions(program, case, own):
+        part = _followed(motion, case) if isinstance(motion, TimedPoints) else motion
         on = on and stretch.trigger
         if at_poses and stretch.trigger:
             trigger.append((clock, clock + part.duration))
@@ -92,8 +87,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
             on = True
         parts.append(part)
         clock += part.duration
-        pose = part.at([part.duration]).pose[0]
-    parts.append(Standstill(pose, REST))
+    parts.append(Standstill(parts[-1].at([parts[-1].duration]).pose[0], REST))
     return Joined(tuple(parts)), np.array(trigger).reshape(-1, 2)
 
 
@@ -116,14 +110,6 @@ def _pace(path: TimedPoints, case: Case, rate: float) -> float:
         )
     )
     return max(float(share ** (1.0 / order)) for order, share in enumerate(shares, start=1))
-
-
-def _trajectory(stretch: Stretch, pose: np.ndarray, limits: Box, own: Guarantees) -> Trajectory | None:
-    if isinstance(stretch, Timed):
-        return stretch.points
-    if isinstance(stretch, Still):
-        return Standstill(pose, stretch.duration) if stretch.duration > 0.0 else None
-    return predicted(replace(stretch, start=pose), limits, own)
 
 
 @dataclass(frozen=True, slots=True)

@@ -224,12 +224,19 @@ def comment_lines(calibration: Calibration) -> list[str]:
     return lines
 
 
-def shared_values(calibration: Calibration) -> dict[str, Any]:
-    """What templates of every language are told of a model."""
-    drives = calibration.case.recording.drives if calibration.hexapod is not None else None
-    rows = zip(calibration.model.parameters, calibration.result.values, calibration.deviations, strict=True)
-    return {
+def rendered(template: str, calibration: Calibration, name: str, **own: Any) -> str:
+    """A template filled with what every language is told of a model called `name`, and with values of its own."""
+    case, model = calibration.case, calibration.model
+    drives = case.recording.drives if calibration.hexapod is not None else None
+    rows = zip(model.parameters, calibration.result.values, calibration.deviations, strict=True)
+    shared: dict[str, Any] = {
+        "name": name,
+        "NAME": name.upper(),
+        "origin": comment_lines(calibration),
         "hexapod": calibration.hexapod is not None,
+        "home": [number(v) for v in (np.zeros(6) if case.hexapod is None else case.hexapod.home.vector)],
+        "force_units": "N, N m" if case.sensor_frame.has_moments else "N",
+        "delay": number(calibration.result.delay),
         "most_steps": MOST_STEPS,
         "drives": drives
         and {
@@ -237,11 +244,12 @@ def shared_values(calibration: Calibration) -> dict[str, Any]:
             "sign": [number(s) for s in drives.sign],
             "offset": [number(v) for v in drives.offset],
         },
-        "offsets": [n for n in calibration.model.names if n.startswith("f_q0_")],
+        "offsets": [n for n in model.names if n.startswith("f_q0_")],
         "parameters": [
             {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"} for p, v, s in rows
         ],
     }
+    return environment().get_template(template).render(shared | own)
 
 
 def number(value: float) -> str:

@@ -15,7 +15,7 @@ from cases.units import DEG
 from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.symbolic import rotation, twist, twist_rate
-from postprocessors.export.calibration import Calibration, comment_lines, environment, number, shared_values
+from postprocessors.export.calibration import Calibration, number, rendered
 
 RING = 256
 """Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
@@ -34,35 +34,26 @@ def half_window(case: Case) -> float:
 
 def c_sources(calibration: Calibration, name: str) -> tuple[str, str]:
     """Header and source in C99 of a model called `name`."""
-    values = {"name": name, "NAME": name.upper(), "origin": comment_lines(calibration)}
     declarations, definitions = c_parts(calibration, name, "")
     return (
-        environment().get_template("header.h.jinja").render(values | {"declarations": declarations}),
-        environment().get_template("source.c.jinja").render(values | {"definitions": definitions}),
+        rendered("header.h.jinja", calibration, name, declarations=declarations),
+        rendered("source.c.jinja", calibration, name, definitions=definitions),
     )
 
 
 def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str]:
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
-    machine = calibration.case.hexapod
-    half = half_window(calibration.case)
-    values = shared_values(calibration) | {
-        "name": name,
-        "NAME": name.upper(),
+    half, functions = half_window(calibration.case), functions_of(calibration.model, calibration.hexapod)
+    values = {
         "linkage": linkage,
         "ring": RING,
-        "delay": number(calibration.result.delay),
         "half_window": number(half),
         "window_meaning": f"half gain at {_HALF_GAIN / half:.3g} Hz",
-        "force_units": "[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
-        "home": [] if machine is None else [number(v) for v in machine.home.vector],
-        "functions": [
-            _c_function(f, name, calibration.model.names) for f in functions_of(calibration.model, calibration.hexapod)
-        ],
+        "functions": [_c_function(f, name, calibration.model.names) for f in functions],
     }
     return (
-        environment().get_template("declarations.c.jinja").render(values),
-        environment().get_template("definitions.c.jinja").render(values),
+        rendered("declarations.c.jinja", calibration, name, **values),
+        rendered("definitions.c.jinja", calibration, name, **values),
     )
 
 
@@ -85,47 +76,25 @@ AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N
 def linuxcnc_component(calibration: Calibration, name: str) -> str:
     """The text of a component called `name`."""
     declarations, definitions = c_parts(calibration, name, "static ")
-    return (
-        environment()
-        .get_template("component.comp.jinja")
-        .render(
-            name=name,
-            NAME=name.upper(),
-            hal=name.replace("_", "-"),
-            origin=comment_lines(calibration),
-            hexapod=calibration.hexapod is not None,
-            force_units="[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
-            wrench=AXES,
-            half_window=number(half_window(calibration.case)),
-            delay=number(calibration.result.delay),
-            degree=number(DEG),
-            offsets=[n for n in calibration.model.names if n.startswith("f_q0_")],
-            declarations=declarations,
-            definitions=definitions,
-        )
+    return rendered(
+        "component.comp.jinja",
+        calibration,
+        name,
+        hal=name.replace("_", "-"),
+        wrench=AXES,
+        half_window=number(half_window(calibration.case)),
+        degree=number(DEG),
+        declarations=declarations,
+        definitions=definitions,
     )
 
 
 def structured_text(calibration: Calibration, name: str) -> str:
     """The text of a model called `name`: structure, constants, functions and function block."""
-    machine = calibration.case.hexapod
     camel = "".join(part.capitalize() for part in name.split("_"))
-    return (
-        environment()
-        .get_template("model.st.jinja")
-        .render(
-            name=name,
-            Name=camel,
-            origin=comment_lines(calibration),
-            home=["0.0"] * 6 if machine is None else [number(v) for v in machine.home.vector],
-            force_units="N, N m" if calibration.case.sensor_frame.has_moments else "N",
-            functions=[
-                _st_function(f, camel, calibration.model.names)
-                for f in functions_of(calibration.model, calibration.hexapod)
-            ],
-            **shared_values(calibration),
-        )
-    )
+    functions = functions_of(calibration.model, calibration.hexapod)
+    spelled = [_st_function(f, camel, calibration.model.names) for f in functions]
+    return rendered("model.st.jinja", calibration, name, Name=camel, functions=spelled)
 
 
 def _st_function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:

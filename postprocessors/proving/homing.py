@@ -3,7 +3,7 @@
 Of the first move, feed and end are proven, all else is bounds.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -60,24 +60,36 @@ def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> Ci
     return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)
 
 
+def motions(parts: Iterable[Stretch], case: Case, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:
+    """Each stretch of a program that takes time, with its motion as its controller is expected to make it, from home.
+
+    Raises:
+        CaseError: the case has no machine.
+    """
+    pose, limits = case.need_motion("a run")
+    for part in parts:
+        motion: Trajectory | None
+        if isinstance(part, Timed):
+            motion = part.points
+        elif isinstance(part, Untimed):
+            motion = predicted(replace(part, start=pose), limits, guarantees)
+        else:
+            motion = Standstill(pose, part.duration) if part.duration > 0.0 else None
+        if motion is not None:
+            yield part, motion
+            pose = motion.at([motion.duration]).pose[0]
+
+
 def planned_excitation(read: "Program", case: Case) -> Trajectory:
     """The motion that the program asks for while its trigger is on.
 
     Raises:
         ExecutionError: nothing moves then.
     """
-    limits = case.need_motion("a run")[1]
-    excited: list[Trajectory] = []
-    for part in stretches(read.reading):
-        if not part.trigger:
-            continue
-        if isinstance(part, Timed):
-            excited.append(part.points)
-        elif isinstance(part, Untimed):
-            motion = predicted(part, limits, read.guarantees)
-            excited += [] if motion is None else [motion]
-        elif excited and part.duration > 0.0:  # a pause between moves
-            excited.append(Standstill(excited[-1].at([excited[-1].duration]).pose[0], part.duration))
+    parts = stretches(read.reading)
+    excited = [motion for part, motion in motions(parts, case, read.guarantees) if part.trigger]
+    while excited and isinstance(excited[0], Standstill):  # pauses between moves count
+        excited.pop(0)
     while excited and isinstance(excited[-1], Standstill):
         excited.pop()
     if not excited:
@@ -206,21 +218,3 @@ def _feed_to_home(feed: float, safe: float, kind: LimitKind, clock: float) -> Li
     """The programmed feed against the safe one [SI], in the unit of a kind of velocity."""
     values = feed * kind.scale, safe * kind.scale, kind.unit
     return LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, feed / safe, clock, Status.PROVEN)
-
-
-def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
-    """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
-    home, limits = case.need_motion("a run")
-    last_pose, way = home, list[Trajectory]()
-    for part in parts:
-        motion: Trajectory | None
-        if isinstance(part, Timed):
-            motion = part.points
-        elif isinstance(part, Untimed):
-            motion = predicted(part, limits, guarantees)
-        else:
-            motion = Standstill(last_pose, part.duration) if part.duration > 0.0 else None
-        if motion is not None:
-            way.append(motion)
-            last_pose = motion.at([motion.duration]).pose[0]
-    return Joined(tuple(way))
