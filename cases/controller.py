@@ -48,40 +48,21 @@ class Setpoints(Part):
         return self.cycle_ms * MS
 
 
+def _spelled(pattern: str, problem: str) -> AfterValidator:
+    """Refuses what is not spelled as a pattern says, with its problem and remedy."""
+
+    def check(word: str) -> str:
+        if re.fullmatch(pattern, word) is None:
+            raise ValueError(f"{word!r} {problem}")
+        return word
+
+    return AfterValidator(check)
+
+
 SINUMERIK_NAME = r"^(?:[A-Z]{2}|_[A-Z])[A-Z0-9_]{0,22}$"
-TRANSFORMATION = r"^[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?$"
-_NOT_WORDS = {
-    *"DFGHIJKLMNPRSTXYZ",
-    "LEAD",
-    "TILT",
-    "THETA",
-    "PHI",
-    "PSI",
-    "AR",
-    "CR",
-    "PL",
-    "PO",
-    "PW",
-    "SD",
-    "ACC",
-    "OVR",
-}
+_KEYWORDS = ("LEAD", "TILT", "THETA", "PHI", "PSI", "AR", "CR", "PL", "PO", "PW", "SD", "ACC", "OVR")
+_NOT_WORDS = {*"DFGHIJKLMNPRSTXYZ", *_KEYWORDS}
 _VECTORS = re.compile(r"[ABC][3-7]")
-
-
-def _sinumerik_name(name: str) -> str:
-    if re.fullmatch(SINUMERIK_NAME, name) is None:
-        raise ValueError(
-            f"{name!r} is not a program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a "
-            "letter"
-        )
-    return name
-
-
-def _transformation(call: str) -> str:
-    if re.fullmatch(TRANSFORMATION, call) is None:
-        raise ValueError(f"{call!r} switches no transformation; write a name as TRAORI or a call as TRAORI(2)")
-    return call
 
 
 def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
@@ -96,21 +77,30 @@ def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
     return words
 
 
-def _word(word: str) -> str:
-    if re.fullmatch(r"[A-Z]{1,7}[0-9]?", word) is None:
-        raise ValueError(f"{word!r} is not an address; write capitals and at most one digit, such as A or A2")
-    return word
-
-
-Word = Annotated[str, AfterValidator(_word)]
-Call = Annotated[str, AfterValidator(_transformation)]
+Word = Annotated[
+    str, _spelled(r"[A-Z]{1,7}[0-9]?", "is not an address; write capitals and at most one digit, such as A or A2")
+]
+Call = Annotated[
+    str,
+    _spelled(
+        r"[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?",
+        "switches no transformation; write a name as TRAORI or a call as TRAORI(2)",
+    ),
+]
+SinumerikName = Annotated[
+    str,
+    _spelled(
+        SINUMERIK_NAME,
+        "is not a program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a letter",
+    ),
+]
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
 class SinumerikAxes(Part):
     """Settings of SINUMERIK programs in the machine's own axes, of a chain that is named as they are."""
 
-    program_name: Annotated[str, AfterValidator(_sinumerik_name)]
+    program_name: SinumerikName
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
@@ -179,27 +169,26 @@ TWINCAT_NAME = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}$"
 _TAKEN = {0, 1, 2, 3, 4, 5, 6, 17, 19, 29, 30}
 
 
-def _twincat_name(name: str) -> str:
-    if re.fullmatch(TWINCAT_NAME, name) is None:
-        raise ValueError(
-            f"{name!r} is not a program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning"
-        )
-    return name
-
-
 def _free(number: int) -> int:
     if number in _TAKEN:
         raise ValueError(f"M{number} means something else to the controller; choose a user M function")
     return number
 
 
+TwinCatName = Annotated[
+    str,
+    _spelled(
+        TWINCAT_NAME,
+        "is not a program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning",
+    ),
+]
 MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_free)]
 
 
 class TwinCatAxes(Part):
     """Settings of TF5200 / ISG programs in the machine's own axes, of a chain that is named as they are."""
 
-    program_name: Annotated[str, AfterValidator(_twincat_name)]
+    program_name: TwinCatName
     """Name in the `%` line."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""

@@ -18,27 +18,10 @@ BUILT_IN = Path(__file__).parent
 CASE_FILE = "case.toml"
 
 # Unit suffixes of keys, ours and those that users write instead.
-_OURS: tuple[str, ...] = (
-    "m",
-    "mm",
-    "um",
-    "deg",
-    "kg",
-    "kg_m2",
-    "s",
-    "ms",
-    "N",
-    "Nm",
-    "N_m",
-    "Nm_m",
-    "Hz",
-    "cycles",
-    "mm_min",
-)
-_OURS += ("mm_s", "m_s", "m_s2", "m_s3", "deg_s", "rad_s2", "rad_s3")
-_OTHERS = ("cm", "in", "rad", "mrad", "g", "t", "kN", "min", "us", "kHz", "rad_s", "deg_s2", "deg_s3", "mm_s2", "mm_s3")
+_OURS = "m mm um deg kg kg_m2 s ms N Nm N_m Nm_m Hz cycles mm_min mm_s m_s m_s2 m_s3 deg_s rad_s2 rad_s3"
+_OTHERS = "cm in rad mrad g t kN min us kHz rad_s deg_s2 deg_s3 mm_s2 mm_s3"
 _COMMA = r"[+-]?\d+,\d+"
-UNITS = tuple(sorted((*_OURS, *_OTHERS), key=len, reverse=True))
+UNITS = tuple(sorted(f"{_OURS} {_OTHERS}".split(), key=len, reverse=True))
 
 
 def built_in_cases() -> dict[str, Path]:

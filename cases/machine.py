@@ -20,6 +20,7 @@ from cases.parts import (
     Vector,
     condition_of_lines,
     frozen,
+    turned,
 )
 from cases.recording_format import POSE
 from cases.units import DEG, MM
@@ -90,14 +91,6 @@ class Pose(Part):
         )
 
 
-def _turn(axis: int, angle: float) -> Array:
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    turn = np.eye(3)
-    turn[i, i] = turn[j, j] = np.cos(angle)
-    turn[j, i], turn[i, j] = np.sin(angle), -np.sin(angle)
-    return turn
-
-
 class HexapodMachine(Part):
     """A hexapod: strut k joins base joint k to platform joint k."""
 
@@ -110,9 +103,7 @@ class HexapodMachine(Part):
 
     @model_validator(mode="after")
     def _stands_firmly(self) -> "HexapodMachine":
-        roll, pitch, yaw = self.home.vector[3:]
-        x, y, z = (_turn(axis, angle) for axis, angle in enumerate((roll, pitch, yaw)))
-        arms = self.platform.points @ (z @ y @ x).T
+        arms = self.platform.points @ turned(self.home.vector[3:]).T
         condition = condition_of_lines(arms, self.home.vector[:3] + arms - self.base.points)
         if not condition <= WORST_CONDITION:
             raise ValueError(

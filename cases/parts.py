@@ -80,6 +80,18 @@ def frozen(values: Any) -> Array:
     return array
 
 
+def turned(angles: Array) -> Array:
+    """R = Rz(yaw) Ry(pitch) Rx(roll) of roll, pitch, yaw, shape (3,) [rad]; shape (3, 3)."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(angles), np.cos(angles)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
 # Beyond this condition number (moments divided by the size) errors are amplified a thousandfold.
 WORST_CONDITION = 1e3
 

@@ -83,7 +83,7 @@ def si_factor(column: str, units: Mapping[str, str]) -> float:
 
 # A mounting matrix is typed by hand with a few digits; beyond this it is not a rotation.
 _ORTHOGONALITY = 1e-3
-_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
+TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # units of time stamps [s]
 
 
 def _separator(value: str) -> str:
@@ -270,4 +270,4 @@ class RecordingFormat(Part):
     @property
     def tick(self) -> float:
         """Duration of one unit of the time stamps [s]."""
-        return _TICKS[self.clock_unit]
+        return TICKS[self.clock_unit]

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from cases.chain import LEAST_AXIS
 from cases.errors import CaseError
-from cases.parts import Array
+from cases.parts import Array, turned
 from cases.sensors import RigidBody, together
 from cases.units import MM
 
@@ -71,7 +71,6 @@ class UrdfJoint:
 class UrdfChain:
     """The way from the root to the flange."""
 
-    robot: str  # name of the robot
     base: str  # name of the root link, the frame {B}
     flange: str  # name of the link that carries the sensor
     joints: tuple[UrdfJoint, ...]  # joints that move, from the root to the flange
@@ -140,7 +139,7 @@ class _Tree:
     """Links and joints of a file, proven to be a tree."""
 
     def __init__(self, file: Path, root: _Element) -> None:
-        self.file, self.robot = file, root.attributes.get("name", "")
+        self.file = file
         self.links = self._named(root, "link")
         self.joints = self._named(root, "joint")
         self.parent_joint: dict[str, str] = {}
@@ -174,7 +173,7 @@ class _Tree:
                 place = Transform()
         if not joints:
             raise CaseError(self.file, "", f"no joint moves link {flange}; name another one of {names} with --flange")
-        return UrdfChain(self.robot, link, flange, tuple(joints), place)
+        return UrdfChain(link, flange, tuple(joints), place)
 
     def _named(self, root: _Element, tag: str) -> dict[str, _Element]:
         elements: dict[str, _Element] = {}
@@ -304,17 +303,7 @@ class _Tree:
     def _origin(self, element: _Element, of: str) -> Transform:
         for origin in element.all("origin"):
             position = self._vector(origin, "xyz", f"origin of {of}", "0 0 0")
-            (sr, sp, sy), (cr, cp, cy) = (
-                f(self._vector(origin, "rpy", f"origin of {of}", "0 0 0")) for f in (np.sin, np.cos)
-            )
-            turn = np.array(
-                [
-                    [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-                    [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-                    [-sp, cp * sr, cp * cr],
-                ]
-            )
-            return Transform(turn, position)
+            return Transform(turned(self._vector(origin, "rpy", f"origin of {of}", "0 0 0")), position)
         return Transform()
 
     def _vector(self, element: _Element, key: str, of: str, default: str | None = None) -> Array:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, WRENCH, Clock, RecordingFormat
+from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
 from identification.formats.delimited import select, unknown_columns
 from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
@@ -183,9 +183,6 @@ def _table(
     return replace(table, stamps=stamps[0] + np.rint(instants / form.tick).astype(np.int64))
 
 
-_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-
-
 def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file, row group by row group.
 
@@ -250,7 +247,7 @@ def _stamps(file: Path, name: str, batch: "pa.Table", tick: float, above: int) -
         row = int(np.argmin(column.is_valid().to_numpy()))
         raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {above + row + 1}", "remove the row")
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
-        return column.cast(pa.int64()).to_numpy(), _TICKS[kind.unit]
+        return column.cast(pa.int64()).to_numpy(), TICKS[kind.unit]
     if pa.types.is_integer(kind):
         return column.cast(pa.int64()).to_numpy(), tick
     return _numbers(file, name, batch), tick

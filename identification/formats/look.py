@@ -17,6 +17,7 @@ from cases.recording_format import (
     POSE,
     ROTATION,
     STRUTS,
+    TICKS,
     TRIGGER,
     WRENCH,
     RecordingFormat,
@@ -26,7 +27,7 @@ from cases.recording_format import (
 from cases.schema import Case
 from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
-from identification.formats.looked import CLOCKS, RATES, Column, Look, look_at_bag, oddities, strut_range
+from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import bag_of, is_bag, read_run, read_tables
 from identification.formats.table import Array, require_file
@@ -193,7 +194,7 @@ def _units(
         step = float(np.median(steps)) if len(steps) else 0.0
         start = float(columns[places[CLOCK]][0]) if len(steps) else 0.0
         names = ("filetime",) if start > 1e17 and start < 1e18 else ("s", "ms", "us", "ns")
-        rates = {u: 1.0 / (step * CLOCKS[u]) for u in names if step > 0.0}
+        rates = {u: 1.0 / (step * TICKS[u]) for u in names if step > 0.0}
         candidates = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
         if candidates:
             units[CLOCK] = min(candidates, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, WRENCH, units_of
+from cases.recording_format import CLOCK, DRIVES, STRUTS, TICKS, TRIGGER, WRENCH, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
 from identification.formats.binary import (
@@ -27,7 +27,6 @@ from identification.formats.naming import matched
 from identification.formats.table import Array, Stamps, listed, lost_samples, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
-CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
 AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_BLANK = 1e-3  # of a column, from which on its empty fields are worth a word
 
@@ -71,7 +70,7 @@ class Look:
         if clock is None or len(clock.values) < 2:
             return 1e3 / tick["period_ms"] if "period_ms" in tick else None
         default = "ms" if self.settings.get("format") == "twincat-scope" else "s"
-        step = float(np.median(np.diff(clock.values))) * CLOCKS[tick.get("unit", default)]
+        step = float(np.median(np.diff(clock.values))) * TICKS[tick.get("unit", default)]
         return 1.0 / step if step > 0.0 else None
 
     @property

@@ -10,10 +10,10 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from scipy.spatial.transform import Rotation
 
 from cases.machine import HexapodMachine
-from cases.recording_format import CLOCK
+from cases.recording_format import CLOCK, TICKS
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.formats.looked import CLOCKS, Column, Look
+from identification.formats.looked import Column, Look
 from identification.formats.naming import GROUPS
 from identification.limited_chain import frames_at
 from identification.motion import Array
@@ -211,7 +211,7 @@ def _legend(column: Column) -> str:
 def _time(report: Look) -> tuple[Array, str]:
     clock = next((c for c in report.columns if c.ours == CLOCK), None)
     if clock is not None:
-        return (clock.values - clock.values[0]) * CLOCKS[clock.unit], "time from the first row [s]"
+        return (clock.values - clock.values[0]) * TICKS[clock.unit], "time from the first row [s]"
     period = report.settings.get("clock", {}).get("period_ms")
     if period is not None:
         return np.arange(report.rows) * period / 1e3, "time from the first row [s]"
