@@ -155,11 +155,6 @@ class Sinumerik(SinumerikAxes):
         return self
 
     @property
-    def poly_block(self) -> float:
-        """Longest POLY block [s]."""
-        return self.poly_block_ms * MS
-
-    @property
     def poly_tolerance(self) -> tuple[float, float]:
         """Of positions [m] and angles [rad]."""
         return self.poly_tolerance_mm * MM, self.poly_tolerance_deg * DEG

@@ -56,16 +56,6 @@ class Disturbances(Part):
         """Rms of the struts' velocity ripple over their velocity."""
         return self.strut_velocity_noise_percent / 100.0
 
-    @property
-    def pose_error_length(self) -> float:
-        """Distance over which the pose error changes [m]."""
-        return self.pose_error_length_mm * MM
-
-    @property
-    def pose_error_angle(self) -> float:
-        """Angle over which the pose error changes [rad]."""
-        return self.pose_error_angle_deg * DEG
-
 
 LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
 

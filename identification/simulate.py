@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
+from cases.units import DEG, MM
 from identification.estimation.fit import squared_distances
 from identification.estimation.stated_noise import acceleration_to_force
 from identification.hexapod import Kinematics
@@ -107,7 +108,7 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
 
 
 def _lengths(disturbances: Disturbances) -> Array:
-    return np.repeat([disturbances.pose_error_length, disturbances.pose_error_angle], 3)
+    return np.repeat([disturbances.pose_error_length_mm * MM, disturbances.pose_error_angle_deg * DEG], 3)
 
 
 class ForceParts(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 from cases.controller import Sinumerik
 from cases.errors import CaseError
 from cases.schema import Case
-from cases.units import DEG, MINUTE, MM
+from cases.units import DEG, MINUTE, MM, MS
 from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.blocks import (
@@ -74,7 +74,7 @@ class _SinumerikWriter(GroupedWriter):
         if s.poly_axes < AXES_OF_A_POSE:
             raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates; set path = 'lines'")
         try:
-            spline = pieces(motion, s.poly_degree, s.poly_block, s.poly_tolerance)
+            spline = pieces(motion, s.poly_degree, s.poly_block_ms * MS, s.poly_tolerance)
         except ValueError as error:
             raise self.wrong(
                 "poly_tolerance_mm", f"is not reached: {error}; loosen it or set path = 'lines'"

@@ -102,19 +102,12 @@ def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
     if body[-1:] != [""]:
         raise ProgramError(file, len(lines), 0, "the last line has no end; the file is truncated")
     body.pop()
-    if match := _STRANGE.search("\n".join(body)):
-        row, column = _place(body, match.start())
-        bad = body[row][column]
+    whole = "\n".join(body)
+    if match := _STRANGE.search(whole):
+        row, column = whole.count("\n", 0, match.start()), match.start() - whole.rfind("\n", 0, match.start()) - 1
+        bad = match[0]
         raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is not a part of a plain number; correct it")
     return (number + 2, header, _numbers(body, number + 2, file, columns))
-
-
-def _place(body: list[str], position: int) -> tuple[int, int]:
-    for row, line in enumerate(body):
-        if position <= len(line):
-            return row, position
-        position -= len(line) + 1
-    raise AssertionError("a position outside the text")
 
 
 def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -> Array:

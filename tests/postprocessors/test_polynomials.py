@@ -135,7 +135,7 @@ def test_post_says_how_far_the_controllers_law_may_stray_from_the_plan():
     """Read from the text alone, and as the writer has stated it in the program's comments."""
     text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), SplinePath("spline", spline(5)))))
     (remark,) = SINUMERIK.language.forecast(SINUMERIK.read(text), CASE).remarks
-    off = path_speed_deviation(pieces(spline(5), 5, CASE.controller.sinumerik.poly_block, TIGHT), spline(5))
+    off = path_speed_deviation(pieces(spline(5), 5, 1e-3 * CASE.controller.sinumerik.poly_block_ms, TIGHT), spline(5))
     assert f"strays up to {off[0] * 1e3:.2g} mm" in remark
     assert f"off the plan by {off[0] * 1e3:.2g} mm" in text
     assert SINUMERIK.language.forecast(SINUMERIK.read(SINUMERIK.text("G1 X1 F3000")), CASE).remarks == ()

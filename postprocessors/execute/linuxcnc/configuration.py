@@ -196,18 +196,17 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
     axes = [(*_range(low[k], high[k]), *_dynamics(velocity[k], acceleration[k])) for k in range(len(home))]
     for axis, own in zip(layout.axes, axes, strict=True):
         lines += [f"[AXIS_{axis}]", *own]
-    struts = None if case.chain is not None else _struts(case)
+    joints = axes
+    if case.chain is None:
+        shortest, longest = case.need_machine(PURPOSE)[1].strut_length / MM
+        joints = [(*_range(shortest, longest), *_dynamics(UNBOUND, UNBOUND))] * len(axes)
     for k, value in enumerate(np.asarray(home_joints) / layout.joint_units):
         kind = "LINEAR" if layout.slides[k] else "ANGULAR"
-        lines += [f"[JOINT_{k}]", f"TYPE = {kind}", *(axes[k] if struts is None else struts)]
+        lines += [f"[JOINT_{k}]", f"TYPE = {kind}", *joints[k]]
         lines += [f"HOME = {_number(value)}", f"HOME_OFFSET = {_number(value)}", "HOME_SEQUENCE = 0"]
-        lines += ["HOME_SEARCH_VEL = 0", "HOME_LATCH_VEL = 0", *_following()]
+        lines += ["HOME_SEARCH_VEL = 0", "HOME_LATCH_VEL = 0"]
+        lines += [f"{limit} = {_number(FOLLOWING_ERROR)}" for limit in ("FERROR", "MIN_FERROR")]
     return "\n".join(lines) + "\n"
-
-
-def _struts(case: Case) -> list[str]:
-    shortest, longest = case.need_machine(PURPOSE)[1].strut_length / MM
-    return [*_range(shortest, longest), *_dynamics(UNBOUND, UNBOUND)]
 
 
 def hal_text(case: Case) -> str:
@@ -268,11 +267,14 @@ def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: 
     Raises:
         CaseError: the case lacks one of these parts.
     """
-    (folder / INI_FILE).write_text(ini_text(case, home_joints, headroom, box), encoding="ascii")
-    (folder / HAL_FILE).write_text(hal_text(case), encoding="ascii")
-    (folder / TOOL_FILE).write_text("T1 P1 Z0 D1\n", encoding="ascii")
-    (folder / DWELL_FILE).write_text(DWELL, encoding="ascii")
-    (folder / VARIABLE_FILE).write_text("", encoding="ascii")  # no offsets left over from another program
+    for name, text in (
+        (INI_FILE, ini_text(case, home_joints, headroom, box)),
+        (HAL_FILE, hal_text(case)),
+        (TOOL_FILE, "T1 P1 Z0 D1\n"),
+        (DWELL_FILE, DWELL),
+        (VARIABLE_FILE, ""),  # no offsets left over from another program
+    ):
+        (folder / name).write_text(text, encoding="ascii")
 
 
 def _path_limits(kind: str, velocity: Array, acceleration: Array) -> list[str]:
@@ -292,10 +294,6 @@ def _range(low: float, high: float) -> list[str]:
 
 def _dynamics(velocity: float, acceleration: float) -> list[str]:
     return [f"MAX_VELOCITY = {_number(velocity)}", f"MAX_ACCELERATION = {_number(acceleration)}"]
-
-
-def _following() -> list[str]:
-    return [f"FERROR = {_number(FOLLOWING_ERROR)}", f"MIN_FERROR = {_number(FOLLOWING_ERROR)}"]
 
 
 def _number(value: float) -> str:

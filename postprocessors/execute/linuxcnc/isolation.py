@@ -9,7 +9,6 @@ LinuxCNC of somebody else's.
 
 import logging
 import os
-import re
 import signal
 import subprocess
 import tempfile
@@ -190,74 +189,3 @@ def _running() -> dict[int, str]:
             if not rest.startswith("Z"):
                 processes[int(entry.name)] = name
     return processes
-
-
-_COMMENT = re.compile(r"\([^)]*\)|;.*")
-_STOP = re.compile(r"M(0*[01]|0*60)(?![0-9.])")
-
-
-def words(line: str) -> str:
-    """A line as the interpreter sees it: without comments and blanks, in capitals."""
-    return re.sub(r"\s", "", _COMMENT.sub("", line)).upper()
-
-
-def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: float) -> None:
-    """Reads a program with `rs274 -g`, and refuses stops that wait for an operator, who is not there.
-
-    Args:
-        program: the program, for messages.
-        time_limit: time limit on the wall clock [s].
-
-    Raises:
-        ExecutionError: a line waits for an operator; or the interpreter refuses a line or does not come to an end.
-    """
-    for number, line in enumerate(lines, start=1):
-        if _STOP.search(words(line)):
-            raise ExecutionError(
-                f"{program}, line {number}", f"{line.strip()!r} waits for an operator", "remove M0, M1 and M60"
-            )
-    refused = _refusal(lines, folder, time_limit, program)
-    if refused is None:
-        return
-    reason, text = refused
-    # rs274 gives the text of the line, not its number. Where the text stands on several lines, the program that ends
-    # behind the right one is the shortest that is refused for the same reason.
-    candidates = [number for number, line in enumerate(lines, start=1) if text and line.strip() == text]
-    while len(candidates) > 1:
-        head = [*lines[: candidates[0]], "M2"]
-        if _refusal(head, folder, time_limit, program) == refused:
-            break
-        candidates.pop(0)
-    place = f", line {candidates[0]}" if candidates else ""
-    subject = repr(text) if text else "it to its end"
-    raise ExecutionError(
-        f"{program}{place}",
-        f"LinuxCNC cannot read {subject}: {reason}",
-        "correct it, or write the program again with hexcite post --dialect linuxcnc",
-    )
-
-
-def _refusal(lines: list[str], folder: Path, time_limit: float, program: Path) -> tuple[str, str] | None:
-    """Reason and text of the line that the interpreter refuses, None where it accepts the program."""
-    copy = folder / "syntax.ngc"
-    copy.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    try:
-        result = subprocess.run(
-            ["rs274", "-g", copy.name],
-            cwd=folder,
-            env={"PATH": SYSTEM_PATH, "HOME": str(folder)},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            timeout=time_limit,
-            text=True,
-            errors="replace",
-        )
-    except subprocess.TimeoutExpired as error:
-        raise ExecutionError(
-            program, f"LinuxCNC's interpreter does not come to an end within {time_limit:g} s", "remove endless loops"
-        ) from error
-    if result.returncode == 0:
-        return None
-    messages = [line.strip() for line in result.stderr.splitlines() if line.strip() not in ("", "executing")]
-    return (messages[0] if messages else f"exit code {result.returncode}"), (messages[1] if len(messages) > 1 else "")

@@ -1,4 +1,4 @@
-"""Runs a program on LinuxCNC: check of the program, configuration, headless session, log, proof of the log."""
+"""Runs a program on LinuxCNC: configuration, headless session, log, proof of the log."""
 
 import json
 import logging
@@ -20,7 +20,7 @@ from identification.machines import machine_of
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
-from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session
+from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, preload_works, run_session
 
 HERE = Path(__file__).parent
 PROGRAM_FILE = "program.ngc"
@@ -41,7 +41,7 @@ def linuxcnc_missing() -> str | None:
     """Why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
     if not sys.platform.startswith("linux"):
         return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with --on virtual"
-    for program in ("linuxcnc", "rs274", "halcmd"):
+    for program in ("linuxcnc", "halcmd"):
         if shutil.which(program, path=SYSTEM_PATH) is None:
             return f"LinuxCNC is not installed ({program} is missing); install the package linuxcnc-uspace"
     if shutil.which("gcc", path=SYSTEM_PATH) is None:
@@ -103,8 +103,6 @@ def run_linuxcnc(
         headroom = settings.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
     durations, switched = timing.dwells(program, lines), timing.switches(lines)
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
-    with tempfile.TemporaryDirectory(prefix="hexcite-syntax-") as name:
-        check_syntax(program, lines, Path(name), START_LIMIT)
     copy = timing.with_dwells(lines, durations)
     for attempt in range(timing.ATTEMPTS):
         speed = speedup / 2**attempt

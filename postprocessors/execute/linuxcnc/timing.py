@@ -20,7 +20,6 @@ import numpy as np
 
 from cases.errors import ExecutionError
 from postprocessors.execute import ControllerLog
-from postprocessors.execute.linuxcnc.isolation import words
 
 ATTEMPTS = 3
 """Sessions for a program, each at half the speed-up of the one before, where cycles were lost, blocks came too late or
@@ -33,11 +32,17 @@ with four other busy processes on two cores; at a quarter of it blocks run out n
 FEWEST_CYCLES = 10
 """That a standstill keeps: switches take LinuxCNC some cycles in real time too."""
 
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
 _SWITCH = re.compile(r"M(?P<code>6[45])P0+")
 _DWELL = re.compile(r"G4 P(?P<seconds>[0-9]+(\.[0-9]+)?)\s*")
 _ANY_DWELL = re.compile(r"G0*4(\.0*)?(?![0-9.])")
 _FEED_MODE = re.compile(r"G(9[345])(?![0-9.])")
 _FEED = re.compile(r"F([0-9]+\.?[0-9]*|\.[0-9]+)")
+
+
+def words(line: str) -> str:
+    """A line as the interpreter sees it: without comments and blanks, in capitals."""
+    return re.sub(r"\s", "", _COMMENT.sub("", line)).upper()
 
 
 def dwells(program: Path, lines: list[str]) -> dict[int, float]:

@@ -24,7 +24,7 @@ def test_missing_installation_is_an_error_with_the_remedy(
         run_linuxcnc(write(PROGRAM), hexapod_case)
 
 
-@pytest.mark.parametrize("program", ["linuxcnc", "rs274", "gcc"])
+@pytest.mark.parametrize("program", ["linuxcnc", "halcmd", "gcc"])
 def test_what_is_missing_is_named(program: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name, path: None if name == program else f"/usr/bin/{name}")
     assert re.search(rf"{program}.* missing.*; install the package", str(linuxcnc_missing.__wrapped__()))
@@ -93,7 +93,6 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
 
     for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", pretended)):
         monkeypatch.setattr(session, name, value)
-    monkeypatch.setattr(session, "check_syntax", lambda *_: None)
     program = write("G21 G90 G94\nG1 X1 F600\nM2\n")
     if losses < 3:
         assert run_linuxcnc(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]
