@@ -3,13 +3,14 @@
 Pieces are exact where a motion consists of such; else it is known how far they are off it under two laws of time.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from math import factorial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import pascal
 
-from identification.motion import Joined, TimedPoints, Trajectory
+from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import Profile
@@ -103,6 +104,29 @@ CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # subdivisions of a piece before giving up
 
 
+def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
+    """Motion of each block that takes time, and whether the trigger is on; of the first move, to home, nobody knows."""
+    pose, on = np.zeros(0), False
+    for block in program.blocks:
+        motion: Trajectory | None = None
+        match block:
+            case ToHome():
+                pose = block.pose
+            case Trigger():
+                on = block.on
+            case Comment():
+                pass
+            case Dwell():
+                motion = Standstill(pose, block.duration)
+            case ExactStopMove() | Arc():
+                motion = block.move
+            case TimedPath() | SplinePath():
+                motion = block.motion
+        if motion is not None and motion.duration > 0.0:
+            yield motion, on
+            pose = motion.at([motion.duration]).pose[0]
+
+
 def knots(motion: Trajectory) -> Array:
     """Instants at which a motion changes from one polynomial to the next, shape (k,) [s]; its ends where it is none."""
     if isinstance(motion, PolynomialMotion):
@@ -151,16 +175,13 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
 
 def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:
     """The same motion, each of its pieces in a number of equal ones, with coefficients up to a degree."""
-    cut = []
+    order, binomial, cut = np.arange(degree + 1), pascal(degree + 1, kind="upper"), []
     for piece, count in zip(motion.pieces, counts, strict=True):
-        step, own = piece.duration / count, np.zeros((max(degree + 1, len(piece.coefficients)), 6))
-        own[: len(piece.coefficients)] = piece.coefficients
-        for start in step * np.arange(count):
-            at, shifted = own[: degree + 1], []
-            for i in range(degree + 1):  # c_i is the i-th derivative where it begins, over i!
-                shifted.append(np.polynomial.polynomial.polyval(start, at) / factorial(i))
-                at = np.asarray(np.polynomial.polynomial.polyder(at)) if len(at) > 1 else np.zeros((1, 6))
-            cut.append(Piece(np.array(shifted), step))
+        step, own = piece.duration / count, np.zeros((degree + 1, 6))
+        own[: len(piece.coefficients)] = piece.coefficients[: degree + 1]
+        for start in step * np.arange(count):  # c_i of p(start + t): sum_j binomial(j, i) start^(j - i) c_j
+            shift = binomial * start ** np.maximum(np.subtract.outer(order, order).T, 0)
+            cut.append(Piece(shift @ own, step))
     return PolynomialMotion(tuple(cut))
 
 

@@ -4,25 +4,14 @@
 the motion begin and end, and between them as close as the case's blocks: pieces up to the fifth power are met exactly.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
-from cases.errors import HexciteError, ProgramError
+from cases.errors import ProgramError
 from cases.schema import Case
-from identification.motion import Array, Joined, Standstill, Trajectory
-from postprocessors.blocks import (
-    Comment,
-    Dwell,
-    ExactStopMove,
-    NeutralProgram,
-    SplinePath,
-    TimedPath,
-    ToHome,
-    Trigger,
-    knots,
-)
+from identification.motion import Array, Joined, Standstill
+from postprocessors.blocks import NeutralProgram, block_motions, knots
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading import Reading
 from postprocessors.wording import comment_lines
@@ -41,7 +30,6 @@ def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
         case: its chain names the joints; `controller.block_ms` is the distance of points.
 
     Raises:
-        HexciteError: a block that has no place in a joint trajectory.
         CaseError: the case has no chain or no controller.
     """
     chain, _ = case.need_chain("a joint trajectory")
@@ -77,34 +65,8 @@ def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
 
 
 def _motion(program: NeutralProgram) -> Joined:
-    return Joined(tuple(_parts(program)))
-
-
-def _parts(program: NeutralProgram) -> Iterator[Trajectory]:
-    """Each block's motion; the trigger has no place in the message, the whole motion is evaluated."""
-    last_pose: Array | None = None
-    for block in program.blocks:
-        part: Trajectory
-        match block:
-            case ToHome():
-                last_pose = block.pose
-                continue
-            case Comment() | Trigger():
-                continue
-            case Dwell():
-                assert last_pose is not None
-                part = Standstill(last_pose, block.duration)
-            case ExactStopMove():
-                part = block.move
-            case SplinePath():
-                part = block.motion
-            case TimedPath() if block.source is not None:
-                part = block.source
-            case _:
-                raise HexciteError("a joint trajectory has no arcs and no moves straight in struts; plan without them")
-        if part.duration > 0.0:
-            yield part
-            last_pose = part.at([part.duration]).pose[0]
+    """The trigger has no place in the message, the whole motion is evaluated."""
+    return Joined(tuple(motion for motion, _ in block_motions(program)))
 
 
 def _instants(motion: Joined, step: float) -> Array:

@@ -7,6 +7,7 @@ are (7), (8) and the derivative of (8).
 
 import io
 from collections.abc import Iterator
+from itertools import count, groupby
 
 import numpy as np
 
@@ -15,18 +16,8 @@ from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_col
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
-from identification.motion import Array, Joined, Motion, Slowed, Trajectory
-from postprocessors.blocks import (
-    Arc,
-    Comment,
-    Dwell,
-    ExactStopMove,
-    NeutralProgram,
-    SplinePath,
-    TimedPath,
-    ToHome,
-    Trigger,
-)
+from identification.motion import Array, Joined, Motion, Slowed, Standstill, Trajectory
+from postprocessors.blocks import NeutralProgram, ToHome, Trigger, block_motions
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading import Reading
 
@@ -43,31 +34,17 @@ TablePart = tuple[Trajectory | None, int, bool]
 
 
 def _parts(program: NeutralProgram, cycle: float) -> Iterator[TablePart]:
-    moving: list[Trajectory] = []
-    on = False
+    """Motions up to the next standstill, or switch of the trigger, as one; standstills each for itself."""
+    number = count(1)
 
-    def joined() -> Iterator[TablePart]:
-        if moving:
-            motion = Joined(tuple(moving)) if len(moving) > 1 else moving[0]
-            cycles = max(1, int(np.ceil(motion.duration / cycle - 1e-6)))
-            yield (Slowed(motion, motion.duration / (cycles * cycle)), cycles, on)
-            moving.clear()
+    def stretch(block: tuple[Trajectory, bool]) -> tuple[int, bool]:
+        return next(number) if isinstance(block[0], Standstill) else 0, block[1]
 
-    for block in program.blocks:
-        match block:
-            case ExactStopMove() | Arc():
-                moving.append(block.move)
-            case SplinePath() | TimedPath():
-                moving.append(block.motion)
-            case Dwell():
-                yield from joined()
-                yield (None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)
-            case Trigger():
-                yield from joined()
-                on = block.on
-            case Comment() | ToHome():
-                pass
-    yield from joined()
+    for (standing, on), blocks in groupby(block_motions(program), stretch):
+        motions = [motion for motion, _ in blocks]
+        motion = Joined(tuple(motions)) if len(motions) > 1 else motions[0]
+        cycles = max(1, int(np.ceil(motion.duration / cycle - 1e-6)))
+        yield None if standing else Slowed(motion, motion.duration / (cycles * cycle)), cycles, on
 
 
 def _sampled(motion: Trajectory, cycles: int, cycle: float) -> list[Array]:
