@@ -164,15 +164,6 @@ class Accelerometer(Part):
         return frozen(np.array(self.mounting) * self.scale_m_s2)
 
 
-class RosTopics(Part):
-    """The topics of a ROS 2 bag that hold the run; by default the only ones of their kind."""
-
-    joints: str | None = None
-    """Topic of `sensor_msgs/JointState`."""
-    wrench: str | None = None
-    """Topic of `geometry_msgs/WrenchStamped`; of several the raw one."""
-
-
 class RecordingFormat(Part):
     """How recordings of this case are to be read; keys about text do not apply to Parquet files and ROS 2 bags.
 
@@ -209,8 +200,9 @@ class RecordingFormat(Part):
     """Where the file holds drive positions instead of strut lengths."""
     accelerometer: Accelerometer | None = None
     """Where the file holds readings of an accelerometer."""
-    ros: RosTopics = RosTopics()
-    """Topics of a ROS 2 bag."""
+    ros: dict[Literal["joints", "wrench"], str] = Field(default_factory=dict)
+    """Topics of a ROS 2 bag that hold the run, `sensor_msgs/JointState` as `joints` and `geometry_msgs/WrenchStamped`,
+    the raw one, as `wrench`; by default the only ones of their kind."""
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:

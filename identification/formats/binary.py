@@ -31,7 +31,10 @@ if TYPE_CHECKING:
 
 STAMP = "header.stamp"
 AXES = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")
-KINDS = {"joints": "sensor_msgs/msg/JointState", "wrench": "geometry_msgs/msg/WrenchStamped"}
+KINDS: dict[Literal["joints", "wrench"], str] = {
+    "joints": "sensor_msgs/msg/JointState",
+    "wrench": "geometry_msgs/msg/WrenchStamped",
+}
 
 
 def bag_format(case: Case) -> RecordingFormat:
@@ -55,7 +58,7 @@ def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
         RecordingError: it cannot be read, or no topic, or more than one, has what is wanted.
     """
     with opened(bag) as reader:
-        topics = {what: topic_of(bag, reader, what, getattr(form.ros, what)) for what in KINDS}
+        topics = {what: topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS}
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
         stamps, positions = joint_rows(bag, reader, topics["joints"], theirs)
         yield _table(bag, topics["joints"], theirs, stamps, positions, form)

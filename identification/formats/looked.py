@@ -217,7 +217,7 @@ def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[
     chain = None if case is None else case.chain
     columns_of = {} if chain is None else dict(zip(chain.names, chain.columns, strict=True))
     with opened(bag) as reader:
-        stated = {what: None if case is None else getattr(case.recording.ros, what) for what in KINDS}
+        stated = {what: None if case is None else case.recording.ros.get(what) for what in KINDS}
         possible = {what: topics_of(reader, what) for what in KINDS}
         chosen = {what: topic_of(bag, reader, what, stated[what] or next(iter(possible[what]), None)) for what in KINDS}
         names = joint_names(reader, chosen["joints"])

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cases.controller import Setpoints
 from cases.errors import ProgramError
 from cases.machine import HexapodMachine
+from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited_quantities import strut_motion
@@ -20,7 +21,6 @@ from identification.motion import Array, Motion
 from postprocessors.reading import Event, Pause, Reading, Stand, Switch, TableRows
 
 FORMAT = "hexcite setpoints 1"
-_STRUT_NAMES = tuple(f"l{k}" for k in range(1, 7))
 LARGEST = 1e7  # mm, degrees and their rates: no machine has such numbers
 PARQUET = b"PAR1"
 METADATA = b"hexcite"
@@ -35,15 +35,8 @@ def columns_of(coordinates: tuple[str, ...], struts: bool) -> tuple[str, ...]:
         coordinates: names of the machine's, with their units.
         struts: whether it has struts too.
     """
-    first, second = (f"{s[0]}d{s[1]}_mm_s" for s in _STRUT_NAMES), (f"{s[0]}dd{s[1]}_mm_s2" for s in _STRUT_NAMES)
-    return (
-        "t_s",
-        *coordinates,
-        *(f"v_{c}_s" for c in coordinates),
-        *(f"acc_{c}_s2" for c in coordinates),
-        *((*(f"{s}_mm" for s in _STRUT_NAMES), *first, *second) if struts else ()),
-        "trigger",
-    )
+    second = tuple(f"ldd{k}_mm_s2" for k in range(1, 7))
+    return (*motion_columns(coordinates), *((*STRUTS, *STRUT_VELOCITIES, *second) if struts else ()), TRIGGER)
 
 
 def units_of(columns: tuple[str, ...]) -> Array:
