@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 STAMP = "header.stamp"
 AXES = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")
-KINDS: dict[Literal["joints", "wrench"], str] = {
+Topic = Literal["joints", "wrench"]
+KINDS: dict[Topic, str] = {
     "joints": "sensor_msgs/msg/JointState",
     "wrench": "geometry_msgs/msg/WrenchStamped",
 }
@@ -87,12 +88,12 @@ def opened(bag: Path) -> "Iterator[AnyReader]":
         raise RecordingError(bag, f"is a damaged bag ({reason})", "copy it again, or run ros2 bag reindex") from error
 
 
-def topics_of(reader: "AnyReader", what: str) -> list[str]:
+def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
     """Topics that carry such messages, `joints` or `wrench`."""
     return sorted({c.topic for c in reader.connections if c.msgtype == KINDS[what] and c.msgcount})
 
 
-def topic_of(bag: Path, reader: "AnyReader", what: str, stated: str | None) -> str:
+def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) -> str:
     """The topic that is stated, or the only one of its kind.
 
     Raises:
