@@ -15,7 +15,7 @@ from cases.chain import Chain
 from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, Status
 from identification.limit_proof import load_motion
-from identification.limited_quantities import Box, rotation_motion
+from identification.limited_quantities import Box
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
 from identification.trajectories.moves import CircularMove, StraightMove
@@ -86,34 +86,15 @@ class ForceBounds:
         return omega, alpha, pull + omega**2 * float(reach[0]) + 2.0 * omega * slide
 
     def on(self, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
-        """At the poses of a path, whatever the motion along it or beside it."""
-        t = np.linspace(0.0, path.duration, PATH_SAMPLES)
-        pose = path.at(t).pose
-        if self.case.sensor_frame.struts is not None:
-            return self._in_struts(pose, t + clock)
-        linear, angular, products = np.split(self.loads.coefficients, (3, 6), axis=1)
-        none = np.zeros_like(pose)
-        turn = rotation_motion(Motion(t, pose.copy(), none, none, none))[0]
-        rate, acceleration = self.limits.rate[3:], self.limits.acceleration
-        axes = _rate_axes(pose[:, 3:])
-        along = np.einsum("ci,nij->ncj", angular, axes)
-        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), linear, self.case.gravity))
-        most += np.abs(np.einsum("nki,ci->nck", turn, linear)) @ acceleration[:3]
-        most += np.abs(along) @ acceleration[3:]
-        spin = np.einsum("nik,cij,njl->nckl", axes, _matrices(products), axes)
-        cross_axes = _crossed_axes(pose[:, 3:])
-        for i, j in PAIRS:
-            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + cross_axes[i, j] @ angular.T
-            most += np.abs(share) * rate[i] * rate[j]
-        return self._checks(most, t + clock)
+        """At the poses of a path, whatever the motion along it or beside it.
 
-    def _in_struts(self, pose: Array, times: Array) -> tuple[LimitCheck, ...]:
-        """Bounds at some poses, shape (n, 6): forces are linear in accelerations, products of rates, and, by viscous
-        friction, rates, whose coefficients unit ones show. Coulomb friction has no such coefficients.
+        Forces are linear in accelerations, products of rates, and, by viscous friction in struts, rates, whose
+        coefficients unit ones show. Coulomb friction has no such coefficients.
         """
-        sensors = self.case.sensor_frame.struts
-        if sensors is None or sensors.coulomb_friction_Nm is not None:
+        if (sensors := self.case.sensor_frame.struts) is not None and sensors.coulomb_friction_Nm is not None:
             return ()
+        times = np.linspace(0.0, path.duration, PATH_SAMPLES)
+        pose = path.at(times).pose
         axes, none = np.eye(6), np.zeros_like(pose)
 
         def at(rates: Array, accelerations: Array = none) -> Array:
@@ -131,7 +112,7 @@ class ForceBounds:
         for i, j in combinations(range(6), 2):
             both = at(axes[i] + axes[j]) - odd[i] - odd[j] - squares[i] - squares[j] - still
             most += np.abs(both) * self.limits.rate[i] * self.limits.rate[j]
-        return self._checks(most, times)
+        return self._checks(most, times + clock)
 
     def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
@@ -179,26 +160,6 @@ def _matrices(spin: Array) -> Array:
     for column, (i, j) in enumerate(PAIRS):
         matrices[:, i, j] = matrices[:, j, i] = spin[:, column] / (1 if i == j else 2)
     return matrices
-
-
-def _rate_axes(angles: Array) -> Array:
-    """What rates of roll, pitch, yaw turn about, in the axes of the platform: columns, shape (n, 3, 3)."""
-    (sr, sp), (cr, cp) = np.sin(angles[:, :2]).T, np.cos(angles[:, :2]).T
-    zero, one = np.zeros_like(sr), np.ones_like(sr)
-    return np.stack(
-        [np.stack(v, axis=1) for v in ((one, zero, zero), (zero, cr, -sr), (-sp, sr * cp, cr * cp))], axis=2
-    )
-
-
-def _crossed_axes(angles: Array) -> dict[tuple[int, int], Array]:
-    """Angular acceleration per product of two rates: derivatives of the axes, shape (n, 3) each."""
-    (sr, sp), (cr, cp) = np.sin(angles[:, :2]).T, np.cos(angles[:, :2]).T
-    zero = np.zeros_like(sr)
-    return {
-        (0, 1): np.stack([zero, -sr, -cr], axis=1),
-        (0, 2): np.stack([zero, cr * cp, -sr * cp], axis=1),
-        (1, 2): np.stack([-cp, -sr * sp, -cr * sp], axis=1),
-    }
 
 
 def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: Box) -> tuple[float, float]:
