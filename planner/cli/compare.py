@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_answer, print_table, progress, status
+from planner.cli import console
 
 if TYPE_CHECKING:
     from planner.comparison.advising import Comparison
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 def compare(
     folders: Annotated[list[Path], typer.Argument(help="Folders of plan, poses, run and identify, in any mix.")],
-    case: OwnCase = None,
+    case: console.OwnCase = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-comparison by default.")
     ] = None,
-    stale: Stale = False,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Compare excitations before and after running them.
 
@@ -30,16 +30,15 @@ def compare(
     """
     from cases.files import COMPARISON, check_folder, output_place
     from cases.loading import load_case
-    from planner.cli.console import save_with_page
     from planner.comparison.advising import compare as compared
 
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
-    with status("comparing", json):
+    with console.status("comparing", json):
         comparison = compared(folders, None if case is None else load_case(case), stale)
-        save_with_page(comparison, COMPARISON, place, overwrite)
+        console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
-    print_answer(answer, json, lambda: _show(answer, comparison))
+    console.print_answer(answer, json, lambda: _show(answer, comparison))
 
 
 def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
@@ -47,11 +46,13 @@ def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
 
     entries = comparison.entries
     names = [e.name for e in entries]
-    print_table("Figures; criteria of the mean information, reference scaling", ("", *names), figure_rows(entries))
+    console.print_table(
+        "Figures; criteria of the mean information, reference scaling", ("", *names), figure_rows(entries)
+    )
     title = "Parameters side by side; std of plans and runs is predicted"
-    print_table(title, parameter_columns(entries), parameter_rows(entries))
+    console.print_table(title, parameter_columns(entries), parameter_rows(entries))
     if rows := execution_rows(comparison.groups):
-        print_table("Planned and executed", EXECUTION, rows)
+        console.print_table("Planned and executed", EXECUTION, rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"report written: {answer['report']}")
@@ -84,8 +85,8 @@ def validate(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-validation by default.")
     ] = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Identify known weights by each method; compare with theory.
 
@@ -96,7 +97,6 @@ def validate(
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
     from identification.model import RIGID, full_model
-    from planner.cli.console import save_with_page
     from planner.comparison.carrying_out import ValidationSettings, unfinished
     from planner.comparison.experiment import chosen, mounted_weights
     from planner.comparison.validation import disturbances_of, validate_recordings
@@ -124,18 +124,18 @@ def validate(
     if recordings is not None:
         names = None if methods is None else [name.strip() for name in methods.split(",")]
         validation = validate_recordings(loaded, recordings, names)
-        save_with_page(validation, VALIDATION, place, overwrite)
+        console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
         loaded.need_machine("a validation")  # before anything is made
         disturbances_of(loaded, settings, undisturbed)
         with unfinished(place, loaded, settings, overwrite) as work:
-            with progress("validating", len(selection) * len(mounted), json) as count:
+            with console.progress("validating", len(selection) * len(mounted), json) as count:
                 validation = carried_out(
                     loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
                 )
-            save_with_page(validation, VALIDATION, place, overwrite)
+            console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
-    print_answer(answer, json, lambda: _show_validation(answer, validation))
+    console.print_answer(answer, json, lambda: _show_validation(answer, validation))
 
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
@@ -150,10 +150,10 @@ def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     for method, reason in validation.failed.items():
         print(f"NOT RUN: {method}: {reason}")
     for method in dict.fromkeys(s.method for s in steps):
-        print_table(f"{method}", TABLE_7, table_7([s for s in steps if s.method == method]))
+        console.print_table(f"{method}", TABLE_7, table_7([s for s in steps if s.method == method]))
     if rows := off_rows(steps):
         title = "Off by more than 3 reported standard deviations; parts of the error in these"
-        print_table(title, OFF_COLUMNS, rows)
+        console.print_table(title, OFF_COLUMNS, rows)
         print("where the structural mode is the cause, identify --flexible estimates it too")
     print(f"report written: {answer['report']}")
     for finding in validation.findings:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_answer, print_json, print_table, status
+from planner.cli import console
 
 if TYPE_CHECKING:
     from identification.formats.looked import Column, Look
@@ -16,7 +16,7 @@ def identify(
         list[Path],
         typer.Argument(help="One run: a file, several files of it in any order, or a folder of hexcite run."),
     ],
-    case: OwnCase = None,
+    case: console.OwnCase = None,
     model: Annotated[
         int | None, typer.Option(help="Identification model, 0 to 9; by default what the run can carry.")
     ] = None,
@@ -81,9 +81,9 @@ def identify(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; RECORDING-result by default.")
     ] = None,
-    stale: Stale = False,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Identify parameters from a recorded run.
 
@@ -94,7 +94,6 @@ def identify(
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from identification.recording import read
-    from planner.cli.console import save_with_page
     from planner.cli.identification import (
         answer_of_result,
         method_of,
@@ -119,16 +118,16 @@ def identify(
     )
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
-    with status("identifying", json):
+    with console.status("identifying", json):
         result = identified(read(recordings, loaded), loaded, wish, changed)
-        save_with_page(result, RESULT, folder, overwrite)
+        console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
         show_result(answer)
     if verify is not None:
         answer["verify"] = verify_result(verify, loaded, folder, quiet=json)
     if json:
-        print_json(answer)
+        console.print_json(answer)
 
 
 def look(
@@ -140,8 +139,8 @@ def look(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Picture to write; RECORDING-look.svg by default.")
     ] = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Propose how a file of unknown format is read, and draw it.
 
@@ -153,7 +152,7 @@ def look(
 
     file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
-    with status("looking", json):
+    with console.status("looking", json):
         report = look_at(recording, None if case is None else load_case(case))
         from planner.reports.plots import look_figure
 
@@ -170,12 +169,14 @@ def look(
         "odd": list(report.odd),
         "picture": str(file),
     }
-    print_answer(answer, json, lambda: _show(report, file))
+    console.print_answer(answer, json, lambda: _show(report, file))
 
 
 def _show(report: "Look", file: Path) -> None:
     head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
-    print_table(f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns], False)
+    console.print_table(
+        f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns], False
+    )
     print(f"rows per second: {'not known' if report.rate is None else f'{report.rate:.5g}'}")
     for odd in report.odd:
         print(f"look at: {odd}")

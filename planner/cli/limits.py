@@ -5,17 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import (
-    LIMIT_COLUMNS,
-    Json,
-    Overwrite,
-    OwnCase,
-    Stale,
-    limit_rows,
-    print_answer,
-    print_table,
-    status,
-)
+from planner.cli import console
 
 if TYPE_CHECKING:
     from identification.limit import LimitReport
@@ -35,8 +25,8 @@ def bound(
     ] = 120.0,
     renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Compute how much information any motion inside the limits has.
 
@@ -57,7 +47,7 @@ def bound(
     loaded = load_case(case)
     start = perf_counter()
     model = full_model(loaded) if model is None else model
-    with status(f"information limit of {loaded.name}, model {model}", json) as report:
+    with console.status(f"information limit of {loaded.name}, model {model}", json) as report:
         limit = information_limit(
             loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report
         )
@@ -78,7 +68,7 @@ def bound(
     }
     if output is not None:
         write_text(output, json_text(answer))
-    print_answer(answer, json, lambda: _show_bound(answer))
+    console.print_answer(answer, json, lambda: _show_bound(answer))
 
 
 def _show_bound(answer: dict[str, Any]) -> None:
@@ -110,7 +100,7 @@ def _show_bound(answer: dict[str, Any]) -> None:
 
 def retime(
     source: Annotated[Path, typer.Argument(help="Plan folder.")],
-    case: OwnCase = None,
+    case: console.OwnCase = None,
     method: Annotated[
         str | None,
         typer.Option(
@@ -123,9 +113,9 @@ def retime(
     ] = False,
     model: Annotated[int | None, typer.Option(help="Identification model; the plan's own by default.")] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Plan folder of the re-timed motion.")] = None,
-    stale: Stale = False,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Make a plan of the same path at another pace.
 
@@ -136,7 +126,6 @@ def retime(
     from cases.loading import load_case
     from cases.units import DEG, MM
     from identification.model import identification_model
-    from planner.cli.console import save_with_page
     from planner.plans import Plan
     from planner.retiming.retimed import method_of, retimed, retimed_plan
 
@@ -147,11 +136,11 @@ def retime(
         raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
     model = plan.model if model is None else model
     fitting = method_of(method, plan.motion, fastest)
-    with status(f"re-timing with {fitting}", json) as report:
+    with console.status(f"re-timing with {fitting}", json) as report:
         result = retimed(plan.motion, plan.case, identification_model(plan.case, model), fitting, fastest, report)
         if output is not None:
             report("writing")
-            save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
+            console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": result.method,
@@ -164,7 +153,7 @@ def retime(
         "solve_s": result.seconds,
         "plan": str(output) if output is not None else None,
     }
-    print_answer(answer, json, lambda: _show_paces(answer, result.after.limits))
+    console.print_answer(answer, json, lambda: _show_paces(answer, result.after.limits))
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:
@@ -183,11 +172,11 @@ def _show_paces(answer: dict[str, Any], limits: "LimitReport") -> None:
     rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
     rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
     rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
-    print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
+    console.print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
     for label, rating in (("before", before), ("after", after)):
         for sentence in rating["violations"]:
             print(f"{label}: {sentence}")
-    print_table("Limits after re-timing", LIMIT_COLUMNS, limit_rows(limits.checks))
+    console.print_table("Limits after re-timing", console.LIMIT_COLUMNS, console.limit_rows(limits.checks))
     for remark in answer["remarks"]:
         print(f"note: {remark}")
     if answer["off_path_mm"] or answer["off_path_deg"]:

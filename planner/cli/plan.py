@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cases.sensors import payload_words
-from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, Overwrite, limit_rows, print_answer, print_table, status
+from planner.cli import console
 
 MOST_USED = 0.9  # share of a limit from which on it is shown
 
@@ -40,7 +40,7 @@ def plan(
             "steps of acceleration would shake the machine more than they tell."
         ),
     ] = "ptp",
-    criterion: Criterion = "D",
+    criterion: console.Criterion = "D",
     duration: Annotated[
         float, typer.Option(help="Whole duration in s; a multiple of --period where that is given.")
     ] = 12.0,
@@ -89,8 +89,8 @@ def plan(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
     output: Out = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Find the most informative motion inside the machine's limits.
 
@@ -99,7 +99,6 @@ def plan(
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import load_case
     from identification.model import full_model
-    from planner.cli.console import save_with_page
     from planner.families.settings import family_class
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
@@ -132,14 +131,14 @@ def plan(
     if not json:
         text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
         print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
-    with status("searching" if optimised else "timing", json) as remark:
+    with console.status("searching" if optimised else "timing", json) as remark:
         result = planned(request, loaded, remark)
     if output is None and result.family != family:  # by itself
         folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
-    with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_with_page(result, PLAN, folder, overwrite)
+    with console.status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
+        console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
-    print_answer(answer, json, lambda: show_plan(answer, result))
+    console.print_answer(answer, json, lambda: show_plan(answer, result))
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:
@@ -195,7 +194,7 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     fewer = len(checks) - len(limits)
     if limits:
         title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
-        print_table(title, LIMIT_COLUMNS, limit_rows(limits))
+        console.print_table(title, console.LIMIT_COLUMNS, console.limit_rows(limits))
     else:
         print(f"no limit is used to {100 * MOST_USED:g} %; all {fewer} are proven and stand in the report")
     for note in answer["notes"]:
@@ -207,7 +206,7 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
     noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
     title = f"Predicted standard deviations ({noise}, weights {answer['weights']})"
-    print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
+    console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     first, last = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
     count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Overwrite, print_answer, print_table, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, print_answer, print_table, progress, save_with_page, status
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -43,7 +43,6 @@ def poses(
     from cases.loading import find_case, load_case
     from cases.poses import Poses, load_poses
     from identification.model import static_model
-    from planner.cli.console import save_with_page
     from planner.poses.candidates import JOINT_CANDIDATES
     from planner.poses.planned_poses import poses_planned
     from planner.request import PoseMethod, PoseRequest

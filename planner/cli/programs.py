@@ -7,18 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import (
-    LIMIT_COLUMNS,
-    Json,
-    Overwrite,
-    OwnCase,
-    Stale,
-    limit_rows,
-    print_answer,
-    print_json,
-    print_table,
-    status,
-)
+from planner.cli import console
 from planner.precision import share_text
 
 if TYPE_CHECKING:
@@ -43,13 +32,13 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
-    case: OwnCase = None,
+    case: console.OwnCase = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
-    stale: Stale = False,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    stale: console.Stale = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller.
 
@@ -64,20 +53,20 @@ def post(
     if plan is None:
         rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
         if json:
-            print_json({"dialects": [d.name for d in DIALECTS.values()]})
+            console.print_json({"dialects": [d.name for d in DIALECTS.values()]})
         else:
-            print_table("Dialects", ("name", "files", "controller"), rows, right=False)
+            console.print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
     loaded = Plan.load(plan, None if case is None else load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
-    with status(f"writing and proving {file.name}", json):
+    with console.status(f"writing and proving {file.name}", json):
         program = write(loaded, language.name, speed=speed, accept=accept or (), file=file)
     program.save(file, overwrite)
     answer = answer_of_program(program)
     if json:
-        print_json(answer)
+        console.print_json(answer)
         return
     unit = "rows" if answer["dialect"] == "setpoints" else "blocks"
     print(f"program written: {answer['program']} ({answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back)")
@@ -109,7 +98,7 @@ def check(
     dialect: Annotated[
         str | None, typer.Option(help="The program's language; by default the one that its suffix names.")
     ] = None,
-    json: Json = False,
+    json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
@@ -117,10 +106,10 @@ def check(
     from planner.runs.written import of_another, read_for
 
     loaded = load_case(case)
-    with status(f"proving {program.name}", json):
+    with console.status(f"proving {program.name}", json):
         read = read_for(loaded, program, dialect)
         answer = answer_of_proof(read)
-    print_answer(answer, json, lambda: show_check(answer, read))
+    console.print_answer(answer, json, lambda: show_check(answer, read))
     try:
         read.proof.require()
     except ProgramError as error:
@@ -148,7 +137,9 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
 
 def show_check(answer: dict[str, Any], program: "Program") -> None:
     """Prints a proof for people."""
-    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(program.proof.limits.checks))
+    console.print_table(
+        "Limits of the program as read back", console.LIMIT_COLUMNS, console.limit_rows(program.proof.limits.checks)
+    )
     lines = Counter(violation["limit"] for violation in answer["violations"])
     for limit, count in lines.items():  # of each the worst stands first
         worst = next(violation for violation in answer["violations"] if violation["limit"] == limit)
@@ -178,8 +169,8 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; PROGRAM-recording by default.")
     ] = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Execute a program and write a recording.
 
@@ -197,11 +188,11 @@ def run(
     check_folder(folder, RUN, [program, find_case(case)], overwrite)
     loaded = load_case(case)
     around = circumstances(loaded, payload, disturbed)
-    with status(f"running {program.name} on {on}", json):
+    with console.status(f"running {program.name} on {on}", json):
         outcome = execute(read_for(loaded, program), loaded, on, seed, around)
         outcome.recording.save(folder, overwrite)
     answer = answer_of_run(outcome, folder)
-    print_answer(answer, json, lambda: show_run(answer, outcome))
+    console.print_answer(answer, json, lambda: show_run(answer, outcome))
 
 
 def answer_of_run(outcome: "RunOutcome", folder: Path) -> dict[str, Any]:

@@ -26,6 +26,10 @@ def identify_page(result: Result) -> Page:
     case, record, residuals = result.case, result.record, result.residuals
     samples = "averaged standstills" if record["delay_s"] is None else "samples"
     source = record["recording"]
+    run = record.get("run")
+    origin = run_inputs(run) if run else (("origin", "recorded on a machine: nothing says that it was simulated"),)
+    origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record["inputs"])
+    origin += tuple(record["versions"].items())
     sections = [
         Section("Parameters with standard deviations", (_headline(result), _verdicts(result), *parameter_items(result)))
     ]
@@ -36,7 +40,7 @@ def identify_page(result: Result) -> Page:
     return Page(
         title=f"Identification: {case.title}",
         lead=f"Model {record['model']} identified from {record['samples']} {samples} of {source}.",
-        inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", source), *about_inputs(result)),
+        inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
         warnings=result.warnings,
         sections=tuple(sections),
     )
@@ -136,26 +140,11 @@ def residual_items(case: Case, residuals: Residuals) -> tuple[Item, ...]:
     return (*plots, Table(("channel", *(words for words, _ in columns), "unit"), rows))
 
 
-def about_inputs(result: Result) -> tuple[tuple[str, str], ...]:
-    """Where a run came from, for the page's inputs."""
-    words = [(i["file"], f"SHA-256 {i['sha256']}") for i in result.record["inputs"]]
-    words += result.record["versions"].items()
-    run = result.record.get("run")
-    if not run:
-        return (("origin", "recorded on a machine: nothing says that it was simulated"), *words)
-    return (*run_inputs(run), *words)
-
-
 def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """What `recording.json`, or the answer of a run, says about it."""
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
-    return (
-        ("origin", simulated),
-        *((key, _in_words(about[key])) for key in TOLD_OF_RUNS if about.get(key) is not None),
-    )
-
-
-def _in_words(value: Any) -> str:
-    if isinstance(value, dict):
-        return ", ".join(f"{key} {inner}" for key, inner in value.items())
-    return str(value)
+    known = {key: about[key] for key in TOLD_OF_RUNS if about.get(key) is not None}
+    words = {
+        k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, dict)
+    }
+    return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))

@@ -185,7 +185,10 @@ def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[f
 
 def information_items(case: Case, motion: Trajectory, model: Model) -> tuple[Item, ...]:
     """What each parameter costs, its deviation if all others were known and as one of all, and what is determined."""
-    matrices = _matrices(case, motion, model)
+    count = max(200, int(motion.duration * INFORMATION_RATE))
+    states = motion.at((np.arange(count) + 0.5) * motion.duration / count)
+    regressors = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
+    matrices = np.asarray(regressors * reference_scaling(case, model))
     stacked = matrices.reshape(-1, matrices.shape[2])
     information = stacked.T @ stacked / len(matrices)
     alone = 1.0 / np.sqrt(np.diag(information))
@@ -198,22 +201,14 @@ def information_items(case: Case, motion: Trajectory, model: Model) -> tuple[Ite
     figure.update_yaxes(title="std of one sample, scaled")
     words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
     costs = Plot("information", figure.update_layout(height=360, barmode="group"), words)
-    return (costs, _progress(motion, matrices), *identifiability_items(analyse(matrices, model.names)))
+    return (
+        costs,
+        _progress(states.t, motion.duration, matrices),
+        *identifiability_items(analyse(matrices, model.names)),
+    )
 
 
-def _matrices(case: Case, trajectory: Trajectory, model: Model) -> Array:
-    """Scaled regressors along the motion, shape (n, 6, u)."""
-    motion = trajectory.at(_instants(trajectory))
-    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
-    return np.asarray(matrices * reference_scaling(case, model))
-
-
-def _instants(motion: Trajectory) -> Array:
-    count = max(200, int(motion.duration * INFORMATION_RATE))
-    return (np.arange(count) + 0.5) * motion.duration / count
-
-
-def _progress(motion: Trajectory, matrices: Array) -> Plot:
+def _progress(times: Array, duration: float, matrices: Array) -> Plot:
     """How the information grows while the motion runs: the D-criterion of what was gathered so far."""
     per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
     steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
@@ -221,17 +216,16 @@ def _progress(motion: Trajectory, matrices: Array) -> Plot:
     sign, logdet = np.linalg.slogdet(gathered)
     whole = logdet[-1]
     share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
-    t = _instants(motion)[steps]
     figure = Chart()
-    figure.add_scatter(x=t, y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered")
+    figure.add_scatter(x=times[steps], y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered")
     figure.add_scatter(
-        x=[0.0, motion.duration],
+        x=[0.0, duration],
         y=[0.0, 100.0],
         line={"color": GREY, "dash": "dash", "width": 1},
         name="at an even pace",
     )
     figure.update_traces(mode="lines")
-    figure.update_xaxes(title="time [s]", range=[0.0, motion.duration])
+    figure.update_xaxes(title="time [s]", range=[0.0, duration])
     figure.update_yaxes(title="information gathered [%]", range=[0, 105])
     words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
     return Plot("progress", figure.update_layout(height=300), words)

@@ -24,7 +24,7 @@ from identification.motion import Array
 from identification.outcome import TOLD_OF_RUNS, Result
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.result import Estimate, residuals_of
+from identification.result import residuals_of
 from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.samples import USUAL, Conditioning
@@ -98,13 +98,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     estimate = replace(estimate, findings=(*estimate.findings, *shorter_than_planned(whole)))
-    return result_of(run, case, estimate, standing, (*stale, *(() if method.biases is None else method.biases.stale)))
-
-
-def result_of(
-    run: Recording, case: Case, estimate: Estimate, standing: dict[str, Any] | None, stale: tuple[str, ...]
-) -> Result:
-    """The result of an estimate."""
+    stale += () if method.biases is None else method.biases.stale
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
