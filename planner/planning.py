@@ -21,9 +21,7 @@ from planner.families.saved import shipped_start
 from planner.families.settings import Spline
 from planner.found import Found, rated
 from planner.interruption import Interrupted, first_ctrl_c_calls
-from planner.noise import (
-    without_pose_errors,
-)
+from planner.noise import without_pose_errors
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits, remedy, require_plannable

@@ -94,13 +94,7 @@ def identify(
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from identification.recording import read
-    from planner.cli.identification import (
-        answer_of_result,
-        method_of,
-        read_conditioning,
-        show_result,
-        verify_result,
-    )
+    from planner.cli.identification import answer_of_result, method_of, read_conditioning, show_result, verify_result
     from planner.runs.identifying import Wish, case_of, identified, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)

@@ -110,10 +110,7 @@ def compare_page(comparison: Comparison) -> Page:
             ),
         ),
         Section("Figures", (Table(("", *names), figure_rows(entries)), Note(CRITERIA_WORDS))),
-        Section(
-            "Per second of measuring time",
-            (Table(("std · √time", *names), per_second_rows(entries)),),
-        ),
+        Section("Per second of measuring time", (Table(("std · √time", *names), per_second_rows(entries)),)),
     ]
     if execution:
         items: tuple[Item, ...] = (Table(EXECUTION, execution, left=2),)

@@ -57,12 +57,7 @@ def plan_page(plan: Plan) -> Page:
         sections=(
             Section(
                 "What the plan promises",
-                (
-                    _headline(plan),
-                    _verdicts(plan),
-                    *_deviations(plan, model),
-                    *_notes(plan),
-                ),
+                (_headline(plan), _verdicts(plan), *_deviations(plan, model), *_notes(plan)),
             ),
             *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits), Note(shaped))),

@@ -84,8 +84,8 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
             labels.add(label)
             outlines.append(points)
     every = np.vstack(outlines)
-    for k, line in enumerate(box_outlines(chain.keep_out, *room(every.min(axis=0), every.max(axis=0), chain.keep_out))):
-        axes.plot(*line.T, color="tab:orange", linewidth=1.0, label=None if k else "kept out")
+    corners = room(every.min(axis=0), every.max(axis=0), chain.keep_out)
+    _draw_lines(axes, box_outlines(chain.keep_out, *corners), "tab:orange", "kept out")
     axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
     axes.set_aspect("equal")
     axes.legend(loc="upper left")
@@ -136,24 +136,22 @@ def _draw_machine(axes: Axes3D, case: Case, machine: HexapodMachine) -> None:
                 *zip(low, high, strict=True), color="tab:red", linewidth=1.5, label=None if k else "sensors 1 to 6"
             )
             axes.text(*high, f"{k + 1}", color="tab:red", fontsize="small", va="bottom")
-    _draw_around(axes, case, np.vstack([base, platform]))
+    _, workspace, _ = case.need_machine("the picture of the machine")
+    tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
+    every = np.vstack([base, platform, *tools])
+    corners = room(every.min(axis=0), every.max(axis=0), workspace.keep_out)
+    _draw_lines(axes, tools, "tab:purple", "tools")
+    _draw_lines(axes, box_outlines(workspace.keep_out, *corners), "tab:orange", "kept out")
     axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
     axes.text2D(0.98, 0.92, "z [mm]", transform=axes.transAxes, ha="right")
     axes.set_aspect("equal")
     axes.legend(loc="upper left")
 
 
-def _draw_around(axes: Axes3D, case: Case, points: Array) -> None:
-    """Tools at home, and boxes that are kept out of, as far as they stand beside points of the machine, in mm."""
-    machine, workspace, _ = case.need_machine("the picture of the machine")
-    home = machine.home.vector
-    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
-    tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
-    extent = np.vstack([points, *tools])
-    boxes = box_outlines(workspace.keep_out, *room(extent.min(axis=0), extent.max(axis=0), workspace.keep_out))
-    for lines, colour, label in ((tools, "tab:purple", "tools"), (boxes, "tab:orange", "kept out")):
-        for k, line in enumerate(lines):
-            axes.plot(*line.T, color=colour, linewidth=1.0, label=None if k else label)
+def _draw_lines(axes: Axes3D, lines: Sequence[Array], colour: str, label: str) -> None:
+    """Lines of points, shape (n, 3) [mm], with one entry in the legend."""
+    for k, line in enumerate(lines):
+        axes.plot(*line.T, color=colour, linewidth=1.0, label=None if k else label)
 
 
 def draw_coordinates(axes: Axes, reach: Reach) -> None:

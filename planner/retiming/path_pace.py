@@ -56,11 +56,11 @@ def retimed_path(
     own = not isinstance(path, TimedPoints) and prove(path, case).worst_ratio <= 1.0 - MARGIN + TOLERANCE
     if own and not fastest:
         return path, (0.0, 0.0), "its own pace keeps all limits"
-    best, solver = _search(path, case, FASTEST if fastest else 1.0, told)
+    best = _search(path, case, FASTEST if fastest else 1.0, told)
     if own and best.duration >= path.duration:
         return path, (0.0, 0.0), "its own pace is the fastest that was found"
     motion = _inside(best, case)
-    return motion, _off(motion, best, path, case.need_motion("re-timing")[1].turns), solver
+    return motion, _off(motion, best, path, case.need_motion("re-timing")[1].turns), best.motion.solver
 
 
 class _Round(NamedTuple):
@@ -75,7 +75,7 @@ class _Round(NamedTuple):
         return self.spline.duration * self.slower
 
 
-def _search(path: Trajectory, case: Case, most: float, report: Callable[[str], None]) -> tuple[_Round, str]:
+def _search(path: Trajectory, case: Case, most: float, report: Callable[[str], None]) -> _Round:
     course = Course.of(path, case, MARGIN)
     factors = (np.ones(len(course.s)), np.ones(len(course.s)))
     best: _Round | None = None
@@ -94,7 +94,7 @@ def _search(path: Trajectory, case: Case, most: float, report: Callable[[str], N
         places = motion.places(t)
         factors = (factors[0] / _passed(shares[1], places, course), factors[1] / _passed(shares[2], places, course))
     assert best is not None
-    return best, best.motion.solver
+    return best
 
 
 def _passed(shares: Array, places: Array, course: Course) -> Array:

@@ -15,18 +15,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import full_model
 from planner.request import Request
-from planner.study import (
-    DONE,
-    FAILED,
-    PLANNED,
-    Spec,
-    cell_key,
-    keep,
-    open_study,
-    read_rows,
-    request_of,
-    settings_of,
-)
+from planner.study import DONE, FAILED, PLANNED, Spec, cell_key, keep, open_study, read_rows, request_of, settings_of
 from planner.study.cluster import TaskEnd, run_tasks
 
 if TYPE_CHECKING:
