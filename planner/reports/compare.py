@@ -1,6 +1,7 @@
 """The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,9 +9,11 @@ from cases.files import provenance
 from planner.comparison.advising import Comparison
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.charts import Series, ratio_figure
 from planner.reports.figures import colour_or_grey
-from planner.reports.page import Item, Note, Page, Plot, Section, Table
+from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, plain
+
+CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
+SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
 
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
@@ -147,3 +150,39 @@ def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
         "motion as executed, dots identified; a plan, its runs and their results have one colour."
     )
     return Plot("std", ratio_figure(series).update_layout(height=420), note)
+
+
+class Series(NamedTuple):
+    """Standard deviations of one method."""
+
+    name: str  # name in the legend
+    deviations: Mapping[str, float]  # deviations by parameter; parameters that it does not tell are missing
+    colour: str  # colour of its markers
+    symbol: str = "circle"  # plotly's name of the marker
+
+
+def ratio_figure(series: Sequence[Series]) -> Chart:
+    """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is left out."""
+    names = list(dict.fromkeys(n for s in series for n in s.deviations))
+    deviations = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
+    best = {n: min(values) for n, values in deviations.items() if values}
+    figure = Chart()
+    for k, one in enumerate(series):
+        parameters = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
+        aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
+        figure.add_scatter(
+            x=[names.index(n) + aside for n in parameters],
+            y=[one.deviations[n] / best[n] for n in parameters],
+            name=plain(one.name),
+            mode="markers",
+            marker={"size": 8, "color": one.colour, "symbol": one.symbol},
+            text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in parameters],
+            hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
+        )
+    figure.update_xaxes(
+        range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
+        ticktext=[plain(n) for n in names], tickangle=-90,
+    )  # fmt: skip
+    largest = max((one.deviations[n] / best[n] for one in series for n in one.deviations if n in best), default=1.0)
+    figure.update_yaxes(title="times the smallest", type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
+    return figure

@@ -10,11 +10,10 @@ from identification.motion import sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_items
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
 from planner.reports.machine import pictured
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
+from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, Tiles, plain, thinned
 from planner.reports.plan import starts_items
 from planner.runs.running import RunOutcome
 from postprocessors.dialects import Program

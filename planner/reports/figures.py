@@ -14,8 +14,7 @@ from identification.criteria import Identifiability
 from identification.limit import LimitReport, Status
 from identification.motion import Array, Motion
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.charts import Chart, plain, thinned
-from planner.reports.page import Item, Note, Plot, Table
+from planner.reports.page import Chart, Item, Note, Plot, Table, plain, thinned
 
 if TYPE_CHECKING:
     from identification.result import Residuals

@@ -17,9 +17,8 @@ from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
-from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items
-from planner.reports.page import Item, MachineItem, Note, Plot, Section, Table
+from planner.reports.page import Chart, Item, MachineItem, Note, Plot, Section, Table, plain, thinned
 
 AROUND = 16  # corners of a ring around a tool
 BESIDE = 0.25  # of the machine's size: boxes are shown that far beside it

@@ -16,10 +16,9 @@ from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import places
 from planner.precision import legible, parameter_words, solver_text, std_text
-from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_items
 from planner.reports.machine import force_items, information_items, pictured, posing_machine, strut_items
-from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
+from planner.reports.page import Answers, Chart, Item, Note, Page, Plot, Section, Table, Tiles, plain
 from planner.request import PoseRequest
 from planner.worth import bound_by
 

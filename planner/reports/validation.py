@@ -10,9 +10,9 @@ from planner.comparison.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
 from planner.comparison.validation import Validation
 from planner.comparison.verdict import OFF_COLUMNS, off_rows
 from planner.precision import legible, parameter_words
-from planner.reports.charts import Chart, Series, plain, ratio_figure
+from planner.reports.compare import Series, ratio_figure
 from planner.reports.figures import COLOURS, colour_or_grey
-from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table
+from planner.reports.page import Answers, Chart, Item, Note, Page, Plot, Section, Table, plain
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first step is its own theory

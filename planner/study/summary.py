@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from planner.reports.charts import Chart
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
+from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, Tiles
 from planner.study import DONE, FAILED, PLANNED, SETTINGS, command_of
 
 if TYPE_CHECKING:

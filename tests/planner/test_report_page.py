@@ -17,10 +17,21 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.charts import Chart, plain, script_json, thinned
 from planner.reports.figures import motion_items
 from planner.reports.machine import moving_machine, posing_machine
-from planner.reports.page import TERMS, Note, Page, Section, Table, explained, render
+from planner.reports.page import (
+    TERMS,
+    Chart,
+    Note,
+    Page,
+    Section,
+    Table,
+    explained,
+    plain,
+    render,
+    script_json,
+    thinned,
+)
 from tests.helpers import Harmonic
 from tests.planner.browser import DRAWN, PATIENCE, Opened, opened
 from tests.planner.command_line import call

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.reports.charts import SPREAD, Series, ratio_figure
+from planner.reports.compare import SPREAD, Series, ratio_figure
 
 SERIES = (
     Series("a", {"m": 0.2, "zC": 3e-5, "k0": 0.0}, "#000"),
