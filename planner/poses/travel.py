@@ -18,7 +18,7 @@ from identification.overload import Loads
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
 from planner.poses.space import space_of
-from postprocessors.execute.virtual import RuckigLaw
+from postprocessors.execute.virtual import ruckig_profile
 
 INSTANTS = 161  # of a move, at which its struts are looked at
 COARSE = 17  # the same where there are so many pairs of poses that only their order matters
@@ -63,7 +63,7 @@ def travel_times(case: Case, poses: Array) -> Array:
     # Poses of a grid are the same ways apart: 115 440 pairs of the paper's 480 need 91 time laws.
     _, indices, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
     profiles = [fastest_profile(1.0, *map(float, row)) for row in rows[indices]]
-    durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in rows[indices]])[law]
+    durations = np.array([ruckig_profile(*map(float, row)).duration for row in rows[indices]])[law]
     instants = INSTANTS if len(pairs) <= MANY_PAIRS else COARSE
     laws = _laws(profiles, instants)
     for first in range(0, len(pairs), CHUNK):

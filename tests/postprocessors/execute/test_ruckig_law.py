@@ -3,11 +3,27 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from ruckig import InputParameter, Ruckig, Trajectory
 
 from identification.trajectories.profile import fastest_profile
-from postprocessors.execute.virtual import RuckigLaw, by_ruckig
+from postprocessors.execute.virtual import by_ruckig, ruckig_profile
 
 limits = st.tuples(st.floats(0.05, 20.0), st.floats(0.1, 200.0), st.floats(1.0, 5000.0))
+
+
+@given(limits=limits, stepping=st.booleans())
+def test_the_profile_is_ruckigs_own_motion(limits: tuple[float, float, float], stepping: bool):
+    """Seven segments of which the last three mirror the first: position and velocity as ruckig itself gives them."""
+    limits = (*limits[:2], np.inf if stepping else limits[2])
+    request, answer = InputParameter(1), Trajectory(1)
+    request.current_position, request.target_position = [0.0], [1.0]
+    request.max_velocity, request.max_acceleration, request.max_jerk = ([value] for value in limits)
+    Ruckig(1).calculate(request, answer)
+    profile = ruckig_profile(*limits)
+    assert abs(profile.duration - answer.duration) < 1e-9 * profile.duration
+    t = np.linspace(0.0, answer.duration, 51)
+    theirs = np.array([[v[0] for v in answer.at_time(float(instant))[:2]] for instant in t])
+    np.testing.assert_allclose(np.column_stack(profile.at(t)[:2]), theirs, atol=1e-7 * max(1.0, profile.peak_velocity))
 
 
 def agree(one, other) -> None:
@@ -20,7 +36,7 @@ def agree(one, other) -> None:
 
 @given(limits=limits)
 def test_the_seven_segment_profile_is_the_fastest_that_ruckig_knows(limits: tuple[float, float, float]):
-    agree(RuckigLaw.within(*limits), fastest_profile(1.0, *limits))
+    agree(ruckig_profile(*limits), fastest_profile(1.0, *limits))
 
 
 @given(limits=limits)
@@ -34,7 +50,7 @@ def test_the_trapezoid_is_the_fastest_without_a_jerk_limit(limits: tuple[float, 
 def test_a_slowed_law_covers_the_same_way_in_the_inverse_share_of_the_time(
     limits: tuple[float, float, float], speed: float
 ):
-    for law in (RuckigLaw.within(*limits), fastest_profile(1.0, *limits), fastest_profile(1.0, *limits[:2])):
+    for law in (ruckig_profile(*limits), fastest_profile(1.0, *limits), fastest_profile(1.0, *limits[:2])):
         slow = law.slowed(speed)
         t = np.linspace(0.0, law.duration, 51)
         assert np.allclose(slow.at(t / speed)[0], law.at(t)[0], atol=1e-9)
