@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.errors import ProgramError
 from identification.motion import TimedPoints
 from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
-from postprocessors.reading import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Timing, Turn
+from postprocessors.reading import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Turn
 
 Array = NDArray[np.float64]
 
@@ -105,7 +105,7 @@ class _Grouping:
 
     def run(self) -> Iterator[Stretch]:
         for event in self.reading.events:
-            if isinstance(event, Polynomial) or (isinstance(event, Move) and event.timing is Timing.DURATION):
+            if isinstance(event, Polynomial) or (isinstance(event, Move) and event.duration is not None):
                 if self.timed and self.waiting is not None:
                     raise self.error(self.waiting.line, "the trigger switches in the middle of a path; switch at rest")
                 self._settle_trigger()
@@ -161,7 +161,7 @@ class _Grouping:
     def _through(self, moves: list[Move | Polynomial], start: Array) -> TimedPoints | PolynomialMotion:
         points = [m for m in moves if isinstance(m, Move)]
         if len(points) == len(moves):
-            times = np.concatenate([[0.0], np.cumsum([m.value for m in points])])
+            times = np.concatenate([[0.0], np.cumsum([m.duration or 0.0 for m in points])])
             return TimedPoints.through(times, np.vstack([start, *(m.end for m in points)]))
         if points:
             raise self.error(points[0].line, "a timed straight block among polynomials; write a path in one form")
@@ -181,10 +181,9 @@ class _Grouping:
         if isinstance(move, Turn):
             if start is None:
                 raise self.error(move.line, "an arc starts from an unknown pose; first move home at a feed")
-            return Untimed(move.line, start, move.end, move.value, True, move, self.trigger)
-        feed = None if move.timing is Timing.RAPID else move.value
+            return Untimed(move.line, start, move.end, move.feed, True, move, self.trigger)
         law = (move.counted, move.acceleration)
-        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, *law)
+        return Untimed(move.line, start, move.end, move.feed, move.linear, None, self.trigger, *law)
 
 
 def measures_at_poses(program: Sequence[Stretch]) -> bool:

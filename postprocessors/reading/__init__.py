@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import Enum
 from typing import TypeVar
 
 import numpy as np
@@ -17,25 +16,15 @@ from identification.trajectories.moves import Plane
 Array = NDArray[np.float64]
 
 
-class Timing(Enum):
-    """What determines how fast a move runs."""
-
-    DURATION = "duration"
-    """`value` is its duration [s]."""
-    FEED = "feed"
-    """`value` is the feed along XYZ [m/s], or along ABC [rad/s] where XYZ stands still."""
-    RAPID = "rapid"
-    """The controller's fastest; `value` has no meaning."""
-
-
 @dataclass(frozen=True, slots=True)
 class Move:
     """A straight move in the six coordinates."""
 
     line: int  # line of the program, counted from 1
     end: Array  # pose at its end, shape (6,) [m, rad]
-    timing: Timing
-    value: float  # see `Timing`
+    duration: float | None  # that the text states [s]; None where the controller times the move itself
+    # along XYZ [m/s], or along ABC [rad/s] where XYZ stands still; None where a duration is stated, or of a rapid
+    feed: float | None
     exact_stop: bool  # whether the controller comes to rest at the end
     linear: bool  # whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles
     # indices of the coordinates of a chain whose way a feed counts; None as `linear` says
@@ -53,7 +42,7 @@ class Turn:
     plane: Plane  # plane in which it lies
     centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
     angle: float  # turned about the plane's normal, positive counter-clockwise, at most a full circle [rad]
-    value: float  # feed along the arc [m/s]
+    feed: float  # along the arc [m/s]
     exact_stop: bool  # whether the controller comes to rest at the end
 
 

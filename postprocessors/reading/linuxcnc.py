@@ -16,7 +16,7 @@ from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Pause, Reading, Switch, Timing, axis_letters, each_word, program_lines
+from postprocessors.reading import Pause, Reading, Switch, axis_letters, each_word, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
@@ -149,10 +149,10 @@ class _LinuxCncInterpreter(ModalState):
             self.events.append(self.turn(block, first, exact))
             return
         end = self.end_of(block, first)
-        timing, value = self.timing(block, end, first)
-        if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
+        duration, feed = self.timing(block, end, first)
+        if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
-        self.events.append(self.straight(end, timing, value, exact))
+        self.events.append(self.straight(end, duration, feed, exact))
 
 
 def _words(text: str, line: int, file: str) -> list[Word]:

@@ -10,7 +10,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
 from identification.trajectories.moves import Plane
-from postprocessors.reading import Array, Event, Move, Reading, Timing, Turn
+from postprocessors.reading import Array, Event, Move, Reading, Turn
 
 ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
 STILL = 1e-7  # [mm] between places that are the same
@@ -160,15 +160,15 @@ class ModalState(ABC):
         moves = np.isnan(self.pose) | (np.abs(end - self.pose) > STILL)
         return bool(np.any(moves & self.linear))
 
-    def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
-        """What determines how fast a straight move to coordinates, shape (k,) as written, runs, and its value."""
+    def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[float | None, float | None]:
+        """Duration [s] or feed of a straight move to coordinates, shape (k,) as written; neither of a rapid."""
         if self.active("G0"):
-            return Timing.RAPID, math.nan
+            return None, None
         if self.active("G93"):
             if "F" not in seen:
                 self.fail(first, f"{self.straight_word} without F under G93; add {self.block_time}")
             value = float(seen["F"].value or math.nan)
-            return Timing.DURATION, MINUTE / value if self.inverse_time else value
+            return MINUTE / value if self.inverse_time else value, None
         if not self.active("G94"):
             self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
         if self.feed is None:
@@ -180,7 +180,7 @@ class ModalState(ABC):
                 self.fail(first, f"the first move comes from anywhere; write {group} and F, so that F counts all axes")
         else:
             self._require_counted(first, linear)
-        return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
+        return None, self.feed * (MM if linear else DEG) / MINUTE
 
     def _require_counted(self, first: Word, linear: bool) -> None:
         axes = tuple(a for a in self.axes if a in ("X", "Y", "Z")) if linear else self.angles
@@ -188,12 +188,12 @@ class ModalState(ABC):
             command = self.feed_group.format(",".join(axes))
             self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}; add it before")
 
-    def straight(self, end: Array, timing: Timing, value: float, exact: bool) -> Move:
+    def straight(self, end: Array, duration: float | None, feed: float | None, exact: bool) -> Move:
         """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
         known, linear = not np.isnan(self.pose).any(), self.moves_origin(end)
         axes = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
         move = Move(
-            self.line, end * self.scale, timing, value, exact, linear, axes if self.own_axes and known else None
+            self.line, end * self.scale, duration, feed, exact, linear, axes if self.own_axes and known else None
         )
         self.pose = end
         return move

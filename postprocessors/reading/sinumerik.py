@@ -14,7 +14,7 @@ from cases.chain import Chain
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Event, Pause, Reading, Switch, Timing, axis_letters, program_lines
+from postprocessors.reading import Event, Pause, Reading, Switch, axis_letters, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
@@ -203,17 +203,17 @@ class _SinumerikInterpreter(ModalState):
             if other is not None or not self.active("G1"):
                 self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
         end = self.end_of(block, first)
-        timing, value = self.timing(block, end, first)
+        duration, feed = self.timing(block, end, first)
         exact = self.active("G60")
-        if timing is Timing.DURATION and exact and not np.isnan(self.pose).any():
+        if duration is not None and exact and not np.isnan(self.pose).any():
             self.fail(first, "a timed block under G60 stops at its end and does not keep the time; write G64")
-        if timing is not Timing.DURATION and not exact:
+        if duration is None and not exact:
             self.fail(
                 first, "a move at a feed is blended into the next (G64), its path is not known; write G60, or G93"
             )
-        if timing is not Timing.DURATION:
+        if duration is None:
             self._require_standing(first)
-        self._move(self.straight(end, timing, value, exact))
+        self._move(self.straight(end, duration, feed, exact))
 
     def _move(self, event: Event) -> None:
         """Motion takes the trigger along."""

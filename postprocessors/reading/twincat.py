@@ -12,7 +12,7 @@ from cases.chain import Chain
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Pause, Reading, Switch, Timing, axis_letters, program_lines
+from postprocessors.reading import Pause, Reading, Switch, axis_letters, program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
@@ -202,8 +202,8 @@ class _TwinCatInterpreter(ModalState):
         self.refuse_centres(block, "G02 or G03")
         end = self.end_of(block, first)
         unsure = "whether the machine stops after this move is not known; write G60 in its block"
-        timing, value = self.timing(block, end, first)
-        if timing is Timing.DURATION:
+        duration, feed = self.timing(block, end, first)
+        if duration is not None:
             self.path.point(first, exact)
             exact = False  # the exact stop at the end of a whole path is not a stop within it
         elif self.path.kind:
@@ -212,7 +212,7 @@ class _TwinCatInterpreter(ModalState):
             )
         elif not exact:
             self.fail(first, unsure)
-        self.events.append(self.straight(end, timing, value, exact))
+        self.events.append(self.straight(end, duration, feed, exact))
 
     def _arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G162"):

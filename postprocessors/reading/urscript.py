@@ -14,7 +14,7 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import Event, Move, Pause, Reading, Switch, Timing, program_lines
+from postprocessors.reading import Event, Move, Pause, Reading, Switch, program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers
@@ -141,7 +141,7 @@ class _Interpreter:
             self.fail("movej needs a and v above 0; correct them")
         leading = None if self.pose is None else (int(np.argmax(np.abs(end - self.pose))),)
         self.pose = end
-        return Move(self.line, end, Timing.FEED, speed, True, False, counted=leading, acceleration=acceleration)
+        return Move(self.line, end, None, speed, True, False, counted=leading, acceleration=acceleration)
 
     def _sleep(self, arguments: dict[str, str]) -> Pause:
         duration = self._number(arguments.get("t"), "the time of sleep")

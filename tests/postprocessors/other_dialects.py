@@ -125,7 +125,7 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
     guarantees = typed.language.guarantees(reading, case)
     home = reading.events[0]
     assert isinstance(home, Move)
-    blocks: list[Block] = [ToHome(home.end, home.value)]
+    blocks: list[Block] = [ToHome(home.end, home.feed)]
     read = iter(stretches(reading))
     next(read)
     for event in _switches_and_others(reading):
@@ -143,7 +143,7 @@ def _switches_and_others(reading: Reading) -> list[object]:
     """Events with each timed path as one."""
     found: list[object] = []
     for event in reading.events[1:]:
-        path = isinstance(event, Switch | Pause) or (isinstance(event, Move) and event.timing.value != "duration")
+        path = isinstance(event, Switch | Pause) or (isinstance(event, Move) and event.duration is None)
         if path or not found or found[-1] != "path":
             found.append(event if path else "path")
     return found

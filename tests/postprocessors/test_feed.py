@@ -9,7 +9,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.proving.stretches import Timed, Untimed
-from postprocessors.reading import Move, Timing
+from postprocessors.reading import Move
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.programs import HEAD, parts, proof, there_and_back, timed, typed
 
@@ -60,14 +60,14 @@ def test_another_feed_is_another_time():
 
 
 def test_a_feed_per_minute_stays_until_it_is_changed_and_is_gone_after_a_timed_path():
-    assert last_move("G1 X1 F600\nX2").value == pytest.approx(600 * MM / 60)
-    assert last_move(f"{timed(['G1 X1 F6'])}\nG1 X2 F60").value == pytest.approx(60 * MM / 60)
-    assert last_move("G1 A1 F600").value == pytest.approx(600 * DEG / 60)
+    assert last_move("G1 X1 F600\nX2").feed == pytest.approx(600 * MM / 60)
+    assert last_move(f"{timed(['G1 X1 F6'])}\nG1 X2 F60").feed == pytest.approx(60 * MM / 60)
+    assert last_move("G1 A1 F600").feed == pytest.approx(600 * DEG / 60)
 
 
 def test_a_rapid_ignores_the_feed_and_runs_at_the_limits(hexapod_case: Case):
     rapid = last_move("G0 X100 F1")
-    assert rapid.timing is Timing.RAPID
+    assert (rapid.duration, rapid.feed) == (None, None)
     v, a = hexapod_case.limits.motion.rate[0], hexapod_case.limits.motion.acceleration[0]
     went = proof(typed("G0 X100 F1"), hexapod_case)
     assert went.duration == pytest.approx(0.1 / v + v / a)
@@ -76,4 +76,4 @@ def test_a_rapid_ignores_the_feed_and_runs_at_the_limits(hexapod_case: Case):
 
 def test_the_first_feed_counts_in_millimetres_whatever_moves():
     """Nobody knows where the machine stood; home is reached along X, Y and Z."""
-    assert read_linuxcnc(f"{HEAD}M2\n", "p.ngc").events[0].value == pytest.approx(3000 * MM / 60)
+    assert read_linuxcnc(f"{HEAD}M2\n", "p.ngc").events[0].feed == pytest.approx(3000 * MM / 60)

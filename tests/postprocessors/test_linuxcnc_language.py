@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from cases.errors import ProgramError
-from postprocessors.reading import Move, Pause, Switch, Timing
+from postprocessors.reading import Move, Pause, Switch
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.helpers import one_line
 from tests.postprocessors.programs import typed
@@ -33,10 +33,9 @@ M2
 def test_the_skeleton_of_a_program_reads_with_its_times_feeds_and_switches():
     events = read_linuxcnc(SKELETON, "p.ngc").events
     moves = [e for e in events if isinstance(e, Move)]
-    kinds = [m.timing for m in moves]
-    assert kinds == [Timing.RAPID, *[Timing.FEED] * 2, *[Timing.DURATION] * 3, Timing.FEED, Timing.RAPID]
-    assert [m.value for m in moves[3:6]] == [0.5, 1.0, 1.0]  # 60 / F seconds
-    assert moves[1].value == pytest.approx(600e-3 / 60)
+    assert [m.duration for m in moves] == [None, None, None, 0.5, 1.0, 1.0, None, None]  # 60 / F seconds
+    assert [m.feed is None for m in moves] == [True, False, False, True, True, True, False, True]  # rapids have none
+    assert moves[1].feed == pytest.approx(600e-3 / 60)
     assert [e.duration for e in events if isinstance(e, Pause)] == [0.25]
     assert [(e.on, e.at_once) for e in events if isinstance(e, Switch)] == [(True, False), (False, False)]
 
@@ -86,4 +85,4 @@ def test_a_word_of_another_controller_is_refused_with_its_place(line: str):
 def test_g21_sets_millimetres_here_and_inverse_time_is_no_time_in_seconds():
     """Elsewhere G21 mirrors, and F after G93 is the time itself: 20 would then be 20 s, not 3."""
     move = read_linuxcnc(typed("G64 P1 Q0\nG93 G1 X5 F20"), "p.ngc").events[-1]
-    assert (move.timing, move.value) == (Timing.DURATION, 3.0)
+    assert (move.duration, move.feed) == (3.0, None)

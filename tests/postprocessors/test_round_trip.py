@@ -8,7 +8,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading import Move, Pause, Switch, Timing
+from postprocessors.reading import Move, Pause, Switch
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs
@@ -53,8 +53,8 @@ def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Neu
     assert isinstance(first, Move)
     assert isinstance(home, ToHome)
     assert np.all(np.abs(first.end - HOME) <= HALF_A_STEP)
-    assert (first.timing, first.exact_stop) == (Timing.FEED, True)
-    assert abs(first.value - home.feed) <= 1e-6 * MM / MINUTE
+    assert (first.duration, first.exact_stop) == (None, True)
+    assert abs(first.feed - home.feed) <= 1e-6 * MM / MINUTE
 
 
 @given(program=programs())

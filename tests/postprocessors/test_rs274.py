@@ -11,7 +11,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import NeutralProgram
-from postprocessors.reading import Move, Pause, Switch, Timing
+from postprocessors.reading import Move, Pause, Switch
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, small_excitation, typed
 
@@ -37,10 +37,10 @@ def meaning(text: str) -> list[tuple]:
             way = np.abs(end - pose)
             length = np.linalg.norm(way[:3]) if np.linalg.norm(way[:3]) > 1e-6 else np.linalg.norm(way[3:])
             unit = MM if np.isnan(pose).any() or np.linalg.norm(way[:3]) > 1e-6 else DEG
-            timed = event.timing is Timing.DURATION
+            timed = event.duration is not None
             # In inverse time the interpreter never goes below 0.1 per minute.
-            feed = max(0.1, length / event.value * MINUTE) if timed else event.value * MINUTE / unit
-            said.append(("TRAVERSE" if event.timing is Timing.RAPID else "FEED", event.exact_stop, feed, *end))
+            feed = max(0.1, length / event.duration * MINUTE) if timed else (event.feed or np.nan) * MINUTE / unit
+            said.append(("FEED" if timed or event.feed is not None else "TRAVERSE", event.exact_stop, feed, *end))
             pose = end
     return said
 
