@@ -14,7 +14,6 @@ def door(package: str, places: Mapping[str, str]) -> tuple[Callable[[str], objec
     """`__getattr__` and `__dir__` of a package: names, each imported when it is first used, keep its door light.
 
     Args:
-        package: its name.
         places: module -> the names that it gives, separated by blanks.
     """
     module_of = {name: module for module, names in places.items() for name in names.split()}

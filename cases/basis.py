@@ -23,7 +23,6 @@ def plan_basis(case: Case, payload: int = 0, poses: bool = False) -> dict[str, A
     """Values behind a plan by dotted key: machine, limits, sensors, gravity, the body and the payloads that were used.
 
     Args:
-        case: case that the plan is for.
         payload: number of payloads mounted on the body; a range of the sensors counts all of them.
         poses: whether it is a plan of poses, which depends on `[poses]` too.
     """

@@ -75,7 +75,6 @@ class CaseError(HexciteError, ValueError):
     """A case file does not describe a usable machine.
 
     Args:
-        file: the case file.
         key: dotted path of the offending key, empty where the file as a whole is meant.
         problem: what is wrong with which value, and how to mend it.
         problems: all that is wrong with the file, each with its key, where more than this is known.
@@ -110,7 +109,6 @@ class ProgramError(HexciteError, ValueError):
     """A CNC program cannot be read or is not proven inside the limits.
 
     Args:
-        file: the program.
         line: line number, counted from 1; 0 where the file as a whole is meant.
         column: column, counted from 1; 0 where the line as a whole is meant.
         problem: what is wrong with which word, and how to mend it.

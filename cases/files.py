@@ -19,15 +19,10 @@ from cases.errors import FileProblem
 
 @dataclass(frozen=True)
 class FolderKind:
-    """A kind of folder that hexcite writes.
+    """A kind of folder that hexcite writes."""
 
-    Attributes:
-        name: what it is, for messages.
-        contents: names of everything that it may hold; a folder with anything else in it is somebody's.
-    """
-
-    name: str
-    contents: frozenset[str]
+    name: str  # what it is, for messages
+    contents: frozenset[str]  # names of everything that it may hold; a folder with anything else in it is somebody's
 
 
 PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"}))
@@ -135,7 +130,6 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
     """Says before the work starts what would keep its output file from being written.
 
     Args:
-        path: the file that will be written.
         suffixes: endings that it may have, in lower case; upper case in `path` is as good.
         inputs: what the work reads, which is never overwritten.
         overwrite: whether a file that stands there may be replaced.
@@ -164,7 +158,6 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     slip of `-o` wipes a folder of somebody else's, or another result of ours.
 
     Args:
-        path: the folder that will be written.
         inputs: what the work reads; none of it may be in the folder that is replaced.
         overwrite: whether a folder of the same kind that stands there may be replaced.
 

@@ -128,7 +128,6 @@ def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
     """Reads a sequence from a TOML file.
 
     Args:
-        file: TOML file.
         columns: coordinates of the machine; steps are those of a platform.
 
     Raises:
@@ -155,7 +154,6 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
     """Reads poses from a CSV file with a column for each coordinate: of a platform absolute in {B}, or of joints.
 
     Args:
-        file: CSV file.
         columns: names of the columns, which end in mm or deg.
 
     Returns:

@@ -268,9 +268,6 @@ class Case(Part):
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion.
 
-        Args:
-            purpose: what they are needed for, for the message.
-
         Raises:
             CaseError: the case lacks one of them.
         """
@@ -282,9 +279,6 @@ class Case(Part):
 
     def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
         """Coordinates at home, shape (n,) [m or rad], and limits of motion, whatever the machine is.
-
-        Args:
-            purpose: what they are needed for, for the message.
 
         Raises:
             CaseError: the case lacks one of them.
@@ -313,9 +307,6 @@ class Case(Part):
 
     def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, MotionLimits]:
         """Hexapod, workspace and limits of motion.
-
-        Args:
-            purpose: what they are needed for, for the message.
 
         Raises:
             CaseError: the case lacks one of them, or has a chain.

@@ -255,8 +255,6 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     """Reads a program.
 
     Args:
-        file: file to read.
-        case: case that it is for.
         name: name of its dialect; None for the one that the suffix names.
 
     Raises:

@@ -59,7 +59,6 @@ class _LinuxCncWriter:
 
     Args:
         axes: letters of the coordinates.
-        limits: limits of the coordinates.
         headroom: acceleration limits that the controller gets, as a multiple of these.
         block: duration of a block of a timed path [s].
         chain: whether the axes are the joints of a chain.

@@ -46,7 +46,6 @@ def _statements(program: NeutralProgram, at: Array, output: int, speeds: tuple[f
 
     Args:
         at: where the robot stands before the first [rad].
-        output: output that the trigger is.
         speeds: speed and acceleration of which the first move may use its share [rad/s, rad/s^2].
     """
     for block in program.blocks:

@@ -58,7 +58,6 @@ def proven_program(
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
-        file: name of the program, for messages.
         header: comment lines; what was proven is added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without anybody who enforces them.

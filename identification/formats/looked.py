@@ -44,23 +44,14 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file is likely to be.
-
-    Args:
-        file: the file.
-        rows: rows of numbers.
-        columns: columns in the order of the file.
-        settings: proposal for `[recording]` of the case, by key.
-        odd: what to look at, one sentence each.
-        reads: whether the file is read with these settings.
-    """
+    """What a file is likely to be."""
 
     file: Path
-    rows: int
-    columns: tuple[Column, ...]
-    settings: Mapping[str, Any]
-    odd: tuple[str, ...]
-    reads: bool
+    rows: int  # of numbers
+    columns: tuple[Column, ...]  # in the order of the file
+    settings: Mapping[str, Any]  # proposal for `[recording]` of the case, by key
+    odd: tuple[str, ...]  # what to look at, one sentence each
+    reads: bool  # whether the file is read with these settings
 
     @property
     def rate(self) -> float | None:

@@ -128,9 +128,7 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
     """Time between samples, gaps apart [s].
 
     Args:
-        source: the file, for the message.
         t: time, shape (n,) [s].
-        lines: places of the rows in the file.
 
     Raises:
         RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
@@ -160,9 +158,7 @@ def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
     anew, with the same step.
 
     Args:
-        source: the file, for the message.
         t: ascending, shape (n,) [s]; at least two.
-        lines: places of the rows in the file.
 
     Raises:
         RecordingError: a stamp is too far from equal steps.

@@ -95,11 +95,7 @@ def path_words(line: int, planned: float, taken: float) -> str:
 
 
 def slowest_path(reading: Reading, log: ControllerLog) -> tuple[int, float, float] | None:
-    """The timed path that was most late: the line at which it ends, planned and actual duration [s]; None: none was.
-
-    Args:
-        reading: the program that was run.
-    """
+    """The timed path that was most late: the line at which it ends, planned and actual duration [s]; None: none was."""
     paths = []
     for part in stretches(reading):
         if isinstance(part, Timed):

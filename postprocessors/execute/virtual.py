@@ -36,9 +36,6 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     Drives are given a set point each cycle (`cycle_ms` of the case), and interpolate between them as those of LinuxCNC
     do: phases of the commanded motion that end within a cycle are spread over it, for encoders and sensors alike.
 
-    Args:
-        guarantees: guarantees of the controller that the program is for.
-
     Raises:
         ProgramError: the motion is not defined.
         ExecutionError: ruckig cannot time a move.
@@ -59,9 +56,6 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     Timed paths follow the curve through their points at their times; where that would pass a limit of rates or
     accelerations, the whole path takes longer. Moves at a feed or in rapid are timed by ruckig within the motion limits
     and that feed; with a jerk limit where the controller that the program is for has one, without where not.
-
-    Args:
-        guarantees: guarantees of the controller that the program is for.
 
     Raises:
         ProgramError: the motion is not defined.

@@ -121,7 +121,6 @@ def program_lines(text: str, file: str, longest: int, most: float = math.inf) ->
     Args:
         text: text of the program, one character a byte (latin-1), so that columns are right whatever the encoding
             really is.
-        file: its name, for messages.
         longest: most characters that the controller takes in a line.
         most: most lines with content that its memory holds.
 
@@ -160,7 +159,6 @@ def each_word(
     """What stands in a line from a position on, word by word.
 
     Args:
-        position: first position.
         unreadable: makes an error of the column and the first characters of what is not a word.
 
     Raises:
@@ -178,8 +176,6 @@ def axis_letters(chain: Chain, controller: str, file: str, endless: bool = True)
     """The axis of each joint of a chain, which is the joint's name.
 
     Args:
-        controller: name of the controller, for messages.
-        file: name of the program, for messages.
         endless: whether its axes that turn without end count their turns.
 
     Raises:

@@ -28,9 +28,6 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
 
     The recording has no trigger: the whole motion counts as the excitation.
 
-    Args:
-        file: its name, for messages.
-
     Raises:
         ProgramError: anything that is not such a message, with its line; points out of order, a motion that does not
             begin and end at rest.

@@ -174,7 +174,6 @@ def read_linuxcnc_bytes(content: bytes, file: str, case: Case) -> Reading:
     """Reads a file as it is, byte by byte: no notion of lines but the controller's own (line feed).
 
     Args:
-        file: its name, for messages.
         case: its chain names the axes, where it has one.
 
     Raises:
@@ -188,7 +187,6 @@ def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:
     """Reads a program.
 
     Args:
-        file: its name, for messages.
         chain: chain whose joints are the axes; without one the axes are the pose of a platform.
 
     Raises:

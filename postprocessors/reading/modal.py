@@ -37,7 +37,6 @@ class ModalState(ABC):
     """State of a controller while a program is read; subclasses say how it writes what all of them have.
 
     Args:
-        file: name of the program, for messages.
         axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
         angles: names of the others where F counts them.
         scale: what the coordinates count, shape (k,) [m or rad].

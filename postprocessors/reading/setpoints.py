@@ -29,12 +29,7 @@ _STRANGE = re.compile(r"[^0-9.,+\-\n]")
 
 
 def columns_of(coordinates: tuple[str, ...], struts: bool) -> tuple[str, ...]:
-    """The columns of a table.
-
-    Args:
-        coordinates: names of the machine's, with their units.
-        struts: whether it has struts too.
-    """
+    """The columns of a table."""
     second = tuple(f"ldd{k}_mm_s2" for k in range(1, 7))
     return (*motion_columns(coordinates), *((*STRUTS, *STRUT_VELOCITIES, *second) if struts else ()), TRIGGER)
 
@@ -52,9 +47,7 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     """The numbers of a table.
 
     Args:
-        file: its name, for messages.
         most: rows that the controller's memory holds.
-        columns: columns that the table must have.
 
     Raises:
         ProgramError: not such a table, or a cell that is not a number; with line and column.
@@ -264,8 +257,6 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     """Reads a table.
 
     Args:
-        content: content of the file, CSV or Parquet.
-        file: its name, for messages.
         case: gives home, kinematics, cycle and the size of the controller's memory.
 
     Raises:

@@ -243,7 +243,6 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        file: its name, for messages.
         case: gives the words of the machine's transformation, or its axes, and the limits of its program memory.
 
     Raises:

@@ -102,11 +102,6 @@ _WORD = re.compile(
 def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
     """The words of a line.
 
-    Args:
-        text: text of the line, plain ASCII.
-        line: its number, for messages.
-        file: name of the program, for messages.
-
     Raises:
         ProgramError: anything that is not a word of this language, with its column.
     """

@@ -233,7 +233,6 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        file: its name, for messages.
         case: gives kinematics, sign of B or axes, M functions and the limits of the program memory.
 
     Raises:

@@ -35,7 +35,6 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        file: its name, for messages.
         case: its chain is the robot's; its settings name the trigger's output.
 
     Raises:

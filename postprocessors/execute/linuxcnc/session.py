@@ -189,9 +189,6 @@ SAMPLES_FILE = "samples.f64"
 def read_report(program: Path, folder: Path) -> dict[str, Any]:
     """The report of a program that ran to its end.
 
-    Args:
-        program: the program, for messages.
-
     Returns:
         `version` of LinuxCNC; `started` and `ended`: rows between which the program ran; `samples` and `lost`: counts.
 
@@ -232,10 +229,6 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
 
 def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, Any], speedup: float) -> ControllerLog:
     """The log of a session, in SI units.
-
-    Args:
-        program: the program, for messages.
-        speedup: controller time per wall-clock time, for messages.
 
     Raises:
         LostCycles: cycles are missing.

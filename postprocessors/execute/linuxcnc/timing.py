@@ -48,9 +48,6 @@ def words(line: str) -> str:
 def dwells(program: Path, lines: list[str]) -> dict[int, float]:
     """The dwells of a program: line number, counted from 1, and duration [s].
 
-    Args:
-        program: the program, for messages.
-
     Raises:
         ExecutionError: a dwell has another form than `G4 P<seconds>` on a line of its own.
     """
