@@ -19,13 +19,6 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Comment:
-    """A remark for people."""
-
-    text: str  # any; dialects wrap it and replace what their controller cannot read
-
-
-@dataclass(frozen=True, slots=True)
 class ToHome:
     """A straight move to home at a safe feed from wherever the machine stands."""
 
@@ -89,7 +82,8 @@ class Trigger:
     on: bool
 
 
-Block = Comment | ToHome | ExactStopMove | Arc | TimedPath | SplinePath | Dwell | Trigger
+Block = str | ToHome | ExactStopMove | Arc | TimedPath | SplinePath | Dwell | Trigger
+"""Text is a remark for people: dialects wrap it and replace what their controller cannot read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +108,7 @@ def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
                 pose = block.pose
             case Trigger():
                 on = block.on
-            case Comment():
+            case str():
                 pass
             case Dwell():
                 motion = Standstill(pose, block.duration)

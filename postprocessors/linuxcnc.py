@@ -19,7 +19,6 @@ from postprocessors.blocks import (
     Arc,
     Array,
     Block,
-    Comment,
     Dwell,
     ExactStopMove,
     NeutralProgram,
@@ -75,8 +74,8 @@ class _LinuxCncWriter:
 
     def lines(self, block: Block, following: Block | None) -> list[str]:
         match block:
-            case Comment():
-                return _comments(block.text)
+            case str():
+                return _comments(block)
             case ToHome():
                 return [
                     *_comments("to home"),
@@ -194,6 +193,6 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
     lines += ["G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
     for k, block in enumerate(program.blocks):
-        following = next((b for b in program.blocks[k + 1 :] if not isinstance(b, Comment)), None)
+        following = next((b for b in program.blocks[k + 1 :] if not isinstance(b, str)), None)
         lines += writer.lines(block, following)
     return "\n".join([*lines, "M2"]) + "\n"

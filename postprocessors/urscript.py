@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from postprocessors.blocks import Array, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import Array, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.wording import comment_lines, digits, number
 
 DECIMALS = 9  # of angles [rad]
@@ -50,8 +50,8 @@ def _statements(program: NeutralProgram, at: Array, output: int, speeds: tuple[f
     """
     for block in program.blocks:
         match block:
-            case Comment():
-                yield from _comments(block.text)
+            case str():
+                yield from _comments(block)
             case ToHome():
                 yield from _comments("to home")
                 yield _move(block.pose, block.feed * speeds[1], block.feed * speeds[0])

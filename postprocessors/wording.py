@@ -21,7 +21,6 @@ from postprocessors.blocks import (
     Arc,
     Array,
     Block,
-    Comment,
     Dwell,
     ExactStopMove,
     NeutralProgram,
@@ -139,12 +138,7 @@ def feed_of(block: ExactStopMove | Arc, limits: Box, guarantees: Guarantees, lin
 
 
 def written_feed(block: ExactStopMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
-    """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it.
-
-    Args:
-        block: the move, with its planned duration.
-        limits: limits that the controller is set up with.
-    """
+    """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it."""
     written = as_written(block.move, limits.turns)
     way = (written.end - written.start)[~limits.turns]
     linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
@@ -220,8 +214,8 @@ class GroupedWriter(ABC):
     def lines(self, block: Block) -> list[str]:
         """The lines of a block; raises HexciteError for a path in a machine's own axes."""
         match block:
-            case Comment():
-                return comments(block.text)
+            case str():
+                return comments(block)
             case ToHome():
                 group = self.group(False, True) if self.own_axes else self.group(False)
                 move = f"{self.straight} {self.pose(block.pose)} F{home_feed(block, self.limits, self.own_axes)}"

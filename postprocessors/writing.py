@@ -16,7 +16,6 @@ from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import (
     Arc,
     Block,
-    Comment,
     Dwell,
     ExactStopMove,
     NeutralProgram,
@@ -223,11 +222,6 @@ def excitation_program(
     Approach and return are point-to-point moves where the excitation consists of such moves, else timed paths: a
     controller that is set up to follow dense paths may accelerate as hard as it can in a move that it times itself.
 
-    Args:
-        trajectory: the excitation, from rest to rest.
-        case: home, limits and controller settings.
-        speed: share of the planned speed.
-
     Raises:
         CaseError: the case has no machine or no controller.
     """
@@ -245,7 +239,7 @@ def excitation_program(
         share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
         move = slowed_for_forces(StraightMove.fastest(start, end, *share), case)
         if own_time:
-            blocks.extend([Comment(name), *motion_blocks(name, move, controller.block, speed)])
+            blocks.extend([name, *motion_blocks(name, move, controller.block, speed)])
         else:
             blocks.append(timed_path(name, move, controller.block, speed))
 

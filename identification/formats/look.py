@@ -107,8 +107,7 @@ def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int,
     last_blank = layout.format == "halsampler" and not layout.numeric[-1]
     names = layout.names[:-1] if last_blank else layout.names
     piles: dict[int, list[Array]] = {k: [] for k in positions}
-    trailing = 0 if layout.format == "twincat-scope" else layout.trailing_rows
-    for block in read_blocks(file, layout.header_rows, trailing or layout.trailing_rows):
+    for block in read_blocks(file, layout.header_rows, layout.trailing_rows):
         table = parse(file, block, layout.dialect, layout.names, positions, [])
         for k in positions:
             piles[k].append(table[k].to_numpy())

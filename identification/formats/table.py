@@ -154,11 +154,8 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
 def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
     """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
 
-    They are a straight line through the stamps, which leaves room for samples that were lost; behind a gap it begins
-    anew, with the same step.
-
-    Args:
-        t: ascending, shape (n,) [s]; at least two.
+    They are a straight line through the stamps, ascending, at least two, shape (n,) [s], which leaves room for samples
+    that were lost; behind a gap it begins anew, with the same step.
 
     Raises:
         RecordingError: a stamp is too far from equal steps.

@@ -16,8 +16,8 @@ from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Pause, Reading, Switch, axis_letters, each_word, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
+from postprocessors.reading import Reading, Switch, axis_letters, each_word, program_lines
+from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
@@ -78,7 +78,9 @@ class _LinuxCncInterpreter(ModalState):
         codes = [word for word in words if word.value is None]
         for word in words:
             if word.value is not None:
-                self._number(word, word.value)
+                if word.name not in (*self.axes, *"FPQIJK"):
+                    self.fail(word, f"{word.name}{word.value:g} is not a word of an excitation; remove it")
+                self.require_number(word)
         self.require_one_of_each_group(block)
         for word in codes:
             self._code(word, block)
@@ -102,12 +104,6 @@ class _LinuxCncInterpreter(ModalState):
                 self.fail(block["G1"], f"G1 without F under G93; add {self.block_time}, or remove it")
             self.feed = None
 
-    def _number(self, word: Word, value: float) -> None:
-        if word.name not in (*self.axes, *"FPQIJK"):
-            self.fail(word, f"{word.name}{value:g} is not a word of an excitation; remove it")
-        if abs(value) > (LARGEST_FEED if word.name == "F" else LARGEST):
-            self.fail(word, f"{word.name}{value:g} is not a machine's number; correct it")
-
     def _code(self, word: Word, block: dict[str, Word]) -> None:
         code = word.name
         seconds = block["P"].value if "P" in block else None
@@ -118,9 +114,7 @@ class _LinuxCncInterpreter(ModalState):
             if code == "G64":
                 self.loose = self._looseness(word, block)
         elif code == "G4":
-            if seconds is None or seconds < 0.0:
-                self.fail(word, "G4 needs a duration in seconds that is not negative; write G4 P0.3")
-            self.events.append(Pause(self.line, seconds))
+            self.pause(word, seconds, "G4 P0.3")
         elif code in _SWITCHES:
             if seconds != 0.0:
                 self.fail(word, f"{code} needs P0, the output that the trigger is wired to")

@@ -10,7 +10,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
 from identification.trajectories.moves import Plane
-from postprocessors.reading import Array, Event, Move, Reading, Turn
+from postprocessors.reading import Array, Event, Move, Pause, Reading, Turn
 
 ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
 STILL = 1e-7  # [mm] between places that are the same
@@ -136,6 +136,23 @@ class ModalState(ABC):
             if value is None or not value > 0.0:
                 self.fail(seen["F"], f"feed F{value:g} is not positive; correct it")
             self.feed = value
+
+    def require_number(self, word: Word) -> None:
+        """Refuses a coordinate or feed that no machine has."""
+        if word.value is None or abs(word.value) > (LARGEST_FEED if word.name == "F" else LARGEST):
+            self.fail(word, f"{word.name.rstrip('=')} needs a plain number of a machine's size; correct it")
+
+    def require_alone(self, word: Word, seen: dict[str, Word]) -> None:
+        """Refuses other words in the block of one that needs it for itself."""
+        if set(seen) - {word.name, "N"}:
+            self.fail(word, f"{word.name} stands in a block of its own; move the other words")
+
+    def pause(self, word: Word, seconds: float | None, usual: str) -> None:
+        """A dwell, which is usually written like that."""
+        if seconds is None or not 0.0 <= seconds <= LARGEST:
+            self.fail(word, f"{word.name} needs a duration in seconds that is not negative; write {usual}")
+        self.events.append(Pause(self.line, seconds))
+        self.flowing = False
 
     def refuse_centres(self, seen: dict[str, Word], arcs: str) -> None:
         """I, J and K belong to arcs."""

@@ -14,8 +14,8 @@ from cases.chain import Chain
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Event, Pause, Reading, Switch, axis_letters, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
+from postprocessors.reading import Event, Reading, Switch, axis_letters, program_lines
+from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
     LONGEST_LINE,
@@ -79,9 +79,7 @@ class _SinumerikInterpreter(ModalState):
         if name in (_OF_OWN_AXES if self.own_axes else MODAL):
             self.activate(name)
         elif name in (*self.axes, "F") or (name in ("PL=", "I", "J", "K") and not self.own_axes):
-            largest = LARGEST_FEED if name == "F" else LARGEST
-            if word.value is None or abs(word.value) > largest:
-                self.fail(word, f"{name.rstrip('=')} needs a plain number of a machine's size; correct it")
+            self.require_number(word)
         elif name == "%":
             self._program_name(word)
         elif name == "FGROUP":
@@ -94,8 +92,7 @@ class _SinumerikInterpreter(ModalState):
             s, short = self.of_pose, name == "CTOL="
             self._tolerance(name[:-1], word, s.contour_tolerance_mm if short else s.orientation_tolerance_deg)
         elif self._called(word) in (self.of_pose.transformation, self.of_pose.transformation_off):
-            if set(block) - {word.name, "N"}:
-                self.fail(word, f"{word.name} stands in a block of its own; move the other words")
+            self.require_alone(word, block)
             self.transformed = self._called(word) == self.of_pose.transformation
         else:
             self._refuse(name, word)
@@ -159,12 +156,8 @@ class _SinumerikInterpreter(ModalState):
         if set(block) - {"G4", "F", "N"}:
             other = next(w for name, w in block.items() if name not in ("G4", "F", "N"))
             self.fail(other, "G4 stands in a block of its own with its seconds as F; write G4 F0.3")
-        seconds = block["F"].value if "F" in block else None
-        if seconds is None or not 0.0 <= seconds <= LARGEST:
-            self.fail(word, "G4 needs a duration in seconds that is not negative; write G4 F0.3")
         self._flush_trigger(before_motion=False)
-        self.events.append(Pause(self.line, seconds))
-        self.flowing = False
+        self.pause(word, block["F"].value if "F" in block else None, "G4 F0.3")
 
     def _feed_and_move(self, block: dict[str, Word], polynomials: list[Word]) -> None:
         self.take_feed(block)

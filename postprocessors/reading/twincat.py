@@ -12,8 +12,8 @@ from cases.chain import Chain
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Pause, Reading, Switch, axis_letters, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
+from postprocessors.reading import Reading, Switch, axis_letters, program_lines
+from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
@@ -77,8 +77,7 @@ class _TwinCatInterpreter(ModalState):
         if name in (_OF_OWN_AXES if self.own_axes else MODAL) and word.value is None:
             self._mode(name, word)
         elif name in (*self.axes, "F") or (name in ("I", "J", "K") and not self.own_axes):
-            if word.value is None or abs(word.value) > (LARGEST_FEED if name == "F" else LARGEST):
-                self.fail(word, f"{name} is not a machine's number; correct it")
+            self.require_number(word)
         elif name == "%":
             program = (word.arguments or ("",))[0]
             if self.events or self.modal or re.match(TWINCAT_NAME, program) is None:
@@ -98,8 +97,7 @@ class _TwinCatInterpreter(ModalState):
         self.activate(name)
 
     def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
-        if set(block) - {name, "N"}:
-            self.fail(word, f"{name} stands in a block of its own; move the other words")
+        self.require_alone(word, block)
         if self.path.kind or self.flowing:
             self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
         self.events.append(Switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True))
@@ -156,12 +154,9 @@ class _TwinCatInterpreter(ModalState):
             self.fail(word, f"{word.name} is not what the case says; write {word.name}{written}")
 
     def _pause(self, word: Word, seconds: float | None) -> None:
-        if seconds is None or not 0.0 <= seconds <= LARGEST:
-            self.fail(word, f"{word.name} needs a duration in seconds that is not negative; write G04 0.3")
         if self.path.kind:
             self.fail(word, "a dwell within a path of points; end it first")
-        self.events.append(Pause(self.line, seconds))
-        self.flowing = False
+        self.pause(word, seconds, "G04 0.3")
 
     def _dwell(self, block: dict[str, Word]) -> None:
         """`G04 3.0` or `G04 X3.0`, seconds."""

@@ -256,17 +256,7 @@ def _kinematics(case: Case) -> Iterator[str]:
 
 
 def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: float, box: bool = True) -> None:
-    """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
-
-    Args:
-        case: a case with machine, workspace, limits and controller.
-        home_joints: joints at home, shape (k,) [m or rad].
-        headroom: acceleration limits as a multiple of the case's.
-        box: whether the axes keep the box of `[limits.motion]`, else `[workspace]`; see `pose_range`.
-
-    Raises:
-        CaseError: the case lacks one of these parts.
-    """
+    """Writes all that LinuxCNC reads, but its program and display, into a folder of its own; the rest as `ini_text`."""
     for name, text in (
         (INI_FILE, ini_text(case, home_joints, headroom, box)),
         (HAL_FILE, hal_text(case)),

@@ -183,11 +183,7 @@ def without_surplus(
     Left out are cycles in the middle of a standstill, during which nothing changed, so that each dwell is as long as
     programmed, and a switch without one takes `FEWEST_CYCLES`. Where the trigger switches between dwells, each is
     shortened by itself; where the log does not show the switches that the program asks for, nothing is left out.
-
-    Args:
-        durations: line number and duration [s] of each dwell.
-        switched: line number of each switch, and whether it switches on.
-        window: rows between which the program ran: first, and one past the last.
+    Arguments as `dwell_problem`.
     """
     mask = np.ones(len(log.lines), dtype=bool)
     for numbers, rows in _standstills(log, durations.keys() | switched.keys(), window):
