@@ -15,6 +15,7 @@ from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Untimed, stretches
+from postprocessors.reading import Pause
 from postprocessors.writing import proven_program
 from tests.helpers import one_line
 from tests.postprocessors.joint_walks import walk
@@ -136,7 +137,7 @@ def test_standstills_switch_the_trigger_at_each(name: str) -> None:
     back = StraightMove.fastest(away, home, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     motion = Joined((Measurement(home, 0.5, 1.0), there, Measurement(away, 0.5, 1.0), back))
     program = proven_program(motion, CASE, dialect(name).load(), FILES[name], ())
-    pauses = [event.duration for event in program.reading.events if hasattr(event, "duration")]
+    pauses = [event.duration for event in program.reading.events if isinstance(event, Pause)]
     assert pauses == [0.5, 1.0, 0.5, 1.0]
 
 
