@@ -5,8 +5,7 @@ mathematics stays CasADi's own expression graph; only the spelling of `a + b` or
 hold what people read around it.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 
 import casadi as ca
 
@@ -61,13 +60,14 @@ def _c_function(function: ca.Function, name: str, parameters: list[str]) -> dict
     def element(argument: str, k: int) -> str:
         return f"u->{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
 
-    language = CodeLanguage(INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element)
+    code = statements(function, INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element)
     arguments = [
         f"const {name}_parameters *u" if n == "u" else f"const double {n}[{function.numel_in(k)}]"
         for k, n in enumerate(function.name_in())
     ]
     arguments += [f"double {n}[{function.numel_out(k)}]" for k, n in enumerate(function.name_out())]
-    return _spelled(function, language) | {"arguments": ", ".join(arguments)}
+    shown = {"name": function.name(), "comment": signature(function), "statements": code}
+    return shown | {"arguments": ", ".join(arguments)}
 
 
 AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N m]"), ("mz", "[N m]"))
@@ -107,13 +107,14 @@ def _st_function(function: ca.Function, camel: str, parameters: list[str]) -> di
         ca.OP_COS: "COS({0})",
         ca.OP_ATAN2: f"F_{camel}Atan2({{0}}, {{1}})",
     }
-    language = CodeLanguage(operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element)
+    code = statements(function, operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element)
     arguments = [
         f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
         for k, n in enumerate(function.name_in())
     ]
     arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
-    return _spelled(function, language) | {"arguments": arguments, "slots": function.sz_w()}
+    shown = {"name": function.name(), "comment": signature(function), "statements": code}
+    return shown | {"arguments": arguments, "slots": function.sz_w()}
 
 
 INFIX = {
@@ -129,36 +130,31 @@ INFIX = {
 """What C and Structured Text spell alike."""
 
 
-@dataclass(frozen=True, slots=True)
-class CodeLanguage:
-    """How a language spells instructions."""
-
-    operations: dict[int, str]  # format string of each operation of CasADi
-    # an intermediate value, from its number (each is assigned once) and its slot (reused when free)
-    temporary: Callable[[int, int], str]
-    assign: str  # an assignment to an intermediate value, from its name and an expression
-    store: str  # an assignment to an element of an output, from its name and an expression
-    element: Callable[[str, int], str]  # element k of the argument called name
-
-
-def _spelled(function: ca.Function, language: CodeLanguage) -> dict[str, object]:
-    """What templates show of a function in every language."""
-    return {"name": function.name(), "comment": signature(function), "statements": statements(function, language)}
-
-
 def operand(value: float) -> str:
     """A literal inside an expression: in brackets if negative."""
     text = number(value)
     return f"({text})" if text.startswith("-") else text
 
 
-def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
+def statements(
+    function: ca.Function,
+    operations: Mapping[int, str],
+    temporary: Callable[[int, int], str],
+    assign: str,
+    store: str,
+    element: Callable[[str, int], str],
+) -> Iterator[str]:
     """The statements that evaluate `function`, in order.
 
     Outputs are stored while inputs are still read: they must not share memory.
 
     Args:
         function: an SX function with dense inputs and outputs.
+        operations: format string of each operation of CasADi.
+        temporary: an intermediate value, from its number (each is assigned once) and its slot (reused when free).
+        assign: an assignment to an intermediate value, from its name and an expression.
+        store: an assignment to an element of an output, from its name and an expression.
+        element: element k of the argument called name.
 
     Raises:
         ValueError: a sparse output, or an operation that has no spelling.
@@ -173,16 +169,16 @@ def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
         if code == ca.OP_CONST:
             values[written[0]] = operand(function.instruction_constant(k))
         elif code == ca.OP_INPUT:
-            values[written[0]] = language.element(function.name_in(read[0]), read[1])
+            values[written[0]] = element(function.name_in(read[0]), read[1])
         elif code == ca.OP_OUTPUT:
-            place = language.element(function.name_out(written[0]), written[1])
-            yield language.store.format(place, values[read[0]])
+            place = element(function.name_out(written[0]), written[1])
+            yield store.format(place, values[read[0]])
         else:
-            if code not in language.operations:
+            if code not in operations:
                 raise ValueError(f"{function.name()}: instruction {k} has operation {code}, which has no spelling")
-            expression = language.operations[code].format(*(values[slot] for slot in read))
-            values[written[0]] = language.temporary(k, written[0])
-            yield language.assign.format(values[written[0]], expression)
+            expression = operations[code].format(*(values[slot] for slot in read))
+            values[written[0]] = temporary(k, written[0])
+            yield assign.format(values[written[0]], expression)
 
 
 def measurement(model: Model) -> ca.Function:

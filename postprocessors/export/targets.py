@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable
 from itertools import permutations, product
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,8 +104,8 @@ def urscript_payload(calibration: Calibration) -> str:
     Raises:
         IdentificationError: a static model, which has no inertia, or a body that is none or too large.
     """
-    body = identified_load(calibration, "set_target_payload")
-    elements = [body.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    mass, centre, inertia = identified_load(calibration, "set_target_payload")
+    elements = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     if max(map(abs, elements)) > LARGEST:
         raise IdentificationError(
             f"{calibration.result.source}: an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
@@ -116,7 +115,7 @@ def urscript_payload(calibration: Calibration) -> str:
         *(f"# {line}" for line in comment_lines(calibration)),
         "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
         "# tool flange = sensor frame {P} of the case; m from it, kg m^2 about the centre of gravity",
-        f"set_target_payload({body.mass:.4f}, {_list(body.centre, 5)}, {_list(elements, 6)})",
+        f"set_target_payload({mass:.4f}, {_list(centre, 5)}, {_list(elements, 6)})",
     ]
     return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
 
@@ -146,18 +145,10 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
     return best
 
 
-class IdentifiedLoad(NamedTuple):
-    """What the force sensors carry, as a rigid body in {P}."""
+def identified_load(calibration: Calibration, command: str) -> tuple[float, Array, Array]:
+    """What the force sensors carry, as a rigid body in {P}, for a controller's command of some name.
 
-    mass: float  # [kg]
-    centre: Array  # of gravity, shape (3,) [m]
-    inertia: Array  # about the centre of gravity, shape (3, 3) [kg m^2]
-    moments: Array  # principal moments of inertia, shape (3,) [kg m^2]
-    turn: Array  # rotation from their axes to {P}, shape (3, 3)
-
-
-def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
-    """The identified body, for a controller's command of some name.
+    Mass [kg], centre of gravity, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2].
 
     Raises:
         IdentificationError: a static model, which has no inertia, an inertia that no body has, or sensors in struts at
@@ -178,14 +169,13 @@ def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
     value = {name: v.value for name, v in calibration.physical.items()}
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    moments, turn = principal_axes(inertia)
-    smallest, middle, largest = np.sort(moments)
+    smallest, middle, largest = moments = np.linalg.eigvalsh(inertia)
     if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
         raise IdentificationError(
             f"{source}: no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2; "
             "identify from a run that turns the machine more"
         )
-    return IdentifiedLoad(value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia, moments, turn)
+    return value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia
 
 
 def isg_load(calibration: Calibration) -> str:
@@ -198,12 +188,13 @@ def isg_load(calibration: Calibration) -> str:
     Raises:
         IdentificationError: a static model, which has no inertia, or an inertia that no body has.
     """
-    body = identified_load(calibration, "#LIMIT LOAD")
-    rx, ry, rz = Rotation.from_matrix(body.turn).as_euler("xyz") / DEG
-    words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", body.centre / MM, strict=True)]
+    mass, centre, inertia = identified_load(calibration, "#LIMIT LOAD")
+    moments, turn = principal_axes(inertia)
+    rx, ry, rz = Rotation.from_matrix(turn).as_euler("xyz") / DEG
+    words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", centre / MM, strict=True)]
     words += [f"{letter}={v:.4f}" for letter, v in zip(("RX", "RY", "RZ"), (rx, ry, rz), strict=True)]
-    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), body.moments, strict=True)]
-    words.append(f"MASS={body.mass:.4f}")
+    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), moments, strict=True)]
+    words.append(f"MASS={mass:.4f}")
     load = " ".join(words)
     comments = [
         *comment_lines(calibration),
