@@ -59,26 +59,12 @@ _GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
     ("override", (OVERRIDE,), {"%": 0.01, "1": 1.0}),
 )
 GROUP_UNITS = {name: units for name, _, units in _GROUPS}
-_GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
-
-
-def group_of(column: str) -> str | None:
-    """The group of `units` that covers a column; None where it has no unit."""
-    return _GROUP_OF.get(column)
+GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
 
 
 def units_of(name: str) -> Mapping[str, float]:
     """Units that a group or column may have in a file, with their SI values; empty where it has none."""
-    return GROUP_UNITS.get(_GROUP_OF.get(name, name), {})
-
-
-def si_factor(column: str, units: Mapping[str, str]) -> float:
-    """SI value of the file's unit of a column: its own entry in `units`, else its group's, else that of its name."""
-    group = _GROUP_OF.get(column)
-    if group is None:
-        return 1.0
-    factors = GROUP_UNITS[group]
-    return factors[units.get(column, units.get(group, next(iter(factors))))]
+    return GROUP_UNITS.get(GROUP_OF.get(name, name), {})
 
 
 # A mounting matrix is typed by hand with a few digits; beyond this it is not a rotation.
@@ -251,8 +237,12 @@ class RecordingFormat(Part):
         return self.columns.get(ours, ours)
 
     def factor(self, ours: str) -> float:
-        """SI value of the file's unit of one of our columns."""
-        return si_factor(ours, self.units)
+        """SI value of a column's unit in the file, by its own entry in `units`, its group's, or that of its name."""
+        group = GROUP_OF.get(ours)
+        if group is None:
+            return 1.0
+        factors = GROUP_UNITS[group]
+        return factors[self.units.get(ours, self.units.get(group, next(iter(factors))))]
 
     @property
     def clock_unit(self) -> str:

@@ -13,6 +13,7 @@ from cases.recording_format import (
     CLOCK,
     COLUMNS,
     DRIVES,
+    GROUP_OF,
     GROUP_UNITS,
     POSE,
     ROTATION,
@@ -21,7 +22,6 @@ from cases.recording_format import (
     TRIGGER,
     WRENCH,
     RecordingFormat,
-    group_of,
     units_of,
 )
 from cases.schema import Case
@@ -241,7 +241,7 @@ def _meaning_settings(
     settings |= {"columns": renamed} if renamed else {}
     differing: dict[str, str] = {}
     for group in GROUP_UNITS:
-        members = [ours for ours in ordered if group_of(ours) == group]
+        members = [ours for ours in ordered if GROUP_OF.get(ours) == group]
         group_units = {units[ours] for ours in members if ours in units}
         if (
             len(group_units) == 1
