@@ -64,7 +64,7 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
         reporter = None if progress is None else Progress(request, case, progress)
-        listener = SILENT if reporter is None else Listener(reporter.begin, reporter.done, reporter.news)
+        listener = SILENT if reporter is None else Listener(reporter.begin, reporter.done, reporter.show)
 
         def make(wanted: Request) -> Plan:
             return make_until_ctrl_c(wanted, case, listener)
@@ -186,23 +186,21 @@ class Progress:
                 self.since = 0
             if self.best is None or start.promise > self.best.promise:
                 self.best = start
-        self.remark(self.words())
+        self.show()
 
-    def news(self, word: News) -> None:
-        """A start is under way."""
-        self.remark(self.words())
-
-    def words(self) -> str:
-        """One line."""
+    def show(self, word: News | None = None) -> None:
+        """Shows one line: a start is under way, or has ended."""
         seconds = time.monotonic() - self.began
         other = "" if self.request.family.name == self.asked.family.name else f"{self.request.family.name} instead: "
         if self.best is None:
-            return f"{other}first starts, {seconds:.0f} s"
+            self.remark(f"{other}first starts, {seconds:.0f} s")
+            return
         if self.bound is not None:
             text = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
         else:
             text = f"criterion {self.request.criterion} {self.best.score:.4g}"
-        return f"{other}{text} after {self.count} start{'s' * (self.count > 1)}, {seconds:.0f} s, {self._left(seconds)}"
+        starts = f"{self.count} start{'s' * (self.count > 1)}"
+        self.remark(f"{other}{text} after {starts}, {seconds:.0f} s, {self._left(seconds)}")
 
     def _left(self, seconds: float) -> str:
         if self.request.seconds is not None:

@@ -1,5 +1,6 @@
 """A plan: the chosen motion or set of poses, what it promises, and the proof of its limits."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,7 +11,7 @@ from cases.basis import KEPT, plan_basis
 from cases.errors import HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import DEG, MM, as_html
 from identification.estimation.fit import PoseField
 from identification.limit import LimitReport
 from identification.model import identification_model
@@ -201,7 +202,11 @@ class Plan:
             kind = "certified" if worth.bound.certified else "an estimate"
             lines.append(f"D-efficiency {worth.d_efficiency:.3f} against the box bound ({kind})")
             lines += [f"weak: {weakness}" for weakness in worth.weaknesses]
-        lines += [f"predicted standard deviations, {line}" for line in self.deviations()]
+        by_unit: dict[str, list[str]] = {}
+        for name, std, unit in self._deviations():
+            by_unit.setdefault(unit, []).append(f"{name} {std}")
+        width = max(map(len, by_unit))
+        lines += [f"predicted standard deviations, {u:{width}}  {', '.join(texts)}" for u, texts in by_unit.items()]
         checks = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
         lines.append(f"limits most used: {', '.join(f'{c.name} {share_text(c.ratio)}' for c in checks)}")
         return "\n".join(lines)
@@ -209,26 +214,17 @@ class Plan:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        from cases.units import as_html
-
         return as_html(str(self))
 
     def deviation_rows(self) -> tuple[tuple[str, str, str], ...]:
         """Predicted standard deviations for people: each parameter in words, its deviation, and the unit of that."""
-        rods, rows = carries_rods(self.predicted_std), []
-        for p in physical_form(identification_model(self.case, self.model)).parameters:
-            scale, unit = legible(p.unit)
-            rows.append((parameter_words(p.name, rods), std_text(self.predicted_std[p.name] * scale), unit))
-        return tuple(rows)
+        rods = carries_rods(self.predicted_std)
+        return tuple((parameter_words(name, rods), std, unit) for name, std, unit in self._deviations())
 
-    def deviations(self) -> list[str]:
-        """Predicted standard deviations as text, a line for each unit."""
-        lines: dict[str, list[str]] = {}
+    def _deviations(self) -> Iterator[tuple[str, str, str]]:
         for p in physical_form(identification_model(self.case, self.model)).parameters:
             scale, unit = legible(p.unit)
-            lines.setdefault(unit, []).append(f"{p.name} {std_text(self.predicted_std[p.name] * scale)}")
-        width = max(map(len, lines))
-        return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]
+            yield p.name, std_text(self.predicted_std[p.name] * scale), unit
 
 
 def poses_in_units(poses: Array, case: Case) -> Array:
