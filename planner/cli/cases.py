@@ -5,7 +5,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, limit_rows, print_json, print_table, status
+from planner.cli.console import (
+    LIMIT_COLUMNS,
+    Json,
+    Overwrite,
+    argument,
+    limit_rows,
+    option,
+    out,
+    print_json,
+    print_table,
+    status,
+)
 
 if TYPE_CHECKING:
     from planner.motion_box import MotionBox
@@ -40,8 +51,8 @@ def list_cases(json: Json = False) -> None:
 
 @app.command("check")
 def check(
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    propose: Annotated[bool, typer.Option("--propose", help="Find the largest reachable motion box.")] = False,
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    propose: Annotated[bool, option("Find the largest reachable motion box.", "--propose")] = False,
     json: Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
@@ -144,10 +155,8 @@ def _print_proposal(box: "MotionBox") -> None:
 
 @app.command("show")
 def show(
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Picture to write: .svg, .png or .pdf; SVG by default.")
-    ] = None,
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    output: Annotated[Path | None, out("Picture to write: .svg, .png or .pdf; SVG by default.")] = None,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
@@ -177,11 +186,11 @@ def show(
 
 @app.command("new")
 def new(
-    name: Annotated[str, typer.Argument(help="Name of the machine: small letters, digits and underscores.")],
-    like: Annotated[str | None, typer.Option("--like", help="Built-in case to begin from; hexapod by default.")] = None,
-    urdf: Annotated[Path | None, typer.Option("--urdf", help="Robot to begin from: a URDF file.")] = None,
-    flange: Annotated[str | None, typer.Option("--flange", help="Link of the URDF that carries the sensor.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to make; NAME by default.")] = None,
+    name: Annotated[str, argument("Name of the machine: small letters, digits and underscores.")],
+    like: Annotated[str | None, option("Built-in case to begin from; hexapod by default.", "--like")] = None,
+    urdf: Annotated[Path | None, option("Robot to begin from: a URDF file.", "--urdf")] = None,
+    flange: Annotated[str | None, option("Link of the URDF that carries the sensor.", "--flange")] = None,
+    output: Annotated[Path | None, out("Folder to make; NAME by default.")] = None,
     json: Json = False,
 ) -> None:
     """Begin the description of one's own machine.

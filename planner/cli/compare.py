@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from planner.cli import console
+from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
     from planner.comparison.advising import Comparison
@@ -13,11 +12,9 @@ if TYPE_CHECKING:
 
 
 def compare(
-    folders: Annotated[list[Path], typer.Argument(help="Folders of plan, poses, run and identify, in any mix.")],
+    folders: Annotated[list[Path], argument("Folders of plan, poses, run and identify, in any mix.")],
     case: console.OwnCase = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-comparison by default.")
-    ] = None,
+    output: Annotated[Path | None, out("Folder to write; hexcite-comparison by default.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -61,30 +58,26 @@ def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
 
 
 def validate(
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file, with payloads.")],
+    case: Annotated[str, argument("Built-in name, folder or case file, with payloads.")],
     methods: Annotated[
-        str | None,
-        typer.Option(help="Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, spline."),
+        str | None, option("Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, spline.")
     ] = None,
     recordings: Annotated[
-        Path | None,
-        typer.Option(help="Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted."),
+        Path | None, option("Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted.")
     ] = None,
     weights: Annotated[
-        str | None, typer.Option(help="How many weights are mounted: 0,3,5; by default none, and each up to all.")
+        str | None, option("How many weights are mounted: 0,3,5; by default none, and each up to all.")
     ] = None,
     plans: Annotated[
-        Path | None, typer.Option(help="Folder of an earlier validation: take its plans instead of new ones.")
+        Path | None, option("Folder of an earlier validation: take its plans instead of new ones.")
     ] = None,
-    on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
-    starts: Annotated[int, typer.Option(help="Random starts of the optimised methods.")] = 2,
-    seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
+    on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
+    starts: Annotated[int, option("Random starts of the optimised methods.")] = 2,
+    seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
     undisturbed: Annotated[
-        bool, typer.Option("--undisturbed", help="Without the disturbances of the simulated structure.")
+        bool, option("Without the disturbances of the simulated structure.", "--undisturbed")
     ] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-validation by default.")
-    ] = None,
+    output: Annotated[Path | None, out("Folder to write; hexcite-validation by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:

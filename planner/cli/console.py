@@ -42,6 +42,21 @@ Criterion = Annotated[
 ]
 
 
+def option(text: str, *names: str) -> Any:
+    """What typer knows of an option: what it means, and its names where they are not that of the parameter."""
+    return typer.Option(*names, help=text)
+
+
+def argument(text: str) -> Any:
+    """What typer knows of an argument."""
+    return typer.Argument(help=text)
+
+
+def out(text: str) -> Any:
+    """What typer knows of the option that says where to write."""
+    return typer.Option("-o", "--output", help=text)
+
+
 def print_json(value: dict[str, Any]) -> None:
     """One JSON object on stdout."""
     print(json.dumps(value, allow_nan=False))

@@ -3,26 +3,18 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from planner.cli.console import Json, Overwrite, print_json, print_table
+from planner.cli.console import Json, Overwrite, option, out, print_json, print_table
 
 if TYPE_CHECKING:
     from identification.outcome import Result
 
 
 def demo(
-    case: Annotated[
-        str, typer.Option(help="Built-in name, folder or case file, with a simulated machine.")
-    ] = "hexapod",
-    on: Annotated[
-        str | None, typer.Option(help="Controller: virtual or linuxcnc; by default LinuxCNC if installed.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
-    starts: Annotated[int, typer.Option(help="Number of random starts; one is enough for a demo.")] = 1,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for everything; hexcite-demo by default.")
-    ] = None,
+    case: Annotated[str, option("Built-in name, folder or case file, with a simulated machine.")] = "hexapod",
+    on: Annotated[str | None, option("Controller: virtual or linuxcnc; by default LinuxCNC if installed.")] = None,
+    seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
+    starts: Annotated[int, option("Number of random starts; one is enough for a demo.")] = 1,
+    output: Annotated[Path | None, out("Folder for everything; hexcite-demo by default.")] = None,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, print_json, print_table
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, argument, option, out, print_json, print_table
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -15,19 +13,14 @@ if TYPE_CHECKING:
 
 
 def export(
-    result: Annotated[Path, typer.Argument(help="Result folder of hexcite identify or tare.")],
+    result: Annotated[Path, argument("Result folder of hexcite identify or tare.")],
     to: Annotated[
         str,
-        typer.Option(
-            "--to",
-            help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), urscript, json.",
-        ),
+        option("c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), urscript, json.", "--to"),
     ],
     case: OwnCase = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Export a result with warnings; they are written into the file.")
-    ] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; for c a folder.")] = None,
+    force: Annotated[bool, option("Export a result with warnings; they are written into the file.", "--force")] = False,
+    output: Annotated[Path | None, out("File to write; for c a folder.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -61,16 +54,14 @@ def export(
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
 
-Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
+Parameters = Annotated[Path, option("Result folder of hexcite identify.", "--parameters")]
 
 
 def force(
-    recording: Annotated[Path, typer.Argument(help="Recording: a CSV file, or a folder of hexcite run.")],
+    recording: Annotated[Path, argument("Recording: a CSV file, or a folder of hexcite run.")],
     parameters: Parameters,
     case: OwnCase = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="CSV file to write; RECORDING-force.csv by default.")
-    ] = None,
+    output: Annotated[Path | None, out("CSV file to write; RECORDING-force.csv by default.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -135,12 +126,10 @@ def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
 
 
 def tare(
-    recording: Annotated[Path, typer.Argument(help="Recording of a standstill without contact.")],
+    recording: Annotated[Path, argument("Recording of a standstill without contact.")],
     parameters: Parameters,
     case: OwnCase = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Result folder to write; RESULT-tared by default.")
-    ] = None,
+    output: Annotated[Path | None, out("Result folder to write; RESULT-tared by default.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -175,8 +164,8 @@ def tare(
 
 
 def payload(
-    before: Annotated[Path, typer.Argument(help="Result folder without the payload.")],
-    after: Annotated[Path, typer.Argument(help="Result folder with it.")],
+    before: Annotated[Path, argument("Result folder without the payload.")],
+    after: Annotated[Path, argument("Result folder with it.")],
     case: OwnCase = None,
     stale: Stale = False,
     json: Json = False,

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from planner.cli import console
+from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
     from identification.formats.looked import Column, Look
@@ -13,74 +12,58 @@ if TYPE_CHECKING:
 
 def identify(
     recordings: Annotated[
-        list[Path],
-        typer.Argument(help="One run: a file, several files of it in any order, or a folder of hexcite run."),
+        list[Path], argument("One run: a file, several files of it in any order, or a folder of hexcite run.")
     ],
     case: console.OwnCase = None,
-    model: Annotated[
-        int | None, typer.Option(help="Identification model, 0 to 9; by default what the run can carry.")
-    ] = None,
+    model: Annotated[int | None, option("Identification model, 0 to 9; by default what the run can carry.")] = None,
     estimator: Annotated[
         str,
-        typer.Option(
-            help="gauss-markov, robust (gross errors), full (covariance of the channels), consistent "
+        option(
+            "gauss-markov, robust (gross errors), full (covariance of the channels), consistent "
             "(inertia of a real body) or nonlinear (physical parameters)."
         ),
     ] = "gauss-markov",
     weights: Annotated[
         str | None,
-        typer.Option(
-            help="W: equal, per_channel or per_unit (from the residuals), stated (from the noise of forces and "
+        option(
+            "W: equal, per_channel or per_unit (from the residuals), stated (from the noise of forces and "
             "accelerations in the case, through the model); by default the case's."
         ),
     ] = None,
-    fix: Annotated[
-        list[str] | None, typer.Option(help="A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")
-    ] = None,
-    drop: Annotated[
-        list[str] | None, typer.Option(help="A parameter to leave out, as if it were zero: k3. Repeatable.")
-    ] = None,
+    fix: Annotated[list[str] | None, option("A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")] = None,
+    drop: Annotated[list[str] | None, option("A parameter to leave out, as if it were zero: k3. Repeatable.")] = None,
     symmetric: Annotated[
-        bool, typer.Option("--symmetric", help="Symmetric platform: xC, yC and moments of deviation are zero.")
+        bool, option("Symmetric platform: xC, yC and moments of deviation are zero.", "--symmetric")
     ] = False,
-    prior: Annotated[list[str] | None, typer.Option(help="An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
+    prior: Annotated[list[str] | None, option("An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
     biases: Annotated[
         Path | None,
-        typer.Option(
-            help="Result of standstills: take the offsets of forces and accelerometer from it, with their uncertainty."
-        ),
+        option("Result of standstills: take the offsets of forces and accelerometer from it, with their uncertainty."),
     ] = None,
-    terms: Annotated[str | None, typer.Option(help="Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
+    terms: Annotated[str | None, option("Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
     poses: Annotated[
-        Path | None,
-        typer.Option(help="Plan of poses: average the run's standstills, which must be those of this plan."),
+        Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
     ] = None,
-    standstills: Annotated[
-        bool, typer.Option("--standstills", help="Average the run's standstills, wherever they are.")
-    ] = False,
+    standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
     period: Annotated[
         str | None,
-        typer.Option(
-            help="A run that repeats itself: average its periods, differentiate and filter by a Fourier series. "
+        option(
+            "A run that repeats itself: average its periods, differentiate and filter by a Fourier series. "
             "auto finds the period, or give it in seconds."
         ),
     ] = None,
     harmonics: Annotated[
-        int | None, typer.Option(help="Of that series; by default as many as stand out of the struts' noise.")
+        int | None, option("Of that series; by default as many as stand out of the struts' noise.")
     ] = None,
     flexible: Annotated[
         bool,
-        typer.Option(
+        option(
+            "The structure yields: estimate its lowest mode with the parameters, behind a low-pass at half of it.",
             "--flexible",
-            help="The structure yields: estimate its lowest mode with the parameters, behind a low-pass at half of it.",
         ),
     ] = False,
-    verify: Annotated[
-        Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write; RECORDING-result by default.")
-    ] = None,
+    verify: Annotated[Path | None, option("Predict this second run with the parameters of the first.")] = None,
+    output: Annotated[Path | None, out("Folder to write; RECORDING-result by default.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -125,14 +108,11 @@ def identify(
 
 
 def look(
-    recording: Annotated[Path, typer.Argument(help="File of unknown format: text or Parquet.")],
+    recording: Annotated[Path, argument("File of unknown format: text or Parquet.")],
     case: Annotated[
-        str | None,
-        typer.Option(help="Built-in name, folder or file: by its machine units are known, and what is missing."),
+        str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Picture to write; RECORDING-look.svg by default.")
-    ] = None,
+    output: Annotated[Path | None, out("Picture to write; RECORDING-look.svg by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from planner.cli import console
+from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
     from identification.limit import LimitReport
@@ -13,18 +12,14 @@ if TYPE_CHECKING:
 
 
 def bound(
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    model: Annotated[
-        int | None, typer.Option(help="Identification model; by default the largest of the machine.")
-    ] = None,
-    tight: Annotated[
-        bool, typer.Option("--tight", help="Count on rest at both ends and limited jerk; minutes.")
-    ] = False,
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    model: Annotated[int | None, option("Identification model; by default the largest of the machine.")] = None,
+    tight: Annotated[bool, option("Count on rest at both ends and limited jerk; minutes.", "--tight")] = False,
     time_limit: Annotated[
-        float, typer.Option(help="Stop after this many seconds of computing; the answer is an estimate.")
+        float, option("Stop after this many seconds of computing; the answer is an estimate.")
     ] = 120.0,
-    renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
+    renew: Annotated[bool, option("With --tight: compute it again; the tighter counts.", "--renew")] = False,
+    output: Annotated[Path | None, out("File for the JSON answer as well.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
@@ -99,20 +94,20 @@ def _show_bound(answer: dict[str, Any]) -> None:
 
 
 def retime(
-    source: Annotated[Path, typer.Argument(help="Plan folder.")],
+    source: Annotated[Path, argument("Plan folder.")],
     case: console.OwnCase = None,
     method: Annotated[
         str | None,
-        typer.Option(
-            help="ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit. By default "
+        option(
+            "ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit. By default "
             "what fits."
         ),
     ] = None,
     fastest: Annotated[
-        bool, typer.Option("--fastest", help="ipopt: as fast as the limits allow, not only as slow as needed.")
+        bool, option("ipopt: as fast as the limits allow, not only as slow as needed.", "--fastest")
     ] = False,
-    model: Annotated[int | None, typer.Option(help="Identification model; the plan's own by default.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Plan folder of the re-timed motion.")] = None,
+    model: Annotated[int | None, option("Identification model; the plan's own by default.")] = None,
+    output: Annotated[Path | None, out("Plan folder of the re-timed motion.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,

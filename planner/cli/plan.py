@@ -9,15 +9,14 @@ import typer
 
 from cases.sensors import payload_words
 from planner.cli import console
+from planner.cli.console import argument, option, out
 
 MOST_USED = 0.9  # share of a limit from which on it is shown
 
 if TYPE_CHECKING:
     from planner.plans import Plan
 
-Out = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Folder to write; named after case and family by default.")
-]
+Out = Annotated[Path | None, out("Folder to write; named after case and family by default.")]
 
 
 MOVING = ("fourier", "ptp", "spline")  # families that are optimised
@@ -32,62 +31,52 @@ OPTIONS = {"controller": "for"}  # that are not called as their parameters are
 
 def plan(
     context: typer.Context,
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
     family: Annotated[
         str,
-        typer.Option(
-            help="Family of motions: manual, fourier, ptp, spline. By default ptp, or spline where the controller's "
+        option(
+            "Family of motions: manual, fourier, ptp, spline. By default ptp, or spline where the controller's "
             "steps of acceleration would shake the machine more than they tell."
         ),
     ] = "ptp",
     criterion: console.Criterion = "D",
-    duration: Annotated[
-        float, typer.Option(help="Whole duration in s; a multiple of --period where that is given.")
-    ] = 12.0,
-    order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
-    period: Annotated[
-        float | None, typer.Option(help="fourier: period in s; by default about 2, to fit --duration.")
-    ] = None,
-    free_order: Annotated[bool, typer.Option("--free-order", help="fourier: search the best order, 2 to 7.")] = False,
+    duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
+    order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
+    period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
+    free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
     free_period: Annotated[
-        bool, typer.Option("--free-period", help="fourier: search the best period of which --duration is a multiple.")
+        bool, option("fourier: search the best period of which --duration is a multiple.", "--free-period")
     ] = False,
-    centred: Annotated[bool, typer.Option(help="fourier: keep x0 in the middle of the box.")] = False,
+    centred: Annotated[bool, option("fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[
         int | None,
-        typer.Option(
-            help="ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."
-        ),
+        option("ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."),
     ] = None,
     controller: Annotated[
         str | None,
-        typer.Option(
-            "--for",
-            help="ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat, setpoints, urscript or ros2; "
+        option(
+            "ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat, setpoints, urscript or ros2; "
             "by default as the case says, else with limited jerk.",
+            "--for",
         ),
     ] = None,
-    knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
+    knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second.")] = None,
     sequence: Annotated[
-        Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
+        Path | None, option("manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
     ] = None,
-    model: Annotated[
-        int | None, typer.Option(help="Identification model, 0 to 9; by default the largest of the machine.")
-    ] = None,
+    model: Annotated[int | None, option("Identification model, 0 to 9; by default the largest of the machine.")] = None,
     payload: Annotated[
-        str, typer.Option(help="How many of the case's payloads are mounted: a number, or a range such as 0-5.")
+        str, option("How many of the case's payloads are mounted: a number, or a range such as 0-5.")
     ] = "0",
     target: Annotated[
         list[str] | None,
-        typer.Option(
-            help="Standard deviation to be met, as m=0.05kg or zC=0.3mm; --duration is then the longest allowed."
-        ),
+        option("Standard deviation to be met, as m=0.05kg or zC=0.3mm; --duration is then the longest allowed."),
     ] = None,
-    starts: Annotated[int | None, typer.Option(help="Number of random starts; by default as many as pay.")] = None,
+    starts: Annotated[int | None, option("Number of random starts; by default as many as pay.")] = None,
     seconds: Annotated[
-        float | None, typer.Option(help="Time for the search in s; by default until more starts stop paying.")
+        float | None, option("Time for the search in s; by default until more starts stop paying.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
+    seed: Annotated[int, option("Seed of the random starts.")] = 0,
     output: Out = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -106,7 +95,7 @@ def plan(
     from planner.search.inside import require_plannable
 
     kind, options = family_class(family), context.params
-    sources = {option: context.get_parameter_source(option) for option in BELONGS}
+    sources = {name: context.get_parameter_source(name) for name in BELONGS}
     family_source = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
@@ -163,14 +152,14 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
     """
     from cases.errors import HexciteError
 
-    for option in given:
-        name = OPTIONS.get(option, option.replace("_", "-"))
-        if family not in BELONGS[option]:
+    for given_option in given:
+        name = OPTIONS.get(given_option, given_option.replace("_", "-"))
+        if family not in BELONGS[given_option]:
             raise HexciteError(
                 f"--{name} does nothing with --family {family}; leave it out, or choose --family "
-                f"{', '.join(BELONGS[option])}"
+                f"{', '.join(BELONGS[given_option])}"
             )
-        if option.startswith("free_") and (fixed := option.removeprefix("free_")) in given:
+        if given_option.startswith("free_") and (fixed := given_option.removeprefix("free_")) in given:
             raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 

@@ -3,35 +3,39 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from planner.cli.console import Criterion, Json, Overwrite, print_answer, print_table, progress, save_with_page, status
+from planner.cli.console import (
+    Criterion,
+    Json,
+    Overwrite,
+    argument,
+    option,
+    out,
+    print_answer,
+    print_table,
+    progress,
+    save_with_page,
+    status,
+)
 
 if TYPE_CHECKING:
     from planner.plans import Plan
 
 
 def poses(
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
     criterion: Criterion = "D",
-    count: Annotated[int | None, typer.Option(help="Poses; by default 30.")] = None,
-    at: Annotated[
-        Path | None, typer.Option(help="CSV of poses of one's own: what they are worth beside chosen ones.")
-    ] = None,
-    method: Annotated[str, typer.Option(help="backward (Algorithm 1), backward-change, refine, or all.")] = "refine",
-    model: Annotated[
-        int | None, typer.Option(help="Identification model, 0 to 5; by default the largest of the machine.")
-    ] = None,
+    count: Annotated[int | None, option("Poses; by default 30.")] = None,
+    at: Annotated[Path | None, option("CSV of poses of one's own: what they are worth beside chosen ones.")] = None,
+    method: Annotated[str, option("backward (Algorithm 1), backward-change, refine, or all.")] = "refine",
+    model: Annotated[int | None, option("Identification model, 0 to 5; by default the largest of the machine.")] = None,
     candidates: Annotated[
-        int | None, typer.Option(help="Quasi-random candidates; by default the grid of the case, of a chain 2048.")
+        int | None, option("Quasi-random candidates; by default the grid of the case, of a chain 2048.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the sample.")] = 0,
+    seed: Annotated[int, option("Seed of the sample.")] = 0,
     noise: Annotated[
-        float | None, typer.Option(help="Scatter of an averaged force in N; by default that of the sensors' noise.")
+        float | None, option("Scatter of an averaged force in N; by default that of the sensors' noise.")
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")
-    ] = None,
+    output: Annotated[Path | None, out("Folder to write; named after the case by default.")] = None,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:

@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from planner.cli import console
+from planner.cli.console import argument, option, out
 from planner.precision import share_text
 
 if TYPE_CHECKING:
@@ -17,25 +16,23 @@ if TYPE_CHECKING:
 
 Accept = Annotated[
     list[str] | None,
-    typer.Option(help="A limit that the controller does not enforce and that you answer for, as in: --accept jerk."),
+    option("A limit that the controller does not enforce and that you answer for, as in: --accept jerk."),
 ]
 
 
 def post(
-    plan: Annotated[Path | None, typer.Argument(help="Plan folder.")] = None,
+    plan: Annotated[Path | None, argument("Plan folder.")] = None,
     dialect: Annotated[
         str | None,
-        typer.Option(
-            help="The controller's language; by default the one that the suffix of --output names, else that of the "
+        option(
+            "The controller's language; by default the one that the suffix of --output names, else that of the "
             "controller that the plan was made for, else the first that the case can; without a plan, all are listed."
         ),
     ] = None,
-    speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
+    speed: Annotated[float, option("Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
     case: console.OwnCase = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
-    ] = None,
+    output: Annotated[Path | None, out("Program to write; by default the plan's name.")] = None,
     stale: console.Stale = False,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -93,11 +90,9 @@ def answer_of_program(program: "Program") -> dict[str, Any]:
 
 
 def check(
-    program: Annotated[Path, typer.Argument(help="Program file.")],
-    case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
-    dialect: Annotated[
-        str | None, typer.Option(help="The program's language; by default the one that its suffix names.")
-    ] = None,
+    program: Annotated[Path, argument("Program file.")],
+    case: Annotated[str, option("Built-in name, folder or case file.")],
+    dialect: Annotated[str | None, option("The program's language; by default the one that its suffix names.")] = None,
     json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
@@ -157,18 +152,15 @@ ANSWERED = (
 
 
 def run(
-    program: Annotated[Path, typer.Argument(help="Program file.")],
-    case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
-    on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
-    seed: Annotated[int, typer.Option(help="Seed of the simulated sensors' noise.")] = 0,
-    payload: Annotated[int, typer.Option(help="How many of the case's weights are mounted on the machine.")] = 0,
+    program: Annotated[Path, argument("Program file.")],
+    case: Annotated[str, option("Built-in name, folder or case file.")],
+    on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
+    seed: Annotated[int, option("Seed of the simulated sensors' noise.")] = 0,
+    payload: Annotated[int, option("How many of the case's weights are mounted on the machine.")] = 0,
     disturbed: Annotated[
-        bool,
-        typer.Option("--disturbed", help="With the case's disturbances: vibration, ripple, pose-dependent errors."),
+        bool, option("With the case's disturbances: vibration, ripple, pose-dependent errors.", "--disturbed")
     ] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write; PROGRAM-recording by default.")
-    ] = None,
+    output: Annotated[Path | None, out("Folder to write; PROGRAM-recording by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:

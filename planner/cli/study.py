@@ -3,21 +3,17 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
-
-from planner.cli.console import Json, print_answer, print_table, progress
+from planner.cli.console import Json, argument, option, out, print_answer, print_table, progress
 
 
 def study(
-    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    spec: Annotated[str, typer.Option(help="TOML file of the study, or a built-in one: paper, validation.")],
+    case: Annotated[str, argument("Built-in name, folder or case file.")],
+    spec: Annotated[str, option("TOML file of the study, or a built-in one: paper, validation.")],
     scheduler: Annotated[
-        str | None, typer.Option(help="Running Dask scheduler, tcp://host:port; by default this computer's cores.")
+        str | None, option("Running Dask scheduler, tcp://host:port; by default this computer's cores.")
     ] = None,
-    workers: Annotated[int | None, typer.Option(help="Processes on this computer; by default one a core.")] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Study folder; continued if it is there.")
-    ] = None,
+    workers: Annotated[int | None, option("Processes on this computer; by default one a core.")] = None,
+    output: Annotated[Path | None, out("Study folder; continued if it is there.")] = None,
     json: Json = False,
 ) -> None:
     """Plan, run and identify every cell of a grid of settings.
