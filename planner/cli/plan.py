@@ -16,9 +16,6 @@ MOST_USED = 0.9  # share of a limit from which on it is shown
 if TYPE_CHECKING:
     from planner.plans import Plan
 
-Out = Annotated[Path | None, out("Folder to write; named after case and family by default.")]
-
-
 MOVING = ("fourier", "ptp", "spline")  # families that are optimised
 BELONGS = {
     "duration": MOVING, "starts": MOVING, "seconds": MOVING, "seed": MOVING, "target": MOVING,
@@ -77,7 +74,7 @@ def plan(
         float | None, option("Time for the search in s; by default until more starts stop paying.")
     ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
-    output: Out = None,
+    output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:

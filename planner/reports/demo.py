@@ -116,14 +116,13 @@ def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> tuple[
     of_pose = execution.machine.of_pose
     executed = execution.kinematics(inside).twist_rate[:, :3] if of_pose else execution.struts(inside, 2)
     planned = sample(outcome.planned, DRAWN_RATE)
-    figure = Chart()
+    unit = "acceleration [m/s²]" if of_pose else "acceleration [rad/s² or m/s²]"
+    figure = Chart("time since the trigger [s]", unit)
     for k in range(executed.shape[1]):
         label, line = plain(limits.labels[k]), {"color": colour(k), "width": 1}
         x, y = thinned(t - t[0], executed[:, k])
         figure.add_scatter(x=x, y=y, name=f"{label} executed", line=line)
         x, y = thinned(planned.t, planned.accelerations[:, k])
         figure.add_scatter(x=x, y=y, name=f"{label} planned", line={**line, "width": 2, "dash": "dot"})
-    figure.update_xaxes(title="time since the trigger [s]")
-    figure.update_yaxes(title="acceleration [m/s²]" if of_pose else "acceleration [rad/s² or m/s²]")
     note = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
     return (Plot("executed", figure.update_layout(height=380), note),)

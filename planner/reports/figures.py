@@ -43,7 +43,7 @@ def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
             axes = [int(k) for k in np.flatnonzero(own)]
             if not axes:
                 continue
-            figure = Chart()
+            figure = Chart("time [s]", f"{name} [{unit}]")
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
                 figure.add_scatter(x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
@@ -52,8 +52,6 @@ def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
                 own_colours = zip(row, map(colour, axes), strict=True)
                 for value, c in [(row[0], GREY)] if shared else list(own_colours):
                     figure.add_hline(y=float(value), line={"color": c, "dash": "dash", "width": 1})
-            figure.update_xaxes(title="time [s]")
-            figure.update_yaxes(title=f"{name} [{unit}]")
             note = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
             if name == "jerk" and not np.any(values) and np.any(motion.accelerations):
                 note = "Accelerations step, and the jerk between the steps is zero: limits of jerk do not count here."
@@ -112,7 +110,7 @@ def limits_plot(report: LimitReport) -> Plot:
 
 def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
     """Forces as the estimator saw them (lines) and the model's (dotted)."""
-    figure = Chart()
+    figure = Chart(y=f"force [{_unit(channels)}]")
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.seen[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
@@ -120,19 +118,17 @@ def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
         dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
         figure.add_scatter(x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
     _over_samples(figure, residuals)
-    figure.update_yaxes(title=f"force [{_unit(channels)}]")
     source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
     return Plot("forces", figure.update_layout(height=340), f"Lines: {source}. Dotted: the identified model.")
 
 
 def residuals_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
     """What the model leaves of each channel over time; a long run is drawn by its extremes."""
-    figure = Chart()
+    figure = Chart(y=f"recorded - model [{_unit(channels)}]")
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.left[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
     _over_samples(figure, residuals)
-    figure.update_yaxes(title=f"recorded - model [{_unit(channels)}]")
     note = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
     return Plot("residuals", figure.update_layout(height=320), note)
 
@@ -143,12 +139,10 @@ def distribution_plot(residuals: "Residuals") -> Plot:
     scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
     density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
     x = (edges[1:] + edges[:-1]) / 2
-    figure = Chart()
+    figure = Chart("residual / rms of its channel", "density")
     figure.add("bar", x=x, y=density, marker={"color": GREY}, name="residuals")
     normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
     figure.add_scatter(x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
-    figure.update_xaxes(title="residual / rms of its channel")
-    figure.update_yaxes(title="density")
     note = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
     return Plot("distribution", figure.update_layout(height=320, bargap=0.0), note, half=True)
 

@@ -171,14 +171,12 @@ def force_items(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
 
 def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> Chart:
     """Six lines over time, with the limits that they share."""
-    figure = Chart()
+    figure = Chart("time [s]", unit)
     for k, name in enumerate(names):
         thin_x, thin_y = thinned(x, values[:, k])
         figure.add_scatter(x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
     for limit in limits:
         figure.add_hline(y=limit, line={"color": GREY, "dash": "dash", "width": 1})
-    figure.update_xaxes(title="time [s]")
-    figure.update_yaxes(title=unit)
     return figure.update_layout(height=height)
 
 
@@ -193,11 +191,10 @@ def information_items(case: Case, motion: Trajectory, model: Model) -> tuple[Ite
     alone = 1.0 / np.sqrt(np.diag(information))
     together = np.sqrt(np.diag(np.linalg.inv(information)))
     names = [plain(name) for name in model.names]
-    figure = Chart()
+    figure = Chart(y="std of one sample, scaled")
     figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
     figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.update_xaxes(tickangle=-60)
-    figure.update_yaxes(title="std of one sample, scaled")
     words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
     costs = Plot("information", figure.update_layout(height=360, barmode="group"), words)
     return (

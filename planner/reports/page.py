@@ -63,9 +63,11 @@ class Chart:
     Plotly's Python classes check each value anew, which took longer than all else on a page; tests let them check it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, x: str | None = None, y: str | None = None) -> None:
         self.data: list[dict[str, Any]] = []
         self.layout: dict[str, Any] = {"xaxis": {}, "yaxis": {}, "shapes": []}
+        self.update_xaxes(x)
+        self.update_yaxes(y)
 
     def add(self, kind: str, **attributes: Any) -> None:
         """Adds a trace of a type: scatter, bar, heatmap, box."""

@@ -170,11 +170,10 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
 
 def _over_load(steps: Sequence[MethodStep], values: Sequence[float | None]) -> Chart:
     """A line for each method that has values: these over the load."""
-    figure = Chart()
+    figure = Chart("load [kg]")
     for k, method in enumerate(_methods(steps)):
         own = [(s.load, v) for s, v in zip(steps, values, strict=True) if s.method == method and v is not None]
         if own:
             x, y = zip(*own, strict=True)
             figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})
-    figure.update_xaxes(title="load [kg]")
     return figure.update_layout(showlegend=True)

@@ -165,11 +165,10 @@ def _boxes(settings_groups: list[SettingsGroup]) -> tuple[Item, ...]:
         if not members:
             continue
         varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in members}) > 1]
-        figure = Chart()
+        figure = Chart(y=f"criterion {letter}")
         for g in members:
             name = ", ".join(f"{n} {g.settings[n]}" for n in varied if n in g.settings) or "all"
             figure.add("box", y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers")
-        figure.update_yaxes(title=f"criterion {letter}")
         figure.update_layout(showlegend=False)
         plots.append(Plot(f"spread-{letter}", figure, note=f"{len(members)} best settings for {letter}, a box each."))
     return tuple(plots)
