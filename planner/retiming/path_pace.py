@@ -7,10 +7,8 @@ says how far it strays.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
@@ -52,44 +50,44 @@ def retimed_path(
         raise InfeasiblePlan(
             f"a path of {path.duration:.0f} s is longer than the {LONGEST:g} s that this search takes; cut it"
         )
-    _require_rest(path, case)
+    limits, ends = case.need_motion("re-timing")[1], path.at([0.0, path.duration])
+    moving = np.abs(ends.rates) / limits.rate
+    if not moving.max() <= 1e-6:
+        end = "begins" if not moving[0].max() <= 1e-6 else "ends"
+        raise InfeasiblePlan(f"the path {end} at {100 * moving.max():.3g} % of a rate limit; it must be at rest there")
     own = not isinstance(path, TimedPoints) and prove(path, case).worst_ratio <= 1.0 - MARGIN + TOLERANCE
     if own and not fastest:
         return path, (0.0, 0.0), "its own pace keeps all limits"
-    best = _search(path, case, FASTEST if fastest else 1.0, told)
-    if own and best.duration >= path.duration:
+    best, spline, slower = _search(path, case, FASTEST if fastest else 1.0, told)
+    if own and spline.duration * slower >= path.duration:
         return path, (0.0, 0.0), "its own pace is the fastest that was found"
-    motion = _inside(best, case)
-    return motion, _off(motion, best, path, case.need_motion("re-timing")[1].turns), best.motion.solver
+    motion = _inside(spline, slower, case)
+    t = np.linspace(0.0, motion.duration, int(motion.duration * WATCHED) + 2)
+    off = motion.at(t).pose - path.at(best.places(t / motion.duration * spline.duration)).pose
+    position = float(np.linalg.norm(off[:, ~limits.turns], axis=1).max())
+    return motion, (position, float(np.abs(off[:, limits.turns]).max(initial=0.0))), best.solver
 
 
-class _Round(NamedTuple):
-    """A motion at a pace, its spline, and by how much that must be slower."""
-
-    motion: PacedMotion
-    spline: PolynomialMotion
-    slower: float
-
-    @property
-    def duration(self) -> float:
-        return self.spline.duration * self.slower
-
-
-def _search(path: Trajectory, case: Case, most: float, report: Callable[[str], None]) -> _Round:
+def _search(
+    path: Trajectory, case: Case, most: float, report: Callable[[str], None]
+) -> tuple[PacedMotion, PolynomialMotion, float]:
+    """The best motion of some rounds, its spline, and by how much that must be slower."""
     course = Course.of(path, case, MARGIN)
     factors = (np.ones(len(course.s)), np.ones(len(course.s)))
-    best: _Round | None = None
+    best, least = None, np.inf
     for number in range(ROUNDS):
         motion = paced(path, course, most, factors)
         spline = fitted_spline(motion, STEP)
         t = np.linspace(0.0, spline.duration, int(spline.duration * WATCHED) + 2)
         shares = kinetic_shares(spline, case, t)
         roots = [float(s.max()) ** (1.0 / order) for order, s in enumerate(shares, start=1)]
-        candidate = _Round(motion, spline, max(1.0, *roots) / (1.0 - MARGIN) if max(roots) > 1.0 - MARGIN else 1.0)
-        report(f"round {number + 1}: {candidate.duration:.3f} s")
-        gained = best is None or candidate.duration < best.duration * (1.0 - SETTLED)
-        best = candidate if best is None or candidate.duration < best.duration else best
-        if not gained or candidate.slower == 1.0:
+        slower = max(1.0, *roots) / (1.0 - MARGIN) if max(roots) > 1.0 - MARGIN else 1.0
+        duration = spline.duration * slower
+        report(f"round {number + 1}: {duration:.3f} s")
+        gained = duration < least * (1.0 - SETTLED)
+        if duration < least:
+            best, least = (motion, spline, slower), duration
+        if not gained or slower == 1.0:
             break
         places = motion.places(t)
         factors = (factors[0] / _passed(shares[1], places, course), factors[1] / _passed(shares[2], places, course))
@@ -108,15 +106,14 @@ def _passed(shares: Array, places: Array, course: Course) -> Array:
     return np.asarray(maximum_filter1d(over, 2 * POINTS + 1))
 
 
-def _inside(candidate: _Round, case: Case) -> PolynomialMotion:
+def _inside(spline: PolynomialMotion, slower: float, case: Case) -> PolynomialMotion:
     """The spline as much slower as the proof at 10 kHz and the sensors' forces need.
 
     Raises:
         InfeasiblePlan: a limit is passed that no pace helps against.
     """
-    slower = candidate.slower
     for _ in range(STRETCHES):
-        motion = candidate.spline.slowed(1.0 / slower)
+        motion = spline.slowed(1.0 / slower)
         report = prove(motion, case)
         if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
             return motion
@@ -127,22 +124,6 @@ def _inside(candidate: _Round, case: Case) -> PolynomialMotion:
             break
         slower *= SLOWER if worst.kind in _FORCES else 1.0 + 2e-4
     raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst, case)}")
-
-
-def _off(
-    motion: PolynomialMotion, candidate: _Round, path: Trajectory, turns: NDArray[np.bool_]
-) -> tuple[float, float]:
-    t = np.linspace(0.0, motion.duration, int(motion.duration * WATCHED) + 2)
-    off = motion.at(t).pose - path.at(candidate.motion.places(t / motion.duration * candidate.spline.duration)).pose
-    return float(np.linalg.norm(off[:, ~turns], axis=1).max()), float(np.abs(off[:, turns]).max(initial=0.0))
-
-
-def _require_rest(path: Trajectory, case: Case) -> None:
-    ends = path.at([0.0, path.duration])
-    share = np.abs(ends.rates) / case.need_motion("re-timing")[1].rate
-    if not share.max() <= 1e-6:
-        end = "begins" if not share[0].max() <= 1e-6 else "ends"
-        raise InfeasiblePlan(f"the path {end} at {100 * share.max():.3g} % of a rate limit; it must be at rest there")
 
 
 SAMPLES = 8  # of each interval, by whose poses the spline is fitted
