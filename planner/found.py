@@ -13,7 +13,6 @@ from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.bounds.kept import box_bound, known_tight_bound
-from planner.deviations import figures_of, predicted_std_of, worst_std
 from planner.families.fourier import FourierFamily
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
@@ -22,7 +21,7 @@ from planner.precision import solver_text
 from planner.request import Request, parse_targets
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.vibration import BothLaws, both_laws
-from planner.worth import BINDING, Search, Worth, bound_by
+from planner.worth import BINDING, Search, Worth, bound_by, figures_of, predicted_std_of, worst_std
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one

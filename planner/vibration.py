@@ -20,8 +20,8 @@ from identification.parameters import nominal_parameters, physical_form
 from identification.simulate import circumstances, mode_frequency
 from identification.trajectories.executed import Execution, vibrating
 from identification.trajectories.moves import StraightMove, has_steps
-from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
+from planner.worth import predicted_std_of
 
 if TYPE_CHECKING:
     from identification.signals import Filter

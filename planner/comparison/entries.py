@@ -24,13 +24,13 @@ from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
-from planner.deviations import predicted_std
 from planner.noise import PoseErrors, expected_noise, mean_information, of_estimate
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.identifying import standing_of
 from planner.vibration import Vibration, vibration
+from planner.worth import predicted_std
 
 
 class Level(IntEnum):

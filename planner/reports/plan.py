@@ -2,15 +2,18 @@
 
 from typing import Any
 
+import numpy as np
+
+from cases.errors import HexciteError
 from cases.files import provenance
-from identification.criteria import analyse
+from identification.criteria import analyse, reference_scaling
 from identification.estimation.fit import PoseField
 from identification.limit import Status
 from identification.model import Model, identification_model
 from identification.motion import sample
 from identification.parameters import physical_form
-from planner.deviations import beside_manual
-from planner.noise import standing_model
+from planner.families.manual import manual_motion, sequence_file
+from planner.noise import mean_information, standing_model
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_criteria import pose_regressors
@@ -20,7 +23,7 @@ from planner.reports.figures import COLOURS, GREY, identifiability_items, limits
 from planner.reports.machine import force_items, information_items, pictured, posing_machine, strut_items
 from planner.reports.page import Answers, Chart, Item, Note, Page, Plot, Section, Table, Tiles, plain
 from planner.request import PoseRequest
-from planner.worth import bound_by
+from planner.worth import bound_by, worst_std
 
 DRAWN_RATE = 500.0  # [1/s]
 
@@ -129,6 +132,32 @@ def _verdicts(plan: Plan) -> Answers:
             (not steps, "Is its jerk inside the limits?", jerk),
         )
     )
+
+
+def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
+    """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none.
+
+    Returns:
+        Predicted standard deviation of each physical parameter [SI] for as much measuring time as the plan's, repeated
+        or broken off, where errors average out; else, where they depend on the pose, of one run; its duration [s];
+        whether they average out.
+    """
+    if not plan.of_motion[0].family.optimised:
+        return "it is the motion itself"
+    try:
+        case = plan.case
+        model = identification_model(case, plan.model)
+        motion = manual_motion(case, sequence_file(case))
+        scaling = reference_scaling(case, model)
+        information = mean_information(model, scaling, motion)
+        if np.linalg.matrix_rank(information) < len(scaling):
+            return "the hand-made motion of this case does not determine all parameters of the model"
+        worst = worst_std(case, model, scaling, motion, plan.payloads)
+        averaging = case.sensors.pose_error_N is None
+        times = float(np.sqrt(motion.duration / plan.duration)) if averaging else 1.0
+        return {name: std * times for name, (std, _) in worst.items()}, motion.duration, averaging
+    except HexciteError as error:
+        return f"there is no hand-made motion to compare with: {error.typed}"
 
 
 def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:

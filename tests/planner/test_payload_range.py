@@ -8,11 +8,11 @@ from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.cli.plan import read_payloads
-from planner.deviations import predicted_std_of, worst_std
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise
 from planner.plan_folder import load_plan
 from planner.request import Request
+from planner.worth import predicted_std_of, worst_std
 from tests.planner.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
 

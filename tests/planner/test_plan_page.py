@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.loading import load_case
-from planner.deviations import beside_manual
 from planner.precision import std_text
+from planner.reports.plan import beside_manual
 from planner.request import Request
 from tests.helpers import few
 from tests.planner.browser import Opened, opened
