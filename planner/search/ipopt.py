@@ -8,9 +8,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.search.lifted import lifted
 from planner.search.program import NonlinearProgram
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,14 +105,12 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         start: shape (n,).
         watch: is told the objective of each iteration.
     """
-    n, bounds = program.unknowns, program.row_bounds
+    own = program.unknowns
+    program, start = lifted(program, start)
+    bounds, n = program.row_bounds, program.unknowns
     count = len(bounds[0])
-    rows, columns = program.pattern
-    order = np.lexsort((rows, columns))
-    table = ca.Sparsity.triplet(count, n, rows[order].tolist(), columns[order].tolist())
-    upper = np.triu_indices(n)
-    by_column = np.lexsort(upper)  # CasADi stores matrices by columns
-    upper = (upper[0][by_column], upper[1][by_column])
+    table, order = _sparsity(count, n, *program.pattern)
+    triangle, by_column = _sparsity(n, n, *program.hessian_pattern)
     vector, number = ca.Sparsity.dense(n, 1), ca.Sparsity.dense(1, 1)
     x, nothing = ("x", n), ("p", 0)
 
@@ -124,7 +124,7 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         return program.row_values(at), program.row_slopes(at)[order]
 
     def hessian(at: Array, _: Array, factor: Array, multipliers: Array) -> Sequence[Array]:
-        return (program.hessian(at, float(factor[0]), multipliers)[upper],)
+        return (program.hessian(at, float(factor[0]), multipliers)[by_column],)
 
     both = [("f", number), ("g", ca.Sparsity.dense(count, 1))]
     functions = {
@@ -133,7 +133,7 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         "hess_lag": Passed(
             "nlp_hess_l",
             [x, nothing, ("lam_f", 1), ("lam_g", count)],
-            [("hess_gamma_x_x", ca.Sparsity.upper(n))],
+            [("hess_gamma_x_x", triangle)],
             hessian,
         ),
     }
@@ -147,14 +147,20 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
     }
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
-    stats, last = solver.stats(), answer["x"].full()[:, 0]
+    stats, last = solver.stats(), answer["x"].full()[:own, 0]
     iterations = int(stats["iter_count"])
     if callback.settled:
-        return Reached(callback.best_unknowns, SETTLED, True, iterations)
+        return Reached(callback.best_unknowns[:own], SETTLED, True, iterations)
     status = str(stats["return_status"]).replace("_", " ").lower()
     better = callback.best < float(answer["f"]) or not stats["success"]
-    inside = callback.best_unknowns if np.isfinite(callback.best) and better else last
+    inside = callback.best_unknowns[:own] if np.isfinite(callback.best) and better else last
     return Reached(inside, status, bool(stats["success"]), iterations)
+
+
+def _sparsity(rows: int, columns: int, row: Indices, column: Indices) -> tuple[ca.Sparsity, Indices]:
+    """CasADi's pattern of a matrix, and in which order its values are stored: by columns."""
+    order = np.lexsort((row, column))
+    return ca.Sparsity.triplet(rows, columns, row[order].tolist(), column[order].tolist()), order
 
 
 _QUIET = {"print_time": False, "show_eval_warnings": False, "no_nlp_grad": True}

@@ -136,6 +136,7 @@ def _begin(stop: Any, news: Any) -> None:
     global _stop, _news
     _stop, _news = stop, news
     threadpool_limits(limits=1, user_api="blas")  # there is a process for each core
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for that of CasADi, which comes with IPOPT and which nobody else limits
     Thread(target=_end_with_parent, daemon=True).start()
 
 

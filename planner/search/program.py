@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from identification.model import Model
 from planner.search.objective import Felt, FieldByStates, Local, criterion_at
-from planner.search.rows import Blocks, Rows, pulled_back
+from planner.search.rows import Blocks, Rows, StateRows, pulled_back, states_bent
 from planner.search.states import SHARE, Kernel, States, state_size
 
 if TYPE_CHECKING:
@@ -68,6 +68,11 @@ class NonlinearProgram:
     def unknowns(self) -> int:
         """Their number n."""
         return len(self.lower)
+
+    @cached_property
+    def informative(self) -> int:
+        """How many unknowns, the first ones, move the information."""
+        return int(self.states.index.max()) + 1
 
     @property
     def size(self) -> int:
@@ -151,22 +156,54 @@ class NonlinearProgram:
         own = (pull[:, None, :] @ slopes)[:, 0]
         return np.asarray(np.bincount(index.ravel(), own.ravel(), self.unknowns), dtype=float)
 
+    @cached_property
+    def hessian_pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each value of `hessian`: the upper triangle of what moves the information is full."""
+        own, beyond = np.triu_indices(self.informative), self._beyond
+        return np.concatenate([own[0], beyond // self.unknowns]), np.concatenate([own[1], beyond % self.unknowns])
+
+    @cached_property
+    def _beyond(self) -> Indices:
+        """Places of the second derivatives by other unknowns, row times n + column, in ascending order."""
+        blocks = [p.states.index for p in self.rows if isinstance(p, StateRows)]
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *map(self._places, blocks)]))
+
+    def _places(self, index: Indices) -> Indices:
+        """Where the upper triangles of blocks lie that do not move the information; none where they do."""
+        if not index.size or index.max() < self.informative:
+            return np.zeros(0, dtype=np.intp)
+        rows, columns = np.triu_indices(index.shape[1])
+        return (index[:, rows] * self.unknowns + index[:, columns]).ravel()
+
     def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
-        """Second derivative of factor times the criterion plus the rows times multipliers, shape (n, n)."""
-        total = np.zeros((self.unknowns, self.unknowns))
-        first = 0
-        blocks: list[Blocks] = []
-        for part in self.rows:
-            own = part.curvature(unknowns, multipliers[first : first + len(part.lower)])
-            first += len(part.lower)
-            if own is not None:
-                blocks.append(own)
+        """Second derivative of factor times the criterion plus the rows times multipliers, as `hessian_pattern`."""
+        size, beyond = self.informative, np.zeros(len(self._beyond))
+        total = np.zeros((size, size))
+        blocks = self._rows_bent(unknowns, multipliers)
         if factor != 0.0 and (curvature := self._bent(unknowns, factor, total)) is not None:
             blocks.append(curvature)
         for index, matrices in blocks:
-            flat = (index[:, :, None] * self.unknowns + index[:, None, :]).ravel()
-            total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
-        return total
+            if len(places := self._places(index)):
+                rows, columns = np.triu_indices(index.shape[1])
+                into = np.searchsorted(self._beyond, places)
+                beyond += np.bincount(into, matrices[:, rows, columns].ravel(), len(beyond))
+            else:
+                flat = (index[:, :, None] * size + index[:, None, :]).ravel()
+                total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
+        return np.concatenate([total[np.triu_indices(size)], beyond])
+
+    def _rows_bent(self, unknowns: Array, multipliers: Array) -> list[Blocks]:
+        """Second derivatives of the rows; those of limits at the same states are pulled back together."""
+        first, blocks = 0, []
+        at_states: dict[int, list[tuple[StateRows, Array]]] = {}
+        for part in self.rows:
+            own = multipliers[first : first + len(part.lower)]
+            first += len(own)
+            if isinstance(part, StateRows):
+                at_states.setdefault(id(part.states), []).append((part, own))
+            elif (curvature := part.curvature(unknowns, own)) is not None:
+                blocks.append(curvature)
+        return [*blocks, *(states_bent(unknowns, parts) for parts in at_states.values())]
 
     def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
         """Second derivative of the criterion: adds the part through F to total, returns that along the states."""
@@ -222,7 +259,7 @@ class NonlinearProgram:
             squares = squares.reshape(blocks, -1, size * size)
             lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
             elements += lengths @ squares[:, :, upper * size + lower]
-        through = _spread(index, self.unknowns) @ elements.reshape(-1, len(upper))
+        through = _spread(index, len(total)) @ elements.reshape(-1, len(upper))
         diagonal = upper == lower
         weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
         main = through[:, diagonal]

@@ -1,5 +1,6 @@
 """Rows of a program: what must lie between two bounds, with sparse derivatives."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -171,7 +172,7 @@ class StateRows:
         return np.full(int(self.chosen.sum()), self.bound)
 
     @cached_property
-    def _needed(self) -> NDArray[np.bool_]:
+    def needed(self) -> NDArray[np.bool_]:
         """States with at least one row, shape (B, S)."""
         return np.asarray(self.chosen.any(axis=2))
 
@@ -189,27 +190,48 @@ class StateRows:
 
     def values(self, unknowns: Array) -> Array:
         """Shape (R,)."""
-        return self.kernel.values(self.states.at(unknowns)[self._needed])[self.chosen[self._needed]]
+        return self.kernel.values(self.states.at(unknowns)[self.needed])[self.chosen[self.needed]]
 
     def jacobian(self, unknowns: Array) -> Array:
         """Derivatives by all unknowns of the block, row by row."""
-        slopes = self.kernel.slopes(self.states.at(unknowns)[self._needed])[1]
-        rows = slopes.transpose(0, 2, 1) @ self.states.slopes(unknowns)[self._needed]
-        return np.asarray(rows[self.chosen[self._needed]]).ravel()
+        slopes = self.kernel.slopes(self.states.at(unknowns)[self.needed])[1]
+        rows = slopes.transpose(0, 2, 1) @ self.states.slopes(unknowns)[self.needed]
+        return np.asarray(rows[self.chosen[self.needed]]).ravel()
 
-    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks | None:
+    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
         """Second derivative of the weighted rows, block by block."""
+        return states_bent(unknowns, [(self, multipliers)])
+
+    def add_bends(self, at: Array, multipliers: Array, own: Array, pull: Array) -> None:
+        """Adds derivatives of the weighted rows by the states `at`: second ones to `own`, first ones to `pull`.
+
+        Args:
+            at: states, shape (B, S, d).
+            multipliers: weights of the rows, shape (R,).
+            own: shape (B, S, d, d).
+            pull: shape (B, S, d).
+        """
         if not len(multipliers):
-            return None
-        at, slopes = self.states.at(unknowns), self.states.slopes(unknowns)
+            return
         weights = np.zeros(self.chosen.shape)
         weights[self.chosen] = multipliers
-        needed, weights = self._needed, weights[self._needed]
-        own = np.zeros((*at.shape, at.shape[2]))
-        own[needed] = self.kernel.curvature(at[needed], weights)
-        pull = np.zeros(at.shape)
-        pull[needed] = (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
-        return Blocks(self.states.index, pulled_back(self.states, unknowns, slopes, own, pull))
+        needed, weights = self.needed, weights[self.needed]
+        own[needed] += self.kernel.curvature(at[needed], weights)
+        pull[needed] += (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
+
+
+def states_bent(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Blocks:
+    """Second derivative of weighted limits of the same states, block by block.
+
+    Args:
+        parts: limits with the multipliers of their rows.
+    """
+    states = parts[0][0].states
+    at = states.at(unknowns)
+    own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
+    for part, multipliers in parts:
+        part.add_bends(at, multipliers, own, pull)
+    return Blocks(states.index, pulled_back(states, unknowns, states.slopes(unknowns), own, pull))
 
 
 def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull: Array) -> Array:

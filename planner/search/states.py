@@ -49,6 +49,11 @@ class Kernel:
         hessian = ca.hessian(ca.dot(weights, self.expression), self.variables)[0]
         return ca.Function("curvature", [self.variables, weights], [ca.densify(hessian)], {"cse": True})
 
+    @cached_property
+    def uses(self) -> NDArray[np.bool_]:
+        """Which of the variables change a value at all, shape (d,)."""
+        return np.isin(np.arange(self.variables.shape[0]), self._values.jac_sparsity(0, 0).get_triplet()[1])
+
     def values(self, at: Array) -> Array:
         """Values at vectors of shape (n, d), shape (n, r)."""
         return over_samples(self._values, at)[0]

@@ -9,6 +9,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.noise import mean_information
+from planner.search.lifted import lifted
 from planner.search.program import NonlinearProgram, regressor_kernel
 from tests.helpers import taylor_slope
 from tests.planner.search.conftest import Small
@@ -26,6 +27,13 @@ def table(program: NonlinearProgram, unknowns: np.ndarray) -> np.ndarray:
     dense = np.zeros((len(program.row_bounds[0]), program.unknowns))
     np.add.at(dense, program.pattern, program.row_slopes(unknowns))
     return dense
+
+
+def square(program: NonlinearProgram, unknowns: np.ndarray, factor: float, multipliers: np.ndarray) -> np.ndarray:
+    """The second derivative as a whole matrix, shape (n, n)."""
+    dense = np.zeros((program.unknowns,) * 2)
+    dense[program.hessian_pattern] = program.hessian(unknowns, factor, multipliers)
+    return np.asarray(dense + dense.T - np.diag(np.diag(dense)))
 
 
 @pytest.mark.parametrize(("letter", "halvings"), LETTERS)
@@ -55,8 +63,7 @@ def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(letter: str, halvi
     program = replace(problem.program, letter=letter, halvings=halvings)
     multipliers = np.random.default_rng(3).normal(size=len(program.row_bounds[0]))
     along, factor = direction(4, at), 0.7
-    hessian = program.hessian(at, factor, multipliers)
-    assert hessian == pytest.approx(hessian.T, abs=1e-9 * np.abs(hessian).max())
+    hessian = square(program, at, factor, multipliers)
 
     def gradient(h: float) -> np.ndarray:
         place = at + h * along
@@ -80,7 +87,7 @@ def test_a_convex_program_leaves_out_what_makes_d_more_concave(small: Small):
     exact = problem.program
     convex = replace(exact, convex=True)
     none = np.zeros(len(exact.row_bounds[0]))
-    whole, kept = (program.hessian(at, 1.0, none) for program in (exact, convex))
+    whole, kept = (square(program, at, 1.0, none) for program in (exact, convex))
     scale = np.abs(whole).max()
     assert np.linalg.eigvalsh(kept).min() > -1e-9 * scale
     left_out = np.linalg.eigvalsh(whole - kept)
@@ -106,3 +113,51 @@ def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Mode
     plain, other = (regressor_kernel(m, np.ones(len(model.names))) for m in (model, whitened))
     states = problem.layout.states.at(at).reshape(-1, 19)
     assert other.values(states) == pytest.approx(2.0 * plain.values(states), rel=1e-12)
+
+
+SERIES = pytest.mark.parametrize("small", ["fourier", "led"], indirect=True)
+
+
+@SERIES
+def test_states_as_unknowns_change_neither_criterion_nor_limits(small: Small):
+    _, problem, at = small
+    program, unknowns = lifted(problem.program, at)
+    before, after = problem.program, program
+    assert after.value(unknowns) == before.value(at)
+    assert after.gradient(unknowns)[: len(at)] == pytest.approx(before.gradient(at))
+    assert not after.gradient(unknowns)[len(at) :].any()
+    values, ties = np.split(after.row_values(unknowns), [len(before.row_values(at))])
+    assert values == pytest.approx(before.row_values(at), abs=1e-12)
+    assert ties == pytest.approx(0.0, abs=1e-12)
+    assert len(ties) == len(unknowns) - len(at)
+    for whole, part in zip(after.row_bounds, before.row_bounds, strict=True):
+        assert whole[: len(part)] == pytest.approx(part)
+        assert not whole[len(part) :].any()
+
+
+@SERIES
+def test_states_as_unknowns_have_the_derivatives_of_the_program(small: Small):
+    """With dz = E dx: rows J_x + J_z E are the rows before, and Hessians are drawn back alike."""
+    _, problem, at = small
+    program, unknowns = lifted(problem.program, at)
+    before, n = problem.program, len(at)
+    count = len(before.row_values(at))
+    whole = table(program, unknowns)
+    ties = whole[count:, :n]
+    assert whole[count:, n:] == pytest.approx(-np.eye(len(ties)))
+    assert whole[:count, :n] + whole[:count, n:] @ ties == pytest.approx(table(before, at), abs=1e-9)
+    multipliers = np.random.default_rng(3).normal(size=count)
+    bent = square(program, unknowns, 0.7, np.concatenate([multipliers, np.ones(len(ties))]))
+    way = np.vstack([np.eye(n), ties])
+    expected = square(before, at, 0.7, multipliers)
+    assert way.T @ bent @ way == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+
+
+def test_only_series_take_states_as_unknowns_and_become_sparser(small: Small):
+    """Splines and moves depend on few unknowns at each state as they are."""
+    family, problem, at = small
+    program, _ = lifted(problem.program, at)
+    if family.name == "fourier":
+        assert len(program.pattern[0]) < len(problem.program.pattern[0])
+    else:
+        assert program is problem.program
