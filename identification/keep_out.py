@@ -33,21 +33,23 @@ def distance_of_segments(start: Array, way: Array, corners: Array) -> Array:
         corners: lower and upper corner of the box, shape (2, 3) [m].
     """
     half = (corners[1] - corners[0]) / 2
-    offset = start - corners.mean(axis=0)
+    x = [np.ascontiguousarray(start[..., k] - corners[:, k].mean()) for k in range(3)]  # far quicker than by rows of 3
+    w = [np.ascontiguousarray(way[..., k]) for k in range(3)]
 
-    def at(share: Array) -> Array:
-        return np.asarray((np.abs(offset + share[..., None] * way) - half).max(axis=2))
+    def at(share: Array | float) -> Array:
+        first, second, third = (np.abs(x[k] + share * w[k]) - half[k] for k in range(3))
+        return np.asarray(np.maximum(np.maximum(first, second), third))
 
-    least = np.minimum(at(np.zeros(way.shape[:2])), at(np.ones(way.shape[:2])))
-    pairs = [(i, j, a, b) for i, j in combinations(range(3), 2) for a, b in product((1.0, -1.0), repeat=2)]
+    least = np.minimum(at(0.0), at(1.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        meetings = [-offset[..., i] / way[..., i] for i in range(3)]  # of the two sides of one axis
+        meetings = [-x[k] / w[k] for k in range(3)]  # of the two sides of one axis
         meetings += [
-            (half[i] - half[j] - a * offset[..., i] + b * offset[..., j]) / (a * way[..., i] - b * way[..., j])
-            for i, j, a, b in pairs
+            (half[i] - half[j] - a * x[i] + b * x[j]) / (a * w[i] - b * w[j])
+            for i, j in combinations(range(3), 2)
+            for a, b in product((1.0, -1.0), repeat=2)
         ]
     for share in meetings:  # parallel ones meet nowhere: an end of the segment instead
-        least = np.minimum(least, at(np.clip(np.nan_to_num(share, nan=0.0), 0.0, 1.0)))
+        least = np.minimum(least, at(np.fmax(np.fmin(share, 1.0), 0.0)))
     return np.where(np.isfinite(way).all(axis=2), least, np.nan)
 
 

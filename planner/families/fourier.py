@@ -65,7 +65,7 @@ class FourierFamily:
         return cls(order, period, periods - lead, middle, half, centred, period / 2 if lead else 0.0)
 
     iterations: ClassVar[int] = 30
-    mending: ClassVar[int] = 10  # 25 took a fifth more time for 0.6 % of an efficiency; of splines likewise
+    mending: ClassVar[int] = 20
 
     @property
     def name(self) -> str:

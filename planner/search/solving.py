@@ -126,7 +126,7 @@ def _stages(task: Task, close: bool) -> Iterator[_Stage]:
             yield _Stage("D", 0, True, GLANCE, afar)
         return
     if close:
-        yield at_hand
+        yield at_hand._replace(iterations=task.family.iterations)
     elif task.step is Step.EXPLORE:
         yield _Stage("D", 0, not task.moves, task.family.iterations, afar)
         if not task.moves:
