@@ -7,7 +7,7 @@ ripple, the structure vibrates and forces err with the pose: nothing of which th
 
 from collections.abc import Sequence
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,10 @@ from identification.machines import machine_of
 from identification.model import expected_forces, full_model, identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
-from identification.result import Estimate
 from identification.trajectories.executed import Execution, rippled, vibrating
+
+if TYPE_CHECKING:
+    from identification.result import Estimate  # plans simulate, and load nothing of identification
 
 Array = NDArray[np.float64]
 
@@ -236,7 +238,7 @@ def sensed(
     return Recording(source, run.t, _quantised(run.struts, case, simulation), None, forces, trigger), parts
 
 
-def truth_rows(case: Case, estimate: Estimate) -> list[dict[str, Any]]:
+def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:
     """Truth, estimate, standard deviation and error of each physical parameter, SI units.
 
     The standard deviation is the larger of (28) and the autocorrelation-robust one.

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import pascal
 
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
@@ -169,6 +168,8 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
 
 def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:
     """The same motion, each of its pieces in a number of equal ones, with coefficients up to a degree."""
+    from scipy.linalg import pascal  # for splines only: every plan loads this module
+
     order, binomial, cut = np.arange(degree + 1), pascal(degree + 1, kind="upper"), []
     for piece, count in zip(motion.pieces, counts, strict=True):
         step, own = piece.duration / count, np.zeros((degree + 1, 6))

@@ -45,6 +45,15 @@ def test_a_check_of_moves_imports_what_proves_them_and_no_more(tmp_path: Path):
     assert run.stdout.splitlines()[-1].split()[1:] == ["casadi", "numpy"]
 
 
+def test_a_plan_loads_neither_identification_nor_most_of_scipy():
+    """They take longer to import than a plan of few moves takes."""
+    code = (
+        "import planner.library, sys; print([m for m in ('scipy.linalg', 'identification.result') if m in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert run.stdout == "[]\n", run.stderr
+
+
 def test_identify_imports_no_interactive_plots_no_planner_and_no_parts_of_scipy_for_single_functions(tmp_path: Path):
     """Each of them takes as long to import as an identification takes."""
     case = load_case("hexapod")
