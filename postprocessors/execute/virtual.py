@@ -1,4 +1,4 @@
-"""The built-in virtual controller: executes a program's text, with moves that it times itself by ruckig."""
+"""The built-in virtual controller: executes a program's text, moves that it times itself by ruckig, paths by toppra."""
 
 import math
 from dataclasses import replace
@@ -10,9 +10,10 @@ from ruckig import Trajectory as Planned
 
 from cases.errors import ExecutionError
 from cases.schema import Case
-from identification.machines import kinetic, machine_of
-from identification.motion import Joined, Slowed, Standstill, TimedPoints, Trajectory
+from identification.machines import machine_of
+from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
+from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
 from identification.trajectories.profile import Profile, TimeLaw
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
@@ -24,9 +25,6 @@ Array = NDArray[np.float64]
 
 NAME = "virtual controller (exact on timed paths, built in)"
 REST = 0.2  # [s] of standstill recorded before and after: filters need it, and so does a user who looks at the plot
-COARSE_RATE, FINE_RATE = 400.0, 20_000.0  # [1/s] at which a path is compared with limits, and one that passes these
-FEWEST = 2000  # instants
-ROUNDER = 5e-4  # a path that must take longer takes this much more: peaks lie between instants too
 BLOCK = 100_000  # set points that are computed at once
 
 
@@ -38,7 +36,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
 
     Raises:
         ProgramError: the motion is not defined.
-        ExecutionError: ruckig cannot time a move.
+        ExecutionError: no pace of a path keeps the limits.
         CaseError: the case has no machine.
     """
     settings = case.need_controller("a run")
@@ -54,12 +52,12 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     """The motion that the controller commands, and start and end of each time the trigger is on, shape (k, 2) [s].
 
     Timed paths follow the curve through their points at their times; where that would pass a limit of rates or
-    accelerations, the whole path takes longer. Moves at a feed or in rapid are timed by ruckig within the motion limits
-    and that feed; with a jerk limit where the controller that the program is for has one, without where not.
+    accelerations, later, by toppra. Moves at a feed or in rapid are timed by ruckig within the motion limits and that
+    feed; with a jerk limit where the controller that the program is for has one, without where not.
 
     Raises:
         ProgramError: the motion is not defined.
-        ExecutionError: ruckig cannot time a move.
+        ExecutionError: no pace of a path keeps the limits.
         CaseError: the case has no machine.
     """
     home, _ = case.need_motion("a run")
@@ -70,7 +68,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     program = stretches(reading)
     at_poses = measures_at_poses(program)
     for stretch, motion in motions(program, case, own):
-        part = _followed(motion, case) if isinstance(motion, TimedPoints) else motion
+        part = _followed(motion, case, reading.file) if isinstance(motion, TimedPoints) else motion
         on = on and stretch.trigger
         if at_poses and stretch.trigger:
             trigger.append((clock, clock + part.duration))
@@ -85,25 +83,11 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     return Joined(tuple(parts)), np.array(trigger).reshape(-1, 2)
 
 
-def _followed(path: TimedPoints, case: Case) -> Trajectory:
-    """The path at its pace, or as a whole as slow as limits of rates and accelerations ask."""
-    if _pace(path, case, COARSE_RATE) <= 1.0 + 1e-6:
-        return path
-    return Slowed(path, 1.0 / (_pace(path, case, FINE_RATE) * (1.0 + ROUNDER)))
-
-
-def _pace(path: TimedPoints, case: Case, rate: float) -> float:
-    """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
-    limits = case.need_motion("a run")[1]
-    m = path.at(np.linspace(0.0, path.duration, max(FEWEST, math.ceil(path.duration * rate))))
-    struts, most = kinetic(case, m.pose, m.rates, m.accelerations)
-    shares = (
-        max(float(np.max(np.abs(own) / limit)), float(np.max(np.abs(values) / others, initial=0.0)))
-        for own, limit, values, others in zip(
-            (m.rates, m.accelerations), (limits.rate, limits.acceleration), struts, most, strict=True
-        )
-    )
-    return max(float(share ** (1.0 / order)) for order, share in enumerate(shares, start=1))
+def _followed(path: TimedPoints, case: Case, file: str) -> Trajectory:
+    try:
+        return path if keeps_pace(path, case) else retime(path, case)
+    except UntimedPath as error:
+        raise ExecutionError(file, str(error), "look at hexcite check") from error
 
 
 def ruckig_profile(velocity: float, acceleration: float, jerk: float) -> Profile:

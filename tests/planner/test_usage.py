@@ -16,7 +16,7 @@ from tests.planner.command_line import call
 from tests.postprocessors.programs import typed
 from tests.simulated_machine import PoseExecution
 
-HEAVY = ("casadi", "scipy", "matplotlib", "plotly", "pyarrow", "numpy", "jinja2", "ruckig")
+HEAVY = ("casadi", "scipy", "matplotlib", "plotly", "pyarrow", "numpy", "jinja2", "toppra", "ruckig")
 WATCH = f"""
 import sys
 sys.argv = ["hexcite", *sys.argv[1:]]
@@ -60,7 +60,7 @@ def test_identify_imports_no_interactive_plots_no_planner_and_no_parts_of_scipy_
     execution = PoseExecution(Hexapod.of(case), Harmonic(seed=3, duration=4.0))
     file = tmp_path / "run.csv"
     write_recording(file, simulate_recording(case, execution, np.array([[0.3, 3.7]]), seed=1), case)
-    needless = ("matplotlib.pyplot", "plotly.graph_objs", "scipy.signal", "scipy.stats", "cvxpy", "ruckig")
+    needless = ("matplotlib.pyplot", "plotly.graph_objs", "scipy.signal", "scipy.stats", "cvxpy", "toppra", "ruckig")
     words = ("identify", str(file), "--case", "hexapod", "-o", str(tmp_path / "result"), "--json")
     watch = WATCH.replace(repr(HEAVY), repr((*needless, "planner.planning")))
     run = subprocess.run([sys.executable, "-c", watch, *words], capture_output=True, text=True, timeout=300)

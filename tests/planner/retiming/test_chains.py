@@ -9,11 +9,11 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Joined, TimedPoints
 from identification.trajectories.moves import StraightMove
+from identification.trajectories.path_timing import retime
 from planner.retiming.path_pace import retimed_path
 from planner.retiming.retimed import retimed
 from tests.chains import chain_case
 from tests.helpers import few
-from tests.planner.retiming.without_jerk import fastest_without_jerk
 
 SEED = 5
 
@@ -52,7 +52,7 @@ def test_a_path_of_joints_runs_as_fast_as_its_limits_let_it(joints: int):
     path = TimedPoints.through(
         1.5 * np.arange(4), home + np.vstack([draw.uniform(*(0.3 * box.pose)) for _ in range(4)])
     )
-    without_jerk = fastest_without_jerk(path, case)
+    without_jerk = retime(path, case, fastest=True)
     with_jerk, off_path, _ = retimed_path(path, case, fastest=True)
     report = prove(with_jerk, case)
     assert report.kept

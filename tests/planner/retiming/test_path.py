@@ -10,9 +10,9 @@ from cases.loading import load_case
 from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Joined, TimedPoints
 from identification.trajectories.moves import StraightMove
+from identification.trajectories.path_timing import retime
 from planner.retiming import path_pace as module
 from planner.retiming.path_pace import retimed_path
-from tests.planner.retiming.without_jerk import fastest_without_jerk
 
 CASE = load_case("hexapod")
 HOME = CASE.machine.home.vector
@@ -57,7 +57,7 @@ def test_as_fast_as_the_limits_allow_is_faster_than_planned_and_slower_than_with
     path = way(0.6)
     motion, *_ = retimed_path(path, CASE, fastest=True)
     assert prove(motion, CASE).kept
-    without = fastest_without_jerk(path, CASE)
+    without = retime(path, CASE, fastest=True)
     assert without.duration * (1.0 - 2e-3) < motion.duration < 0.8 * path.duration
     jerk = kinetic_shares(without, CASE, np.linspace(0.0, without.duration, 4000))[2]
     assert jerk.max() > 2.0  # what toppra's answer would have passed

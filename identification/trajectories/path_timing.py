@@ -1,17 +1,19 @@
-"""The fastest pace of a path without a limit of jerk, by toppra (time-optimal path parameterisation), to compare with.
+"""A path re-timed under limits of coordinates and struts, by toppra (time-optimal path parameterisation).
 
-The motion q(t) itself is the path, with s = t / duration in [0, 1] as its parameter. At rest dq/ds is zero, so that any
-pace keeps the limits there: the motion begins and ends at the path's own pace, s' = 1 / duration. Accelerations step
-where the pace changes from one extreme to the other.
+The planned motion q(t) itself is the path, with s = t / duration in [0, 1] as its parameter. At rest dq/ds is zero, so
+that any pace keeps the limits there: the motion begins and ends at the planned pace, s' = 1 / duration, which keeps it
+smooth at its ends. Where the limits allow, the pace stays the planned one or, if asked for, becomes as fast as allowed.
+
+There is no jerk limit in this method: accelerations step where the pace changes from one extreme to the other.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import ArrayLike, NDArray
 
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.machines import kinetic
 from identification.motion import Motion, Trajectory
@@ -21,7 +23,21 @@ Array = NDArray[np.float64]
 STEPS_PER_SECOND = 400.0  # gridpoints of the path
 FEWEST_STEPS = 2000
 MARGIN = 1e-3  # of every limit, for what happens between gridpoints
-FASTEST = 5.0  # times the path's own pace
+CHECK_RATE = 20_000.0  # [1/s] at which that is checked
+ROUNDER = 5e-4  # a motion that must be stretched is stretched by this much more: peaks lie between instants too
+FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
+AT_REST = 1e-6  # share of the rate limits
+
+_REASONS = {
+    "FailUncontrollable": "no pace keeps all limits somewhere on the path: the path bends too sharply or leaves the "
+    "machine's reach there",
+    "ErrForwardPassFail": "rounding errors grew too large on this path; change it slightly",
+    "ErrShortPath": "the path is too short",
+}
+
+
+class UntimedPath(ValueError):
+    """A path that cannot be re-timed; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,22 +82,79 @@ class RetimedMotion:
         )
 
 
-def fastest_without_jerk(path: Trajectory, case: Case) -> RetimedMotion:
-    """The motion along a path, as fast as the limits of rates and accelerations of coordinates and struts allow."""
-    TOPPRA = pytest.importorskip("toppra.algorithm").TOPPRA  # no wheels but for Linux
+def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion:
+    """The motion along a path that keeps the limits of rates and accelerations of coordinates and struts.
+
+    Args:
+        path: a motion from rest to rest; its pace, not its shape, is changed.
+        case: gives the limits.
+        fastest: whether as fast as the limits allow, up to `FASTEST` times the planned pace; else as planned at most.
+
+    Raises:
+        UntimedPath: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
+        CaseError: the case has no machine or no limits.
+    """
+    try:
+        from toppra.algorithm import TOPPRA  # takes 0.7 s to import
+    except ImportError as error:
+        raise HexciteError(
+            "toppra, which times this path, is not installed; install it (pip install toppra; without a wheel for this "
+            "computer it wants a compiler), or re-time moves with --method ruckig"
+        ) from error
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     shares = np.linspace(0.0, 1.0, steps + 1)
-    paces_allowed = np.full(len(shares), FASTEST)
+    paces_allowed = np.full(len(shares), FASTEST if fastest else 1.0)
     constraint, geometry = _constraint(path, case, shares, paces_allowed)
     solver = TOPPRA([constraint], geometry, gridpoints=shares, solver_wrapper="seidel")
     planned = 1.0 / path.duration
-    end = min(planned * FASTEST, _largest_pace(solver.compute_feasible_sets()[-1]))
-    start = min(planned * FASTEST, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
+    end = min(planned * paces_allowed[-1], _largest_pace(solver.compute_feasible_sets()[-1]))
+    start = min(planned * paces_allowed[0], _largest_pace(solver.compute_controllable_sets(end, end)[0]))
+    if not (start > 0.0 and end > 0.0):
+        raise UntimedPath(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
     solver.compute_parameterization(start, end)
+    code = solver.problem_data.return_code
     paces = solver.problem_data.sd_vec
+    if code.name != "Ok" or paces is None or not np.isfinite(paces).all():
+        raise UntimedPath(f"the path cannot be re-timed: {_REASONS.get(code.name, code.value)}")
     lengths = 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
-    return RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
+    if not np.isfinite(lengths).all():
+        raise UntimedPath(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+    motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
+    slower = _stretch(motion, case)
+    return RetimedMotion(path, shares, motion.times * slower, paces / slower)
+
+
+def keeps_pace(path: Trajectory, case: Case) -> bool:
+    """Whether a motion keeps the limits of rates and accelerations of coordinates and struts at its own pace.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    rows = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
+    return _worst(path.at(np.linspace(0.0, path.duration, rows + 1)), case) <= 1.0 + 1e-6
+
+
+def _stretch(motion: RetimedMotion, case: Case) -> float:
+    """By how much longer the whole motion must take where it passes a limit between gridpoints, at least 1."""
+    # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
+    lasting = min(motion.duration, motion.path.duration)
+    m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(lasting * CHECK_RATE)) + 1))
+    worst = _worst(m, case)
+    return worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
+
+
+def _worst(m: Motion, case: Case) -> float:
+    """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
+    limits = case.need_motion("re-timing")[1]
+    struts, most = kinetic(case, m.pose, m.rates, m.accelerations)
+    velocity, acceleration = (
+        max(np.max(np.abs(own) / limit), np.max(np.abs(values) / others, initial=0.0))
+        for own, limit, values, others in zip(
+            (m.rates, m.accelerations), (limits.rate, limits.acceleration), struts, most, strict=True
+        )
+    )
+    return max(float(velocity), float(np.sqrt(acceleration)))
 
 
 def _largest_pace(squares: Array) -> float:
@@ -100,6 +173,14 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
 
     limits = case.need_motion("re-timing")[1]
     motion = path.at(shares * path.duration)
+    if not all(np.isfinite(v).all() for v in (motion.pose, motion.rates, motion.accelerations)):
+        raise UntimedPath("the path holds values that are not finite")
+    ends = np.abs(motion.rates[[0, -1]]) / limits.rate
+    if ends.max() > AT_REST:
+        raise UntimedPath(
+            f"the path {'begins' if ends[0].max() > AT_REST else 'ends'} at {100 * ends.max():.3g} % of a rate limit; "
+            "it must begin and end at rest"
+        )
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
     struts, most = kinetic(case, motion.pose, *by_share)
     first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))
