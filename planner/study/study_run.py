@@ -130,23 +130,18 @@ def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[i
     Raises:
         FileProblem: a file of the study is damaged.
     """
-    table = read_rows(folder) if folder.is_dir() else None
-    seeds_by_cell: dict[str, set[int]] = {}
+    there: set[tuple[str, int]] = set()
     failed: set[str] = set()
-    if table is not None:
+    if folder.is_dir():
+        table = read_rows(folder)
         columns = (table[name].to_pylist() for name in ("cell", "noise_seed", "status"))
         for key, seed, status in zip(*columns, strict=True):
-            seeds_by_cell.setdefault(key, set()).add(seed)
+            there.add((key, seed))
             if seed == PLANNED and status == FAILED:
                 failed.add(key)
     seeds = range(spec.execute.noise_seeds if spec.execute is not None else 0)
-    gaps = {}
-    for cell in cells:
-        present = seeds_by_cell.get(cell, set())
-        rest = tuple(seed for seed in seeds if seed not in present)
-        if cell not in failed and (PLANNED not in present or rest):
-            gaps[cell] = rest
-    return gaps
+    gaps = {cell: tuple(seed for seed in seeds if (cell, seed) not in there) for cell in cells if cell not in failed}
+    return {cell: rest for cell, rest in gaps.items() if rest or (cell, PLANNED) not in there}
 
 
 def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
