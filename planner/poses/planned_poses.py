@@ -62,9 +62,10 @@ def poses_planned(
     unscaled = pose_regressors(model, candidates.poses)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
-    request.wanted(len(candidates.poses), regressors.shape[2])
+    count = request.wanted(len(candidates.poses), regressors.shape[2])
     require_full_rank(regressors, model)
-    chosen_poses, remark = choose(request, case, model, candidates.poses, regressors, scaling, done)
+    of_candidates = (candidates.poses, regressors)
+    chosen_poses, remark = _choose(request, case, model, count, of_candidates, scaling, done)
     selected = perf_counter() - start
     order, unordered = _ordered(case, chosen_poses)
     poses = chosen_poses[order]
@@ -167,36 +168,30 @@ def noise_of_average(case: Case) -> float:
     return float(sample / np.sqrt(max(averaged, 1.0)))
 
 
-def choose(
+def _choose(
     request: PoseRequest,
     case: Case,
     model: Model,
-    candidates: Array,
-    regressors: Array,
+    count: int,
+    candidates: tuple[Array, Array],
     scaling: Array,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], and how the choice ended, one phrase.
-
-    Args:
-        candidates: valid poses, shape (n, 6) [m, rad].
-        regressors: theirs, scaled, shape (n, 6, u); together of full rank.
-        scaling: scaling of the columns, shape (u,).
-        done: called with the number of poses after each step.
+    """Chosen poses, shape (n, 6) [m, rad], and how the choice ended, one phrase; of poses and their scaled regressors.
 
     Raises:
-        HexciteError: more or fewer poses are asked for than is possible.
+        HexciteError: too many candidates for the method.
         InfeasiblePlan: so few poses do not determine the model.
     """
-    count = request.wanted(len(candidates), regressors.shape[2])
+    poses, regressors = candidates
     criterion = POSE_CRITERIA[request.criterion]
     if request.method in (PoseMethod.ALL, PoseMethod.GIVEN):
-        return candidates, METHODS[PoseMethod(request.method)]
+        return poses, METHODS[PoseMethod(request.method)]
     if request.method == PoseMethod.BACKWARD_CHANGE:
-        if len(candidates) > MOST_EXHAUSTIVE:
+        if len(poses) > MOST_EXHAUSTIVE:
             raise HexciteError(
                 f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
-                f"most, here are {len(candidates)}; choose backward"
+                f"most, here are {len(poses)}; choose backward"
             )
         indices = reduce_smallest_change(regressors, criterion, count, done).kept
     else:
@@ -207,6 +202,6 @@ def choose(
             f"removal loses rank; ask for {len(indices)} or more"
         )
     if request.method in (PoseMethod.BACKWARD, PoseMethod.BACKWARD_CHANGE):
-        return candidates[indices], "as many as asked for"
-    refined, status = refine(case, model, scaling, criterion, candidates[indices])
+        return poses[indices], "as many as asked for"
+    refined, status = refine(case, model, scaling, criterion, poses[indices])
     return refined, f"refined: {status}"

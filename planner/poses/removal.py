@@ -132,13 +132,8 @@ def reduce_smallest_change(
 ) -> Reduction:
     """Removes, again and again, the pose whose removal changes the criterion least, for the better or the worse.
 
-    Args: see `reduce_best`; at most 2500 poses, since all are evaluated at every step.
-
-    Raises:
-        ValueError: too many poses.
+    Args: see `reduce_best`; at most `MOST_EXHAUSTIVE` poses, since all are evaluated at every step.
     """
-    if len(regressors) > MOST_EXHAUSTIVE:
-        raise ValueError(f"{len(regressors)} poses; at most {MOST_EXHAUSTIVE}")
     rest: Index = np.arange(len(regressors))
     products = regressors.transpose(0, 2, 1) @ regressors
     removed, values = [], []
