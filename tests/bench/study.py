@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from cases.loading import load_case
-from planner.study import DONE, PLANNED, Cells, Grid, Spec, completed, keep, open_study, read_rows
+from planner.study import DONE, PLANNED, Cells, Grid, Spec, keep, open_study, read_rows
 from planner.study.cluster import local_client, run_tasks
 from planner.study.study_run import about_study, run_study
 from planner.study.summary import study_page
@@ -64,14 +64,12 @@ def _many_rows() -> list[list[str]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "study"
         rows = [
-            completed(
-                {
-                    "cell": str(k), "noise_seed": PLANNED, "family": "fourier", "criterion": "ADKN"[k % 4],
-                    "model": 9, "duration_s": 12.0, "order": 2 + k % 6,
-                    "period_s": 3.0 + k % 5, "seed": k, "status": DONE, "converged": True, "iterations": 100,
-                    "score": float(draw.normal()), "seconds": 2.0,
-                }
-            )
+            {
+                "cell": str(k), "noise_seed": PLANNED, "family": "fourier", "criterion": "ADKN"[k % 4],
+                "model": 9, "duration_s": 12.0, "order": 2 + k % 6,
+                "period_s": 3.0 + k % 5, "seed": k, "status": DONE, "converged": True, "iterations": 100,
+                "score": float(draw.normal()), "seconds": 2.0,
+            }
             for k in range(ROWS)
         ]  # fmt: skip
         open_study(folder, about_study(spec, case, ROWS))
