@@ -148,13 +148,16 @@ class SplineFamily:
         return self.intervals
 
     def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
-        """Accelerations have their peaks at the knots, rates between them; poses anywhere."""
+        """Accelerations have their peaks at the knots, rates between them; poses anywhere, but slowly.
+
+        Limits of poses at every instant are of no use in an exploration, and double what the solver has to factorise.
+        """
         knots, between = np.zeros((2, self.intervals, CRITICAL), dtype=bool)
         knots[:, 0] = between[:, CRITICAL // 2] = True
-        return {Peak.POSE: np.ones_like(knots), Peak.VELOCITY: between, Peak.ACCELERATION: knots}
+        return {Peak.POSE: knots | between, Peak.VELOCITY: between, Peak.ACCELERATION: knots}
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
-        """At six instants an interval."""
+        """At the critical instants of each interval."""
         basis, t = self._basis(), self._at(tuple(np.arange(CRITICAL) / CRITICAL))
         value, rate, acceleration = (np.asarray(basis(t, nu=order)) for order in range(3))
         return value, rate, acceleration
