@@ -14,10 +14,8 @@ from identification.trajectories.profile import (
     UNLIMITED,
     Profile,
     TimeLaw,
-    UntimedMove,
     fastest_profile,
     limits_along,
-    online_profile,
 )
 
 Array = NDArray[np.float64]
@@ -64,31 +62,6 @@ def has_steps(motion: Trajectory) -> bool:
     parts = motion.parts if isinstance(motion, Joined) else (motion,)
     laws = (part.profile for part in parts if isinstance(part, StraightMove))
     return any(isinstance(law, Profile) and law.jerk_time == 0.0 for law in laws)
-
-
-def online_move(
-    start: Array, end: Array, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike, cycle: float
-) -> StraightMove:
-    """The straight move that a jerk-limited controller makes, all coordinates in step.
-
-    Args:
-        start: shape (n,) [m, rad].
-        end: shape (n,), different from start [m, rad].
-        rate: limits of the coordinates, shape (n,), above 0; infinity where there is none.
-        acceleration: likewise.
-        jerk: likewise.
-        cycle: cycle of the controller; moves last whole cycles [s].
-
-    Raises:
-        UntimedMove: start and end are the same, a limit along the way is not a finite number above 0, or ruckig finds
-            no profile.
-    """
-    way = np.abs(end - start)
-    if not way.any():
-        raise UntimedMove("a move needs two different poses")
-    with np.errstate(over="ignore"):
-        velocity, peak, change = limits_along(way, rate, acceleration, jerk)
-    return StraightMove(start, end, online_profile(velocity, peak, change, cycle))
 
 
 class Plane(Enum):

@@ -6,7 +6,6 @@ service in the network, and vectors of wrong length are read out of bounds; neit
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -123,89 +122,54 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
     return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]
 
 
-SAME = 1e-9  # relative: how well the coordinates of a straight move keep step in ruckig's answer
+SAME = 1e-4  # of the way, the largest velocity and acceleration: rounding where the limit of jerk is next to none
 
 
 class UntimedMove(ValueError):
     """A move that cannot be timed; the message says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class OnlineProfile:
-    """Phases of constant jerk over the share of the way covered, from rest to rest; a `TimeLaw`."""
-
-    lengths: Array  # lengths of the phases, shape (k,) [s]
-    jerks: Array  # shape (k,) [1/s^3]
-    duration: float  # duration in whole cycles: after the last phase the move rests until its cycle is over [s]
-
-    @property
-    def peak_velocity(self) -> float:
-        """Largest velocity [1/s]."""
-        return float(np.abs(self._knots()[2]).max())
-
-    def slowed(self, speed: float) -> "OnlineProfile":
-        """The same way at a share of the speed."""
-        return OnlineProfile(self.lengths / speed, self.jerks * speed**3, self.duration / speed)
-
-    def _knots(self) -> tuple[Array, Array, Array, Array]:
-        """Starts of the phases and share, velocity and acceleration there, with the end as a last entry."""
-        share, velocity, acceleration = [0.0], [0.0], [0.0]
-        for t, j in zip(self.lengths, self.jerks, strict=True):
-            s, v, a = share[-1], velocity[-1], acceleration[-1]
-            share.append(s + v * t + a * t**2 / 2 + j * t**3 / 6)
-            velocity.append(v + a * t + j * t**2 / 2)
-            acceleration.append(a + j * t)
-        starts = np.concatenate([[0.0], np.cumsum(self.lengths)])
-        return starts, np.array(share), np.array(velocity), np.array(acceleration)
-
-    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
-        starts, share, velocity, acceleration = self._knots()
-        time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
-        phase = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.jerks) - 1)
-        tau, j = time - starts[phase], self.jerks[phase]
-        s0, v0, a0 = share[phase], velocity[phase], acceleration[phase]
-        s = s0 + v0 * tau + a0 * tau**2 / 2 + j * tau**3 / 6
-        v, a = v0 + a0 * tau + j * tau**2 / 2, a0 + j * tau
-        rest = (time >= starts[-1]) | (time >= self.duration)
-        return (
-            np.where(rest, 1.0, s),
-            np.where(rest, 0.0, v),
-            np.where(rest, 0.0, a),
-            np.where(rest, 0.0, j),
-        )
-
-
-def online_profile(velocity: float, acceleration: float, jerk: float, cycle: float) -> OnlineProfile:
-    """The fastest time law over a way of 1 within three limits, in whole cycles.
+def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: float | None = None) -> Profile:
+    """The fastest time law over a way of 1 that ruckig finds within three limits.
 
     Args:
         velocity: limit [1/s].
         acceleration: limit [1/s^2].
-        jerk: limit [1/s^3].
-        cycle: cycle of the controller [s].
+        jerk: limit [1/s^3]; infinite, without a cycle, where accelerations step.
+        cycle: cycle of the controller [s], of which the law then lasts a whole number.
 
     Raises:
-        UntimedMove: a limit is not a finite number above 0, or ruckig finds no profile.
+        UntimedMove: a limit is not a finite number above 0, or ruckig finds no law of seven segments.
     """
     from ruckig import DurationDiscretization, InputParameter, Result, Ruckig, RuckigError, Trajectory
 
-    for name, value in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk), ("cycle", cycle)):
-        if not (np.isfinite(value) and value > 0.0):
+    numbers = {
+        "velocity": velocity,
+        "acceleration": acceleration,
+        "jerk": jerk,
+        "cycle": 1.0 if cycle is None else cycle,
+    }
+    for name, value in numbers.items():
+        if not (value > 0.0 and (math.isfinite(value) or (name == "jerk" and cycle is None))):
             raise UntimedMove(f"{name} {value:g} is not a finite number above 0")
     request, answer = InputParameter(1), Trajectory(1)
     request.current_position, request.target_position = [0.0], [1.0]
     request.max_velocity, request.max_acceleration, request.max_jerk = [velocity], [acceleration], [jerk]
-    request.duration_discretization = DurationDiscretization.Discrete
+    if cycle is not None:
+        request.duration_discretization = DurationDiscretization.Discrete
     try:
-        result = Ruckig(1, cycle).calculate(request, answer)
+        result = (Ruckig(1) if cycle is None else Ruckig(1, cycle)).calculate(request, answer)
     except RuckigError as error:
         raise UntimedMove(f"no time law within these limits ({' '.join(str(error).split())})") from error
-    if result != Result.Working:
+    if result != Result.Working:  # offline, this is what success is called
         raise UntimedMove(f"no time law within these limits (ruckig: {result.name})")
     phases = answer.profiles[0][0]
-    valid = np.array(phases.t) > 0.0
-    profile = OnlineProfile(np.array(phases.t)[valid], np.array(phases.j)[valid], float(answer.duration))
-    if abs(profile._knots()[1][-1] - 1.0) > SAME or profile.duration < profile.lengths.sum() * (1.0 - SAME):
-        raise UntimedMove("ruckig's time law does not cover the way: change the limits or the cycle slightly")
+    jerking, holding = (phases.t[0], phases.t[1] * (phases.j[1] == 0.0)) if math.isfinite(jerk) else (0.0, phases.t[0])
+    cruising = max(0.0, answer.duration - 4 * jerking - 2 * holding)
+    profile = Profile(1.0 / ((jerking + holding) * (2 * jerking + holding + cruising)), jerking, holding, cruising)
+    lengths = np.array(phases.t)
+    middles = (np.cumsum(lengths) - lengths / 2)[lengths > 0.0]
+    theirs = np.array([[values[0] for values in answer.at_time(float(t))[:3]] for t in middles]).T
+    if any(np.abs(a - b).max() > SAME * np.abs(b).max() for a, b in zip(profile.at(middles)[:3], theirs, strict=True)):
+        raise UntimedMove("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
     return profile

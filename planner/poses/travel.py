@@ -16,9 +16,8 @@ from identification.machines import kinetic
 from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Profile, fastest_profile
+from identification.trajectories.profile import Profile, fastest_profile, ruckig_profile
 from planner.poses.space import space_of
-from postprocessors.execute.virtual import ruckig_profile
 
 INSTANTS = 161  # of a move, at which its struts are looked at
 COARSE = 17  # the same where there are so many pairs of poses that only their order matters

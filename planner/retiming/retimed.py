@@ -20,10 +20,9 @@ from identification.limit import LimitReport
 from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.moves import CircularMove, StraightMove, online_move
-from identification.trajectories.profile import OnlineProfile, Profile, UntimedMove, online_profile
+from identification.trajectories.moves import CircularMove, StraightMove
+from identification.trajectories.profile import Profile, UntimedMove, limits_along, ruckig_profile
 from planner.bounds.kept import Bound, box_bound
-from planner.families.ptp import unit_profile
 from planner.found import Found, rated
 from planner.noise import mean_information
 from planner.plans import Plan
@@ -101,7 +100,6 @@ def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceR
 
 
 SLOWINGS = 5  # of a move whose struts are too fast
-SAME = 1e-4  # of the way, the largest velocity and acceleration: rounding where the limit of jerk is next to none
 
 
 def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
@@ -144,26 +142,13 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     v, a, j = pace, pace**2, pace**3
     if isinstance(part, StraightMove):
         box, share = case.need_motion("re-timing")[1], 1.0 - MARGIN
-        rate, acceleration, jerk = box.rate * share * v, box.acceleration * share * a, box.jerk * share * j
-        law = online_move(part.start, part.end, rate, acceleration, jerk, cycle).profile
-        assert isinstance(law, OnlineProfile)
-        return replace(part, profile=_seven_segments(law))
+        limits = box.rate * share * v, box.acceleration * share * a, box.jerk * share * j
+        velocity, peak, change = limits_along(np.abs(part.end - part.start), *limits)
+        return replace(part, profile=ruckig_profile(velocity, peak, change, cycle))
     planned = part.profile
     assert isinstance(planned, Profile)
-    law = online_profile(planned.peak_velocity * v, planned.acceleration * a, planned.jerk * j, cycle)
-    return replace(part, profile=_seven_segments(law))
-
-
-def _seven_segments(law: OnlineProfile) -> Profile:
-    """The same law by its three times; from rest to rest ruckig's phases are those of seven segments."""
-    jerk_time = float(law.lengths[0])
-    hold_time = float(law.lengths[1]) if law.jerks[1] == 0.0 else 0.0
-    profile = unit_profile(jerk_time, hold_time, max(0.0, law.duration - 4 * jerk_time - 2 * hold_time))
-    t = np.cumsum(law.lengths) - law.lengths / 2  # the middle of each phase
-    pairs = zip(profile.at(t)[:3], law.at(t)[:3], strict=True)
-    if any(np.abs(ours - its).max() > SAME * np.abs(its).max() for ours, its in pairs):
-        raise UntimedMove("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
-    return profile
+    law = ruckig_profile(planned.peak_velocity * v, planned.acceleration * a, planned.jerk * j, cycle)
+    return replace(part, profile=law)
 
 
 def retime(

@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from ruckig import InputParameter, Result, Ruckig
-from ruckig import Trajectory as Planned
 
 from cases.errors import ExecutionError
 from cases.schema import Case
@@ -14,7 +12,7 @@ from identification.machines import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
 from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
-from identification.trajectories.profile import Profile, TimeLaw
+from identification.trajectories.profile import TimeLaw, UntimedMove, ruckig_profile
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import motions
@@ -90,29 +88,13 @@ def _followed(path: TimedPoints, case: Case, file: str) -> Trajectory:
         raise ExecutionError(file, str(error), "look at hexcite check") from error
 
 
-def ruckig_profile(velocity: float, acceleration: float, jerk: float) -> Profile:
-    """The fastest way of 1 from rest to rest that ruckig finds within limits above 0; the jerk may be infinite.
-
-    Raises:
-        ExecutionError: it finds none.
-    """
-    parameters = InputParameter(1)
-    parameters.current_position, parameters.target_position = [0.0], [1.0]
-    parameters.max_velocity, parameters.max_acceleration, parameters.max_jerk = [velocity], [acceleration], [jerk]
-    trajectory = Planned(1)
-    result = Ruckig(1).calculate(parameters, trajectory)
-    if result != Result.Working:  # offline, this is what success is called
-        raise ExecutionError(f"ruckig cannot time a move ({result}); slow it down or make it longer")
-    times = trajectory.profiles[0][0].t  # of seven segments, the last three mirror the first; of three without jerk
-    jerking, holding, cruising = (times[0], times[1], times[3]) if math.isfinite(jerk) else (0.0, times[0], times[1])
-    peak = 1.0 / ((jerking + holding) * (2 * jerking + holding + cruising))
-    return Profile(peak, jerking, holding, cruising)
-
-
 def by_ruckig(law: Law) -> Law:
     """A law of the same kind, with a jerk limit or without, computed by ruckig within the limits as they are given."""
 
     def timed(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
-        return ruckig_profile(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
+        try:
+            return ruckig_profile(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
+        except UntimedMove as error:
+            raise ExecutionError(f"ruckig cannot time a move ({error}); slow it down or make it longer") from error
 
     return timed
