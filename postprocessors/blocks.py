@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from identification.motion import Joined, Standstill, TimedPoints, Trajectory
+from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import Profile
@@ -50,13 +50,7 @@ class TimedPath:
     name: str  # what it is for
     times: Array  # shape (k,), increasing, the first 0 [s]
     poses: Array  # coordinates, one row a time, the first is where the machine stands [m, rad]
-    # the motion that was sampled, on the clock of `times`, for dialects that can carry more than points
-    source: Trajectory | None = None
-
-    @property
-    def motion(self) -> Trajectory:
-        """The motion that was sampled; where it is not known, the curve through the points."""
-        return self.source or TimedPoints.through(self.times, self.poses)
+    motion: Trajectory  # motion through them, on the clock of `times`, for dialects that can carry more than points
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,13 +160,13 @@ def _in_cycles(path: TimedPath | SplinePath, length: float) -> TimedPath:
         lasting = [piece.duration for piece in path.motion.pieces]
         share = _share_of_cycles(lasting[0] if np.ptp(lasting) < EQUAL else path.motion.duration)
         path = timed_path(path.name, path.motion.slowed(share), length, 1.0)
-    elif path.source is not None:
+    else:
         share = _share_of_cycles(path.times[-1])
-        path = replace(path, times=path.times / share, source=Slowed(path.source, share))
+        path = replace(path, times=path.times / share, motion=Slowed(path.motion, share))
     times = np.unique(np.round(path.times / SERVO_PERIOD)) * SERVO_PERIOD
-    if path.source is None or (len(times) == len(path.times) and np.allclose(times, path.times, rtol=0.0, atol=EQUAL)):
+    if len(times) == len(path.times) and np.allclose(times, path.times, rtol=0.0, atol=EQUAL):
         return path
-    return replace(path, times=times, poses=path.source.at(times).pose)
+    return replace(path, times=times, poses=path.motion.at(times).pose)
 
 
 def _share_of_cycles(duration: float) -> float:

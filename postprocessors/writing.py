@@ -181,8 +181,8 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
     """
     knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
     times = divided(knots, np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2))
-    source = trajectory if speed == 1.0 else Slowed(trajectory, speed)
-    return TimedPath(name, times / speed, trajectory.at(times).pose, source)
+    motion = trajectory if speed == 1.0 else Slowed(trajectory, speed)
+    return TimedPath(name, times / speed, trajectory.at(times).pose, motion)
 
 
 def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float) -> tuple[Block, ...]:

@@ -153,7 +153,7 @@ def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block
     if isinstance(stretch, Timed):
         if hasattr(stretch.points, "pieces"):
             return SplinePath(next(names), stretch.points)
-        return TimedPath(next(names), stretch.points.times, stretch.points.poses)
+        return TimedPath(next(names), stretch.points.times, stretch.points.poses, stretch.points)
     move = predicted(stretch, case.limits.motion, guarantees)
     return Arc(move) if stretch.turn is not None else ExactStopMove(move)
 

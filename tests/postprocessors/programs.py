@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cases.loading import load_case
 from cases.schema import Case
 from identification.limit_proof import prove
+from identification.motion import TimedPoints
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
@@ -74,6 +75,11 @@ def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: flo
 poses = st.tuples(*(st.floats(-r, r) for r in RANGE)).map(lambda p: np.round(HOME + np.array(p), 9))
 
 
+def path_through(name: str, times: np.ndarray, poses: np.ndarray) -> TimedPath:
+    """A path of which nothing is known but its points."""
+    return TimedPath(name, times, poses, TimedPoints.through(times, poses))
+
+
 @st.composite
 def paths(draw: st.DrawFn, start: Array = HOME) -> TimedPath:
     """A straight move or a random walk of timed poses, in even blocks or in uneven ones."""
@@ -86,7 +92,7 @@ def paths(draw: st.DrawFn, start: Array = HOME) -> TimedPath:
     seed = draw(st.integers(0, 2**32 - 1))
     walk = np.vstack([start, HOME + np.random.default_rng(seed).uniform(-RANGE, RANGE, (count, 6))])
     steps = np.array(draw(st.lists(st.floats(1e-3, 2.0), min_size=count, max_size=count)))
-    return TimedPath("walk", np.r_[0.0, np.cumsum(steps)], walk)
+    return path_through("walk", np.r_[0.0, np.cumsum(steps)], walk)
 
 
 @st.composite

@@ -29,7 +29,7 @@ from tests.postprocessors.other_dialects import (
     text_of,
     without_comments,
 )
-from tests.postprocessors.programs import HOME, poses
+from tests.postprocessors.programs import HOME, path_through, poses
 
 GOLDEN = Path(__file__).parents[1] / "golden_dialects"
 HSC_CASE = changed(CASE, controller__twincat__path="hsc", controller__twincat__angle_sign_b=1)
@@ -202,7 +202,7 @@ if __name__ == "__main__":
 def test_the_times_of_many_blocks_add_up_to_that_of_the_path():
     """9.570850467829537 s in 1190 equal blocks: rounded one by one they would be 0.6 us short."""
     times = np.linspace(0.0, 9.570850467829537, 1191)
-    path = TimedPath("slow", times, HOME + np.sin(times / times[-1] * np.pi)[:, None] ** 4 * 1e-3)
+    path = path_through("slow", times, HOME + np.sin(times / times[-1] * np.pi)[:, None] ** 4 * 1e-3)
     text = text_of(TWINCAT, NeutralProgram((), (ToHome(HOME, 0.05), path)))
     steps = [float(found) for found in re.findall(r"^G01 .* F([0-9.]+)$", text, re.MULTILINE)][1:]
     assert len(steps) == 1190

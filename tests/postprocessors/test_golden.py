@@ -16,11 +16,11 @@ from identification.motion import Joined
 from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove
 from planner.families.ptp import unit_profile
-from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
 from postprocessors.linuxcnc import prepare_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.changed_case import changed
-from tests.postprocessors.programs import HOME, linuxcnc_text, proof
+from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, proof
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 UNITS = np.r_[np.full(3, MM), np.full(3, DEG)]
@@ -29,7 +29,7 @@ WALK = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [0.0012345, -1, 2.5, 0, 0, 0], [0, -0
 
 def one_of_each() -> NeutralProgram:
     """Every kind of block, with numbers that are easily written wrong."""
-    path = TimedPath("walk", np.array([0.0, 0.01, 2.5]), WALK)
+    path = path_through("walk", np.array([0.0, 0.01, 2.5]), WALK)
     header = ("a header (with parentheses)", "Größe; 20 % weniger")
     blocks = (ToHome(HOME, 0.05), Dwell(0.3), Trigger(True), path, Trigger(False), Dwell(1e-7))
     return NeutralProgram(header, blocks)

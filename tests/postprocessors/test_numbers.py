@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.units import DEG, MM
-from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome
-from tests.postprocessors.programs import HOME, linuxcnc_text, programs
+from postprocessors.blocks import Dwell, NeutralProgram, ToHome
+from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, programs
 
 PLAIN = re.compile(r"-?(0|[1-9]\d*)(\.\d*[1-9])?")
 
@@ -48,5 +48,5 @@ def test_a_pose_and_a_dwell_are_written_to_their_last_decimal(
 
 def test_a_coordinate_that_rounds_to_nothing_is_zero_not_negative_zero():
     tiny = HOME + np.array([-1e-12, 1e-12, 0.0, -1e-12, 1e-12, 0.0])
-    path = TimedPath("tiny", np.array([0.0, 0.1]), np.vstack([HOME, tiny]))
+    path = path_through("tiny", np.array([0.0, 0.1]), np.vstack([HOME, tiny]))
     assert "G1 X0 Y0 Z900 A0 B0 C0 F600" in linuxcnc_text(NeutralProgram((), (path,))).splitlines()

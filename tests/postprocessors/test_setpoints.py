@@ -91,7 +91,7 @@ def test_a_plan_reads_back_as_itself(write):
     program = harmonic()
     read = stretches(LANGUAGE.read(write(program, CASE), "t", CASE))
     excitation = next(s for s in read if s.trigger and not isinstance(s, Still))
-    source = next(b.source for b in program.blocks if getattr(b, "name", "") == "excitation")
+    source = next(b.motion for b in program.blocks if getattr(b, "name", "") == "excitation")
     t = np.linspace(0.0, 1.0, 501)
     found, exact = excitation.points.at(t), source.at(t)
     assert excitation.points.duration == pytest.approx(source.duration, abs=1e-9)

@@ -89,7 +89,7 @@ def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: F
             times = times * 2.0
         else:
             poses, times = poses[[*range(0, len(poses) - 1, 2), -1]], times[[*range(0, len(times) - 1, 2), -1]]
-        blocks[k] = TimedPath(path.name, times, poses)
+        blocks[k] = TimedPath(path.name, times, poses, path.motion)
         return LINUXCNC.write(replace(program, blocks=tuple(blocks)), case)
 
     with pytest.raises(ProgramError, match="'excitation' reads back differently; report this"):
@@ -122,5 +122,5 @@ def test_ways_from_and_to_home_are_as_slow_as_the_sensors_need(motion: FourierMo
     program = excitation_program(motion, case, ())
     approach, *_, back = (block for block in program.blocks if isinstance(block, TimedPath))
     assert (approach.name, back.name) == ("approach", "return")
-    assert force(case, fast) > 1.0 >= force(case, approach.source)
-    assert force(case, back.source) <= 1.0
+    assert force(case, fast) > 1.0 >= force(case, approach.motion)
+    assert force(case, back.motion) <= 1.0
