@@ -54,14 +54,6 @@ class TimedPath:
 
 
 @dataclass(frozen=True, slots=True)
-class SplinePath:
-    """Polynomial pieces, one after the other, from rest to rest: the exact path and time law of a spline."""
-
-    name: str  # what it is for
-    motion: PolynomialMotion  # its pieces, each with its duration
-
-
-@dataclass(frozen=True, slots=True)
 class Dwell:
     """Standing still."""
 
@@ -75,7 +67,7 @@ class Trigger:
     on: bool
 
 
-Block = str | ToHome | ExactStopMove | Arc | TimedPath | SplinePath | Dwell | Trigger
+Block = str | ToHome | ExactStopMove | Arc | TimedPath | Dwell | Trigger
 """Text is a remark for people: dialects wrap it and replace what their controller cannot read."""
 
 
@@ -107,7 +99,7 @@ def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
                 motion = Standstill(pose, block.duration)
             case ExactStopMove() | Arc():
                 motion = block.move
-            case TimedPath() | SplinePath():
+            case TimedPath():
                 motion = block.motion
         if motion is not None and motion.duration > 0.0:
             yield motion, on

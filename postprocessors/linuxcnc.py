@@ -14,6 +14,7 @@ from cases.schema import Case
 from cases.units import MINUTE
 from identification.limited_quantities import Box
 from identification.motion import Slowed
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.profile import limits_along
 from postprocessors.blocks import (
     Arc,
@@ -22,7 +23,6 @@ from postprocessors.blocks import (
     Dwell,
     ExactStopMove,
     NeutralProgram,
-    SplinePath,
     TimedPath,
     ToHome,
     Trigger,
@@ -41,7 +41,7 @@ from postprocessors.wording import (
 )
 from postprocessors.writing import timed_path
 
-MOTION = (ToHome, ExactStopMove, Arc, TimedPath, SplinePath)
+MOTION = (ToHome, ExactStopMove, Arc, TimedPath)
 FULL = 1e-9  # [rad] that a full circle may miss: rounding
 EQUAL = 1e-9  # [s] of durations: rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
@@ -84,7 +84,7 @@ class _LinuxCncWriter:
                 ]
             case ExactStopMove():
                 return [f"G1 {self.words(block.move.end)} F{self.feed_of(block)}"]
-            case Arc() | TimedPath() | SplinePath() if self.chain:
+            case Arc() | TimedPath() if self.chain:
                 raise HexciteError(
                     "LinuxCNC cuts corners of paths by degrees where rotary axes turn round; plan with --family ptp"
                 )
@@ -100,8 +100,6 @@ class _LinuxCncWriter:
                 return ["M65 P0"]
             case TimedPath():
                 return self.timed(block)
-            case SplinePath():
-                return self.timed(_in_cycles(block, self.block))
 
     def feed_of(self, block: ExactStopMove) -> str:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
@@ -144,11 +142,11 @@ def _trapezoid_speed(duration: float, acceleration: float) -> float:
 def prepare_linuxcnc(program: NeutralProgram, case: Case) -> NeutralProgram:
     """Paths in blocks of whole cycles: what is over LinuxCNC leaves out (measured on 2.9), and would be too fast."""
     length = case.need_controller("a program").block
-    blocks = [_in_cycles(b, length) if isinstance(b, TimedPath | SplinePath) else b for b in program.blocks]
+    blocks = [_in_cycles(b, length) if isinstance(b, TimedPath) else b for b in program.blocks]
     return replace(program, blocks=tuple(blocks))
 
 
-def _in_cycles(path: TimedPath | SplinePath, length: float) -> TimedPath:
+def _in_cycles(path: TimedPath, length: float) -> TimedPath:
     """The same path with points at whole cycles, slowed down by as little as that takes.
 
     Of a spline whose pieces last equally long each begins at such a point.
@@ -156,7 +154,7 @@ def _in_cycles(path: TimedPath | SplinePath, length: float) -> TimedPath:
     Args:
         length: duration of a block of a spline, at most [s].
     """
-    if isinstance(path, SplinePath):
+    if isinstance(path.motion, PolynomialMotion):
         lasting = [piece.duration for piece in path.motion.pieces]
         share = _share_of_cycles(lasting[0] if np.ptp(lasting) < EQUAL else path.motion.duration)
         path = timed_path(path.name, path.motion.slowed(share), length, 1.0)
@@ -185,7 +183,7 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
         CaseError: the case has no machine or no controller.
     """
     limits, controller = case.need_motion("a program")[1], case.need_controller("a program")
-    timed = case.chain is None and any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
+    timed = case.chain is None and any(isinstance(block, TimedPath) for block in program.blocks)
     headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
     axes = tuple("XYZABC") if case.chain is None else case.chain.names
     writer = _LinuxCncWriter(axes, limits, headroom, controller.block, case.chain is not None)

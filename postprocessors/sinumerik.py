@@ -15,7 +15,6 @@ from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.blocks import (
     NeutralProgram,
-    SplinePath,
     TimedPath,
     even_deviation,
     path_speed_deviation,
@@ -24,7 +23,7 @@ from postprocessors.blocks import (
 from postprocessors.proving.guarantees import sinumerik_guarantees
 from postprocessors.reading import Reading, axis_letters
 from postprocessors.wording import FEED_DECIMALS, GroupedWriter, comments, coordinates, number
-from postprocessors.writing import moves_as_polynomials, timed_path
+from postprocessors.writing import moves_as_polynomials
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece
@@ -37,7 +36,7 @@ class _SinumerikWriter(GroupedWriter):
 
     def __init__(self, case: Case) -> None:
         controller = case.need_controller("a SINUMERIK program")
-        self.settings, self.block = controller.need_sinumerik(case.name), controller.block
+        self.settings = controller.need_sinumerik(case.name)
         if isinstance(self.settings, Sinumerik):
             words = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in self.settings.orientation_words)]
             axes = ["X", "Y", "Z", *self.settings.orientation_axes]
@@ -65,12 +64,11 @@ class _SinumerikWriter(GroupedWriter):
     def trigger(self, on: bool) -> str:
         return f"DO $A_OUT[{self.settings.trigger_output}]={int(on)}"
 
-    def path(self, path: TimedPath | SplinePath) -> list[str]:
+    def path(self, path: TimedPath) -> list[str]:
         s, motion = self.settings, path.motion
         assert isinstance(s, Sinumerik)  # of a hexapod: paths in a machine's own axes are refused before
         if s.path == "lines":
-            points = path if isinstance(path, TimedPath) else timed_path(path.name, motion, self.block, 1.0)
-            return self.compressed(points, s)
+            return self.compressed(path, s)
         if s.poly_axes < AXES_OF_A_POSE:
             raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates; set path = 'lines'")
         try:
@@ -126,8 +124,10 @@ class _SinumerikWriter(GroupedWriter):
 
 def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
     """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
-    return moves_as_polynomials(program) if isinstance(settings, Sinumerik) and settings.moves == "poly" else program
+    controller = case.need_controller("a SINUMERIK program")
+    settings = controller.need_sinumerik(case.name)
+    polynomials = isinstance(settings, Sinumerik) and settings.moves == "poly"
+    return moves_as_polynomials(program, controller.block) if polynomials else program
 
 
 def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:

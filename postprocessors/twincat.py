@@ -9,11 +9,10 @@ import numpy as np
 
 from cases.controller import TwinCat
 from cases.schema import Case
-from postprocessors.blocks import Array, NeutralProgram, SplinePath, TimedPath
+from postprocessors.blocks import Array, NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
 from postprocessors.wording import GroupedWriter, comments, coordinates, number
-from postprocessors.writing import timed_path
 
 TIME_DECIMALS = 9  # of a second
 
@@ -22,8 +21,7 @@ class _TwinCatWriter(GroupedWriter):
     name, straight, arcs, dwell, grouping = "TwinCAT", "G01 G60", ("G03 G60", "G02 G60"), "G04 ", "#FGROUP [{}]"
 
     def __init__(self, case: Case) -> None:
-        controller = case.need_controller("a TwinCAT program")
-        self.settings, self.block = controller.need_twincat(case.name), controller.block
+        self.settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
         letters = "XYZABC"
         if not isinstance(self.settings, TwinCat):
             chain, _ = case.need_chain("a program")
@@ -49,20 +47,19 @@ class _TwinCatWriter(GroupedWriter):
     def trigger(self, on: bool) -> str:
         return f"M{self.settings.trigger_on_m if on else self.settings.trigger_off_m}"
 
-    def path(self, path: TimedPath | SplinePath) -> list[str]:
+    def path(self, path: TimedPath) -> list[str]:
         """The last point stops exactly; before it, every point belongs to the curve."""
         s = self.settings
         assert isinstance(s, TwinCat)  # of a hexapod: paths in a machine's own axes are refused before
-        points = path if isinstance(path, TimedPath) else timed_path(path.name, path.motion, self.block, 1.0)
         deviations = f"PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}"
         before, after = {
             "akima": (["#SPLINE TYPE AKIMA", "#SPLINE ON"], "#SPLINE OFF"),
             "hsc": ([f"#HSC ON [BSPLINE {deviations}]"], "#HSC OFF"),
             "contour": ([f"#CONTOUR MODE [DEV {deviations}]", "G261"], "G260"),
         }[s.path]
-        lines = [*comments(f"{points.name}: {len(points.times) - 1} blocks, {points.times[-1]:.6f} s"), *before, "G93"]
-        steps = np.diff(np.round(points.times, TIME_DECIMALS))  # rounding of many blocks does not add up
-        for k, (pose, step) in enumerate(zip(points.poses[1:], steps, strict=True), start=1):
+        lines = [*comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), *before, "G93"]
+        steps = np.diff(np.round(path.times, TIME_DECIMALS))  # rounding of many blocks does not add up
+        for k, (pose, step) in enumerate(zip(path.poses[1:], steps, strict=True), start=1):
             stop = "G60 " if k == len(steps) else ""
             lines.append(f"G01 {stop}{self.pose(pose)} F{number(step, TIME_DECIMALS)}")
         return [*lines, after, "G94"]

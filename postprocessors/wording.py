@@ -24,7 +24,6 @@ from postprocessors.blocks import (
     Dwell,
     ExactStopMove,
     NeutralProgram,
-    SplinePath,
     TimedPath,
     ToHome,
     Trigger,
@@ -186,7 +185,7 @@ class GroupedWriter(ABC):
         """The block that switches the trigger."""
 
     @abstractmethod
-    def path(self, path: TimedPath | SplinePath) -> list[str]:
+    def path(self, path: TimedPath) -> list[str]:
         """Blocks of a path of poses."""
 
     def text(self, program: NeutralProgram, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
@@ -237,5 +236,5 @@ class GroupedWriter(ABC):
                 value = feed(feed_of(block, self.limits, self.guarantees), True)
                 arc = f"{self.arcs[0] if block.move.angle > 0.0 else self.arcs[1]} {words} F{value}"
                 return [*self.group(False), f"{PLANE_WORDS[block.move.plane]} {arc}", "G17"]
-            case TimedPath() | SplinePath():
+            case TimedPath():
                 return self.path(block)

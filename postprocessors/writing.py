@@ -19,7 +19,6 @@ from postprocessors.blocks import (
     Dwell,
     ExactStopMove,
     NeutralProgram,
-    SplinePath,
     TimedPath,
     ToHome,
     Trigger,
@@ -107,7 +106,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
     """
-    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | ExactStopMove | Arc)]
+    written = [b for b in program.blocks if isinstance(b, TimedPath | ExactStopMove | Arc)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -115,15 +114,8 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
     for block, stretch in zip(written, read, strict=True):
         match block:
             case TimedPath():
-                name, same = (
-                    f"path {block.name!r}",
-                    isinstance(stretch, Timed) and _same_path(block, stretch, tolerance),
-                )
-            case SplinePath():
-                name, same = (
-                    f"spline {block.name!r}",
-                    isinstance(stretch, Timed) and _same_spline(block, stretch, tolerance),
-                )
+                name = f"path {block.name!r}"
+                same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
             case ExactStopMove() | Arc():
                 name = "a move"
                 same = isinstance(stretch, Untimed) and _same_move(block, stretch)
@@ -147,27 +139,22 @@ def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
     return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
 
 
-def _same_spline(path: SplinePath, stretch: Timed, tolerance: Array) -> bool:
-    """In time, and at the points that the text holds; between points the proof judges what a controller makes of it."""
-    times = stretch.points.times
-    if not np.isclose(path.motion.duration, stretch.points.duration, rtol=1e-7):
-        return False
-    exact = path.motion.at(np.minimum(times, path.motion.duration)).pose
-    return bool(np.all(np.abs(exact - stretch.points.at(times).pose) <= 2 * ROUNDING + tolerance))
-
-
 SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
 APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
 
 
-def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:
-    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces."""
+def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgram:
+    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces.
+
+    Args:
+        block: duration of a block of a timed path, at most [s].
+    """
     blocks: list[Block] = []
     for together, group in groupby(program.blocks, lambda b: isinstance(b, ExactStopMove)):
         members = list(group)
         if together:
             moves = [b.move for b in members if isinstance(b, ExactStopMove)]
-            members = [SplinePath("moves", polynomials_of(moves))]
+            members = [timed_path("moves", polynomials_of(moves), block, 1.0)]
         blocks += members
     return replace(program, blocks=tuple(blocks))
 
@@ -207,7 +194,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
         settle = (Dwell(trajectory.settle),) if trajectory.settle > 0.0 else ()
         return (*settle, Trigger(True), Dwell(trajectory.average), Trigger(False))
     if isinstance(trajectory, PolynomialMotion):
-        return (SplinePath(name, trajectory.slowed(speed)),)
+        return (timed_path(name, trajectory.slowed(speed), block, 1.0),)
     return (timed_path(name, trajectory, block, speed),)
 
 
@@ -231,7 +218,7 @@ def excitation_program(
     first, last = trajectory.at([0.0, trajectory.duration]).pose
     blocks: list[Block] = [ToHome(home, safe * min(1.0, speed))]
     excitation = motion_blocks("excitation", trajectory, controller.block, speed)
-    own_time = not any(isinstance(b, TimedPath | SplinePath) for b in excitation)
+    own_time = not any(isinstance(b, TimedPath) for b in excitation)
 
     def straight(name: str, start: Array, end: Array) -> None:
         if np.max(np.abs(end - start)) < SAME:

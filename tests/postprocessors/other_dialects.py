@@ -13,7 +13,6 @@ from postprocessors.blocks import (
     Dwell,
     ExactStopMove,
     NeutralProgram,
-    SplinePath,
     TimedPath,
     ToHome,
     Trigger,
@@ -24,6 +23,7 @@ from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Stretch, Timed, stretches
 from postprocessors.reading import Move, Pause, Reading, Switch
+from postprocessors.writing import timed_path
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HEAD
 
@@ -152,7 +152,7 @@ def _switches_and_others(reading: Reading) -> list[object]:
 def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block:
     if isinstance(stretch, Timed):
         if hasattr(stretch.points, "pieces"):
-            return SplinePath(next(names), stretch.points)
+            return timed_path(next(names), stretch.points, case.controller.block, 1.0)
         return TimedPath(next(names), stretch.points.times, stretch.points.poses, stretch.points)
     move = predicted(stretch, case.limits.motion, guarantees)
     return Arc(move) if stretch.turn is not None else ExactStopMove(move)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.units import DEG, MM
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import ExactStopMove, NeutralProgram, SplinePath, TimedPath, ToHome
+from postprocessors.blocks import ExactStopMove, NeutralProgram, TimedPath, ToHome
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from tests.postprocessors.other_dialects import (
@@ -114,11 +114,7 @@ def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed:
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     program = excitation_program(motion, case, (), speed)
     read = [s for s in stretches(typed.read(text_of(typed, program, case), case)) if isinstance(s, Timed)]
-    planned = [
-        b.times[-1] if isinstance(b, TimedPath) else b.motion.duration
-        for b in program.blocks
-        if isinstance(b, TimedPath | SplinePath)
-    ]
+    planned = [b.times[-1] for b in program.blocks if isinstance(b, TimedPath)]
     assert [s.points.duration for s in read] == pytest.approx(planned, rel=1e-7)
     excitation = next(s for s in read if s.trigger)
     assert excitation.points.duration == pytest.approx(motion.duration / speed, rel=1e-7)

@@ -12,7 +12,6 @@ from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import (
     NeutralProgram,
-    SplinePath,
     TimedPath,
     ToHome,
     even_deviation,
@@ -21,7 +20,7 @@ from postprocessors.blocks import (
     pieces,
 )
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.writing import excitation_program, proven_program
+from postprocessors.writing import excitation_program, proven_program, timed_path
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of
 from tests.postprocessors.programs import HOME
@@ -110,7 +109,7 @@ def test_shorter_blocks_leave_the_controllers_law_of_time_less_to_decide():
 @pytest.mark.parametrize("degree", [4, 5])
 def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
     motion = spline(degree)
-    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), SplinePath("spline", motion))))
+    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), timed_path("spline", motion, 0.01, 1.0))))
     read = next(s for s in stretches(SINUMERIK.read(text)) if isinstance(s, Timed))
     t = np.linspace(0.0, 1.0, 1001)
     found, exact = read.points.at(t), motion.at(t)
@@ -133,7 +132,7 @@ def test_too_few_axes_or_too_tight_a_tolerance_name_the_key():
 
 def test_post_says_how_far_the_controllers_law_may_stray_from_the_plan():
     """Read from the text alone, and as the writer has stated it in the program's comments."""
-    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), SplinePath("spline", spline(5)))))
+    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), timed_path("spline", spline(5), 0.01, 1.0))))
     (remark,) = SINUMERIK.language.forecast(SINUMERIK.read(text), CASE).remarks
     off = path_speed_deviation(pieces(spline(5), 5, 1e-3 * CASE.controller.sinumerik.poly_block_ms, TIGHT), spline(5))
     assert f"strays up to {off[0] * 1e3:.2g} mm" in remark
