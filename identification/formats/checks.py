@@ -184,20 +184,12 @@ def marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Rows
                 f"most {100 * MOST_MISSING:g} % may be missing",
                 "record again, or give what is sampled less often in a file of its own",
             )
-        values[ours] = _filled(column, good, ours in _KEPT)
+        values[ours] = _spread(column[good], np.flatnonzero(good), np.arange(len(good)), ours in _KEPT)
         missing |= ~good
         columns = (*columns, name)
     if not columns:
         return table, None, ()
     return replace(table, values={**table.values, **values}), missing, columns
-
-
-def _filled(column: Array, good: Rows, kept: bool) -> Array:
-    rows = np.arange(len(column))
-    places = np.flatnonzero(good)
-    if not kept:
-        return np.where(good, column, np.interp(rows, places, column[places]))
-    return np.asarray(column[places[np.maximum(np.searchsorted(places, rows, side="right") - 1, 0)]])
 
 
 def with_lost_rows(stream: Stream) -> Stream:
@@ -230,12 +222,7 @@ def with_lost_rows(stream: Stream) -> Stream:
 
 def _spread(values: Array, own: NDArray[np.int64], rows: NDArray[np.int64], kept: bool) -> Array:
     """Values at all rows: straight lines between those that are there, or the last of them."""
-    last = np.clip(np.searchsorted(own, rows, side="right") - 1, 0, len(own) - 1)
     if kept:
-        return np.asarray(values[last])
-    following = np.minimum(last + 1, len(own) - 1)
-    share = np.clip((rows - own[last]) / np.maximum(own[following] - own[last], 1), 0.0, 1.0)
-    share = share.reshape(-1, *(1,) * (values.ndim - 1))
-    result = values[last] + share * (values[following] - values[last])
-    result[own] = values
-    return np.asarray(result)
+        return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])
+    columns = [np.interp(rows, own, column) for column in values.reshape(len(values), -1).T]
+    return np.stack(columns, axis=1).reshape(len(rows), *values.shape[1:])
