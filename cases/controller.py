@@ -111,11 +111,6 @@ class SinumerikAxes(Part):
     controller_keeps: Promises
     """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
 
-    @property
-    def shortest_block(self) -> float:
-        """Shortest block [s]."""
-        return self.shortest_block_ms * MS
-
 
 class Sinumerik(SinumerikAxes):
     """Settings of SINUMERIK programs. The transformation of a hexapod is the machine builder's: ask for these words."""
@@ -203,11 +198,6 @@ class TwinCatAxes(Part):
         if self.trigger_on_m == self.trigger_off_m:
             raise ValueError(f"trigger_on_m and trigger_off_m are both {self.trigger_on_m}; give two M functions")
         return self
-
-    @property
-    def shortest_block(self) -> float:
-        """Shortest block [s]."""
-        return self.shortest_block_ms * MS
 
 
 class TwinCat(TwinCatAxes):

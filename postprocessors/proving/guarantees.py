@@ -8,7 +8,7 @@ import numpy as np
 
 from cases.controller import Sinumerik
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import DEG, MM, MS
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.limited_quantities import Box
 from identification.motion import Array
@@ -126,7 +126,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     polynomial = any(isinstance(e, Polynomial) for e in reading.events)
     return Guarantees(
         controller="SINUMERIK",
-        shortest_block=settings.shortest_block,
+        shortest_block=settings.shortest_block_ms * MS,
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments,
@@ -147,11 +147,11 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
         controller="TwinCAT",
-        shortest_block=settings.shortest_block,
+        shortest_block=settings.shortest_block_ms * MS,
         longest_block=LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments if smooth else _trapezoid,
-        jerk_time=0.0 if smooth else settings.shortest_block,
+        jerk_time=0.0 if smooth else settings.shortest_block_ms * MS,
     )
 
 
