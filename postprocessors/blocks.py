@@ -26,24 +26,6 @@ class ToHome:
 
 
 @dataclass(frozen=True, slots=True)
-class ExactStopMove:
-    """A straight move in the six coordinates from rest to rest, exact stop at its end.
-
-    Controllers know feeds, not durations: a dialect writes the feed that makes its controller's own time law, under the
-    limits of the case, take as long as planned.
-    """
-
-    move: StraightMove  # where from, where to, and the planned time law
-
-
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """A circular move in a coordinate plane from rest to rest, exact stop at its end; full circles too."""
-
-    move: CircularMove  # where from, about what, how far, and the planned time law
-
-
-@dataclass(frozen=True, slots=True)
 class TimedPath:
     """Poses to be passed at given times, from rest at the pose before to rest at the last."""
 
@@ -67,8 +49,12 @@ class Trigger:
     on: bool
 
 
-Block = str | ToHome | ExactStopMove | Arc | TimedPath | Dwell | Trigger
-"""Text is a remark for people: dialects wrap it and replace what their controller cannot read."""
+Block = str | ToHome | StraightMove | CircularMove | TimedPath | Dwell | Trigger
+"""Text is a remark for people: dialects wrap it and replace what their controller cannot read.
+
+Moves and arcs go from rest to rest, with an exact stop at their end. Controllers know feeds, not durations: a dialect
+writes the feed that makes its controller's own time law, under the limits of the case, take as long as planned.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +83,8 @@ def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
                 pass
             case Dwell():
                 motion = Standstill(pose, block.duration)
-            case ExactStopMove() | Arc():
-                motion = block.move
+            case StraightMove() | CircularMove():
+                motion = block
             case TimedPath():
                 motion = block.motion
         if motion is not None and motion.duration > 0.0:

@@ -15,13 +15,12 @@ from cases.units import MINUTE
 from identification.limited_quantities import Box
 from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
+from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import limits_along
 from postprocessors.blocks import (
-    Arc,
     Array,
     Block,
     Dwell,
-    ExactStopMove,
     NeutralProgram,
     TimedPath,
     ToHome,
@@ -41,7 +40,7 @@ from postprocessors.wording import (
 )
 from postprocessors.writing import timed_path
 
-MOTION = (ToHome, ExactStopMove, Arc, TimedPath)
+MOTION = (ToHome, StraightMove, CircularMove, TimedPath)
 FULL = 1e-9  # [rad] that a full circle may miss: rounding
 EQUAL = 1e-9  # [s] of durations: rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
@@ -82,14 +81,14 @@ class _LinuxCncWriter:
                     "G61",
                     f"G94 G1 {self.words(block.pose)} F{home_feed(block, self.limits, self.chain)}",
                 ]
-            case ExactStopMove():
-                return [f"G1 {self.words(block.move.end)} F{self.feed_of(block)}"]
-            case Arc() | TimedPath() if self.chain:
+            case StraightMove():
+                return [f"G1 {self.words(block.end)} F{self.feed_of(block)}"]
+            case CircularMove() | TimedPath() if self.chain:
                 raise HexciteError(
                     "LinuxCNC cuts corners of paths by degrees where rotary axes turn round; plan with --family ptp"
                 )
-            case Arc():
-                return [f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
+            case CircularMove():
+                return [f"{PLANE_WORDS[block.plane]} {self.arc(block)}", "G17"]
             case Dwell():
                 return [f"G4 P{number(block.duration, 6)}"]
             case Trigger():
@@ -101,18 +100,17 @@ class _LinuxCncWriter:
             case TimedPath():
                 return self.timed(block)
 
-    def feed_of(self, block: ExactStopMove) -> str:
+    def feed_of(self, move: StraightMove) -> str:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
-        way = np.abs(block.move.end - block.move.start)
+        way = np.abs(move.end - move.start)
         (acceleration,) = limits_along(way, self.acceleration)
-        share = _trapezoid_speed(block.move.duration, acceleration)
+        share = _trapezoid_speed(move.duration, acceleration)
         linear = bool(way[~self.limits.turns].any())
         length = float(np.linalg.norm(way[~self.limits.turns if linear else self.limits.turns]))
         return feed(share * length, linear)
 
-    def arc(self, block: Arc) -> str:
+    def arc(self, move: CircularMove) -> str:
         """A full circle has no end words, or it would be none at all."""
-        move = block.move
         first, second, _ = move.plane.axes
         way = np.abs(move.end - move.start)
         way[[first, second]] = move.length

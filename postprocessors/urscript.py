@@ -10,7 +10,8 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from postprocessors.blocks import Array, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
+from identification.trajectories.moves import StraightMove
+from postprocessors.blocks import Array, Dwell, NeutralProgram, ToHome, Trigger
 from postprocessors.wording import comment_lines, digits, number
 
 DECIMALS = 9  # of angles [rad]
@@ -56,8 +57,8 @@ def _statements(program: NeutralProgram, at: Array, output: int, speeds: tuple[f
                 yield from _comments("to home")
                 yield _move(block.pose, block.feed * speeds[1], block.feed * speeds[0])
                 at = block.pose
-            case ExactStopMove():  # a trapezoid of the planned duration and speed, no steeper than planned
-                law, end = block.move.profile, block.move.end
+            case StraightMove():  # a trapezoid of the planned duration and speed, no steeper than planned
+                law, end = block.profile, block.end
                 way = float(np.abs(np.round(end, DECIMALS) - np.round(at, DECIMALS)).max())
                 acceleration = law.peak_velocity / (law.duration - 1.0 / law.peak_velocity)
                 yield _move(end, acceleration * way, law.peak_velocity * way)

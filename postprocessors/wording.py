@@ -18,11 +18,9 @@ from identification.limited_quantities import Box
 from identification.trajectories.moves import CircularMove, Plane, StraightMove
 from identification.trajectories.profile import limits_along
 from postprocessors.blocks import (
-    Arc,
     Array,
     Block,
     Dwell,
-    ExactStopMove,
     NeutralProgram,
     TimedPath,
     ToHome,
@@ -104,25 +102,24 @@ NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit
 
 
-def feed_of(block: ExactStopMove | Arc, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
+def feed_of(move: StraightMove | CircularMove, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
     """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
 
     The largest that the move can reach where even that takes longer than planned.
 
     Args:
-        block: the move, with its planned duration.
+        move: with its planned duration.
         limits: limits that the controller is set up with.
         linear: whether the feed counts X, Y, Z.
     """
-    move = block.move
     way = np.abs(move.end - move.start)
-    if isinstance(block, Arc):
-        way[list(block.move.plane.axes[:2])] = block.move.length
+    if isinstance(move, CircularMove):
+        way[list(move.plane.axes[:2])] = move.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
 
     def duration(speed: float) -> float:
-        if isinstance(block, Arc):
-            return guarantees.arc_law(speed, acceleration, jerk, abs(block.move.angle)).duration
+        if isinstance(move, CircularMove):
+            return guarantees.arc_law(speed, acceleration, jerk, abs(move.angle)).duration
         return guarantees.law(speed, acceleration, jerk).duration
 
     low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
@@ -131,17 +128,17 @@ def feed_of(block: ExactStopMove | Arc, limits: Box, guarantees: Guarantees, lin
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
-    if isinstance(block, Arc):
-        return high * block.move.length
+    if isinstance(move, CircularMove):
+        return high * move.length
     return high * float(np.linalg.norm(way[limits.turns != linear]))
 
 
-def written_feed(block: ExactStopMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
+def written_feed(move: StraightMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
     """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it."""
-    written = as_written(block.move, limits.turns)
+    written = as_written(move, limits.turns)
     way = (written.end - written.start)[~limits.turns]
     linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
-    return linear, feed(feed_of(ExactStopMove(written), limits, guarantees, linear), linear)
+    return linear, feed(feed_of(written, limits, guarantees, linear), linear)
 
 
 def home_feed(block: ToHome, limits: Box, own_axes: bool) -> str:
@@ -219,9 +216,9 @@ class GroupedWriter(ABC):
                 group = self.group(False, True) if self.own_axes else self.group(False)
                 move = f"{self.straight} {self.pose(block.pose)} F{home_feed(block, self.limits, self.own_axes)}"
                 return [*self.to_home(), *group, move]
-            case ExactStopMove():
+            case StraightMove():
                 linear, value = written_feed(block, self.limits, self.guarantees)
-                return [*self.group(not linear), f"{self.straight} {self.pose(block.move.end)} F{value}"]
+                return [*self.group(not linear), f"{self.straight} {self.pose(block.end)} F{value}"]
             case Dwell():
                 return [f"{self.dwell}{number(block.duration, 6)}"]
             case Trigger():
@@ -231,10 +228,10 @@ class GroupedWriter(ABC):
                     f"{self.name} programs in the machine's own axes are made of moves from rest to rest; plan with "
                     "--family ptp"
                 )
-            case Arc():
-                words = arc_words(block.move, self.words, self.coordinates(block.move.end))
+            case CircularMove():
+                words = arc_words(block, self.words, self.coordinates(block.end))
                 value = feed(feed_of(block, self.limits, self.guarantees), True)
-                arc = f"{self.arcs[0] if block.move.angle > 0.0 else self.arcs[1]} {words} F{value}"
-                return [*self.group(False), f"{PLANE_WORDS[block.move.plane]} {arc}", "G17"]
+                arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {words} F{value}"
+                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc}", "G17"]
             case TimedPath():
                 return self.path(block)

@@ -14,10 +14,8 @@ from identification.motion import Array, Joined, Measurement, Slowed, Standstill
 from identification.trajectories.curves import PolynomialMotion, polynomials_of
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import (
-    Arc,
     Block,
     Dwell,
-    ExactStopMove,
     NeutralProgram,
     TimedPath,
     ToHome,
@@ -106,7 +104,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
     """
-    written = [b for b in program.blocks if isinstance(b, TimedPath | ExactStopMove | Arc)]
+    written = [b for b in program.blocks if isinstance(b, TimedPath | StraightMove | CircularMove)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -116,7 +114,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
             case TimedPath():
                 name = f"path {block.name!r}"
                 same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
-            case ExactStopMove() | Arc():
+            case StraightMove() | CircularMove():
                 name = "a move"
                 same = isinstance(stretch, Untimed) and _same_move(block, stretch)
         if not same:
@@ -124,9 +122,9 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
             raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
 
 
-def _same_move(block: ExactStopMove | Arc, stretch: Untimed) -> bool:
-    near = bool(np.all(np.abs(stretch.end - block.move.end) <= ROUNDING))
-    return near and (stretch.turn is not None) == isinstance(block, Arc)
+def _same_move(block: StraightMove | CircularMove, stretch: Untimed) -> bool:
+    near = bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
+    return near and (stretch.turn is not None) == isinstance(block, CircularMove)
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
@@ -150,10 +148,10 @@ def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgra
         block: duration of a block of a timed path, at most [s].
     """
     blocks: list[Block] = []
-    for together, group in groupby(program.blocks, lambda b: isinstance(b, ExactStopMove)):
+    for together, group in groupby(program.blocks, lambda b: isinstance(b, StraightMove)):
         members = list(group)
         if together:
-            moves = [b.move for b in members if isinstance(b, ExactStopMove)]
+            moves = [b for b in members if isinstance(b, StraightMove)]
             members = [timed_path("moves", polynomials_of(moves), block, 1.0)]
         blocks += members
     return replace(program, blocks=tuple(blocks))
@@ -185,9 +183,9 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     if isinstance(trajectory, Joined):
         return tuple(b for part in trajectory.parts for b in motion_blocks(name, part, block, speed))
     if isinstance(trajectory, StraightMove):
-        return (ExactStopMove(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+        return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
     if isinstance(trajectory, CircularMove):
-        return (Arc(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+        return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
     if isinstance(trajectory, Standstill):
         return (Dwell(trajectory.duration),)  # as long at any speed
     if isinstance(trajectory, Measurement):

@@ -8,10 +8,8 @@ import numpy as np
 from cases.loading import load_case
 from cases.schema import Case
 from postprocessors.blocks import (
-    Arc,
     Block,
     Dwell,
-    ExactStopMove,
     NeutralProgram,
     TimedPath,
     ToHome,
@@ -154,8 +152,7 @@ def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block
         if hasattr(stretch.points, "pieces"):
             return timed_path(next(names), stretch.points, case.controller.block, 1.0)
         return TimedPath(next(names), stretch.points.times, stretch.points.poses, stretch.points)
-    move = predicted(stretch, case.limits.motion, guarantees)
-    return Arc(move) if stretch.turn is not None else ExactStopMove(move)
+    return predicted(stretch, case.limits.motion, guarantees)
 
 
 def without_comments(text: str) -> list[str]:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.units import DEG, MM
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import ExactStopMove, NeutralProgram, TimedPath, ToHome
+from postprocessors.blocks import NeutralProgram, TimedPath, ToHome
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from tests.postprocessors.other_dialects import (
@@ -85,7 +85,7 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     limits = CASE.limits.motion
     fastest = StraightMove.fastest(HOME, end, limits.rate, limits.acceleration, limits.jerk)
     move = StraightMove(HOME, end, fastest.profile.slowed(1.0 / slower))
-    text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), ExactStopMove(move))))
+    text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), move)))
     reading = typed.read(text)
     guarantees = typed.language.guarantees(reading, CASE)
     run = predicted(stretches(reading)[-1], limits, guarantees)

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import TimedPoints
-from identification.trajectories.moves import Plane, StraightMove, fastest_circle
-from postprocessors.blocks import Arc, Dwell, ExactStopMove, NeutralProgram, TimedPath, ToHome, Trigger
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading import Pause, Switch
@@ -77,16 +77,16 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
             end = np.r_[pose[:3], end[3:]] if kind == "turn" else end
             if np.abs(end - pose).max() < 1e-3:
                 continue
-            blocks.append(ExactStopMove(StraightMove.fastest(pose, end, *share)))
+            blocks.append(StraightMove.fastest(pose, end, *share))
         elif kind == "arc":
             plane, angle = draw(st.sampled_from(list(Plane))), draw(st.sampled_from([-1.5, 0.7, 3.5, 2 * np.pi]))
             first, second, _ = plane.axes
             centre = pose[[first, second]] + [0.02, 0.01]
-            blocks.append(Arc(fastest_circle(pose, plane, centre, angle, *share)))
+            blocks.append(fastest_circle(pose, plane, centre, angle, *share))
         else:
             blocks.append(a_path(pose, draw(st.integers(0, 1000)), draw(st.integers(3, 6))))
         last = blocks[-1]
-        pose = last.poses[-1] if isinstance(last, TimedPath) else last.move.end
+        pose = last.poses[-1] if isinstance(last, TimedPath) else last.end
         blocks += [Dwell(round(draw(st.floats(0.01, 3.0)), 6)), Trigger(draw(st.booleans())), Dwell(0.1)]
     return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))
 
@@ -95,7 +95,7 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
 @given(program=programs())
 def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: NeutralProgram):
     reading = typed.read(text_of(typed, program, case), case)
-    meant = [b for b in program.blocks[1:] if isinstance(b, ExactStopMove | Arc | TimedPath)]
+    meant = [b for b in program.blocks[1:] if isinstance(b, StraightMove | CircularMove | TimedPath)]
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     assert len(read) == len(meant)
     for block, stretch in zip(meant, read, strict=True):
@@ -105,8 +105,8 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
             assert stretch.points.duration == pytest.approx(block.times[-1], rel=1e-8)
             assert np.all(off <= HALF_A_STEP + np.repeat([1e-6, 1e-5], 3))
         else:
-            assert np.all(np.abs(stretch.end - block.move.end) <= HALF_A_STEP)
-            assert (stretch.turn is not None) == isinstance(block, Arc)
+            assert np.all(np.abs(stretch.end - block.end) <= HALF_A_STEP)
+            assert (stretch.turn is not None) == isinstance(block, CircularMove)
     others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
     events = [e for e in reading.events if isinstance(e, Pause | Switch)]
     found = {
@@ -169,9 +169,9 @@ def golden_program() -> NeutralProgram:
             ToHome(HOME, 0.05),
             Dwell(0.3),
             Trigger(True),
-            ExactStopMove(StraightMove.fastest(HOME, end, *share)),
-            ExactStopMove(StraightMove.fastest(end, turned, *share)),
-            Arc(arc),
+            StraightMove.fastest(HOME, end, *share),
+            StraightMove.fastest(end, turned, *share),
+            arc,
             a_path(arc.end, 1, 4),
             Trigger(False),
             Dwell(1e-6),

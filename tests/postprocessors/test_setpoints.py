@@ -14,7 +14,7 @@ from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -47,7 +47,7 @@ def moves(case=CASE) -> NeutralProgram:
     ends = (Dwell(0.0053), Trigger(False))
     return NeutralProgram(
         ("a note", "Größe"),
-        (ToHome(HOME, 0.05), Dwell(0.01), Trigger(True), ExactStopMove(there), *ends, ExactStopMove(back)),
+        (ToHome(HOME, 0.05), Dwell(0.01), Trigger(True), there, *ends, back),
     )
 
 
@@ -74,11 +74,7 @@ def test_time_is_exact_up_to_one_cycle_a_motion(write, case):
     program = moves()
     read = stretches(LANGUAGE.read(write(program, case), "t", case))
     cycle = case.controller.setpoints.cycle
-    planned = [
-        b.move.duration if isinstance(b, ExactStopMove) else b.duration
-        for b in program.blocks
-        if isinstance(b, ExactStopMove | Dwell)
-    ]
+    planned = [b.duration for b in program.blocks if isinstance(b, StraightMove | Dwell)]
     found = [s.points.duration if isinstance(s, Timed) else s.duration for s in read]
     for wanted, got in zip(planned, found, strict=True):
         assert wanted - 1e-9 <= got < wanted + cycle
