@@ -76,11 +76,6 @@ class ControllerLog:
     lines: NDArray[np.int64]
     left_out: int = 0  # cycles of standstill that are not in it, because only the computer's clock made them
 
-    @property
-    def time(self) -> Array:
-        """Time since the first row, shape (n,) [s]."""
-        return np.arange(len(self.lines), dtype=np.float64) * np.float64(self.period)
-
 
 TIME_TOLERANCE = 0.005
 """Share of a path's duration by which it may be late; measured on an idle computer 0.002 with 10 ms blocks."""
