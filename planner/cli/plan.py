@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cases.sensors import payload_words
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -219,4 +218,6 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
 
 def _mounted(answer: dict[str, Any]) -> str:
     first, last = answer["payload_from"], answer["payload"]
+    from cases.sensors import payload_words
+
     return payload_words(last) if first == last else f"the largest with {first} to {payload_words(last)}"
