@@ -197,12 +197,7 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
     return tuple(words)
 
 
-def notes(
-    found: Found,
-    request: Request,
-    case: Case,
-    worst: dict[str, tuple[float, int]],
-) -> tuple[str, ...]:
+def notes(found: Found, request: Request, case: Case, worst: dict[str, tuple[float, int]]) -> tuple[str, ...]:
     """What the user should know before running it.
 
     Args:

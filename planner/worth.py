@@ -134,13 +134,7 @@ def bound_by(limits: LimitReport) -> list[str]:
 
 
 def predicted_std(
-    case: Case,
-    model: Model,
-    scaling: Array,
-    information: Array,
-    duration: float,
-    noise: float,
-    payload: int = 0,
+    case: Case, model: Model, scaling: Array, information: Array, duration: float, noise: float, payload: int = 0
 ) -> dict[str, float]:
     """Standard deviations of the physical parameters for one run at the rate of the case.
 

@@ -29,7 +29,7 @@ def demo(
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
-    from planner.reports.demo import demo_page
+    from planner.reports.demo import demo_page, truth_cells
     from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
     from postprocessors.dialects import Program
@@ -43,13 +43,12 @@ def demo(
     dialect = dialect_named(usual_dialect(loaded))
     table, controller = dialect.name == "setpoints", dialect.description.partition(":")[0]
 
-    def step(text: str) -> None:
+    def say(line: str) -> None:
         if not json:
-            print(f"[{len(answer) + 1}/6] {text}", flush=True)
+            print(line, flush=True)
 
-    def print_step(line: str) -> None:
-        if not json:
-            print(f"      {line}")
+    def step(text: str) -> None:
+        say(f"[{len(answer) + 1}/6] {text}")
 
     def done(value: "Plan | Program | RunOutcome | Result") -> None:
         if isinstance(value, Plan):
@@ -60,30 +59,30 @@ def demo(
             bound = "certified" if plan["bound"]["certified"] else "estimated"
             line = f"{moves}, D-efficiency {plan['d_efficiency']:.3f} against the {bound} bound, "
             line += f"found in {plan['solve_s']:.0f} s"
-            print_step(line)
+            say(f"      {line}")
             own = f"for {controller}; what it does not enforce of {', '.join(accepted(value))} is accepted here by name"
             step(f"post: {'a table of set points, one row a cycle' if table else own}")
         elif isinstance(value, Program):
             written = answer["post"] = answer_of_program(value)
             unit = "rows" if table else "blocks"
             line = f"{written['blocks']} {unit}, {written['duration_s']:.2f} s with the way to the first pose and home"
-            print_step(line)
+            say(f"      {line}")
             step("check: the text read back, independently of its writer")
             checked = answer["check"] = answer_of_proof(value)
-            print_step(checked["verdict"])
+            say(f"      {checked['verdict']}")
             name, reason = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({reason})")
         elif isinstance(value, RunOutcome):
             run = answer["run"] = answer_of_run(value, place / "recording")
             line = f"{run['controller']}: {run['duration_s']:.3f} s of {run['planned_s']:.3f} s planned, "
             line += f"{run['path_error_mm']:.3f} mm from the path, D-efficiency {run['d_efficiency']:.3f} as executed"
-            print_step(line)
+            say(f"      {line}")
             step(f"identify: model {full_model(loaded)} from the recording alone")
         else:
             data = answer["identify"] = answer_of_result(value, place / "result")
             report(value, place / "result" / "report.html")
             line = f"{len(data['parameters'])} parameters from {data['samples']} samples, residuals {data['s0']:.3g} N"
-            print_step(line)
+            say(f"      {line}")
 
     law = " of limited jerk" if table else f" of {controller}"
     step(f"plan: the most informative moves inside the limits, with the time law{law}")
@@ -91,7 +90,12 @@ def demo(
     step("compare with the truth of the simulated machine")
     answer["truth"] = list(chain.truth)
     if not json:
-        _show_truth(answer["truth"])
+        cells = [truth_cells(row) for row in chain.truth]
+        print_table(
+            "Identified, beside the truth",
+            ("parameter", "identified", "+-", "unit", "truth", "error / +-"),
+            [(name, estimate, std, unit, truth, ratio) for name, truth, estimate, std, _, ratio, unit in cells],
+        )
     file = place / "report.html"
     write_text(file, render(demo_page(chain, answer)))
     summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
@@ -100,14 +104,3 @@ def demo(
         return
     print(f"largest error: {chain.worst:.2f} reported standard deviations")
     print(f"report written: {file}")
-
-
-def _show_truth(rows: list[dict[str, Any]]) -> None:
-    from planner.reports.demo import truth_cells
-
-    cells = [truth_cells(row) for row in rows]
-    print_table(
-        "Identified, beside the truth",
-        ("parameter", "identified", "+-", "unit", "truth", "error / +-"),
-        [(name, estimate, std, unit, truth, ratio) for name, truth, estimate, std, _, ratio, unit in cells],
-    )

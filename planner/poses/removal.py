@@ -88,12 +88,7 @@ def reduce_best(
 
 
 def _best_removal(
-    regressors: Array,
-    criterion: PoseCriterion,
-    screen: Screen,
-    information: Array,
-    alive: NDArray[np.bool_],
-    most: int,
+    regressors: Array, criterion: PoseCriterion, screen: Screen, information: Array, alive: NDArray[np.bool_], most: int
 ) -> tuple[int, float] | None:
     """Position and value of the best removal; None where more than `most` poses would have to be evaluated.
 

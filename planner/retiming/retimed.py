@@ -152,10 +152,7 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
 
 
 def retime(
-    plan: Plan,
-    method: str | None = None,
-    fastest: bool = False,
-    progress: Callable[[str], None] = lambda _: None,
+    plan: Plan, method: str | None = None, fastest: bool = False, progress: Callable[[str], None] = lambda _: None
 ) -> Plan:
     """A plan of the same path at another pace.
 
