@@ -85,7 +85,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     except HexciteError as error:
         raise FileProblem(file, error.typed, "plan again") from error
     except ValidationError as error:
-        place = ".".join(map(str, error.errors()[0]["loc"]))
+        place = ".".join(map(str, error.errors()[0]["loc"])).removeprefix("search.")
         raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error

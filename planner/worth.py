@@ -5,6 +5,7 @@ Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,10 @@ from planner.noise import (
 )
 from planner.poses.pose_criteria import total_information
 from planner.search.solving import Failed
+
+START = itemgetter(
+    *["seed", "refined", "start_logdet", "logdet", "criterion_value", "solver", "converged", "iterations", "seconds"]
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +92,8 @@ class Worth:
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
         """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
+        for start in data["starts"]:
+            START(start)  # raises where an entry is missing
         bounds = {
             key: None if data[key] is None else Bound.of_json(data[key], parameters) for key in ("bound", "bound_tight")
         }
