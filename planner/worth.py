@@ -33,7 +33,7 @@ from planner.poses.pose_criteria import total_information
 from planner.search.solving import Failed
 
 START = itemgetter(
-    *["seed", "refined", "start_logdet", "logdet", "criterion_value", "solver", "converged", "iterations", "seconds"]
+    "seed", "refined", "start_logdet", "logdet", "criterion_value", "solver", "converged", "iterations", "seconds"
 )
 
 
