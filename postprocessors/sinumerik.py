@@ -58,9 +58,6 @@ class _SinumerikWriter(GroupedWriter):
         start += [f"FGREF[{a}]={number(MM_A_DEGREE, 6)}" for a in turning]
         return self.text(program, title, start, ["M30"])
 
-    def to_home(self) -> list[str]:
-        return comments("to home")
-
     def trigger(self, on: bool) -> str:
         return f"DO $A_OUT[{self.settings.trigger_output}]={int(on)}"
 

@@ -42,7 +42,7 @@ class _TwinCatWriter(GroupedWriter):
         return coordinates(pose * [1, 1, 1, 1, self.settings.angle_sign_b, 1])
 
     def to_home(self) -> list[str]:
-        return comments("to home") if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]']
+        return super().to_home() if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]']
 
     def trigger(self, on: bool) -> str:
         return f"M{self.settings.trigger_on_m if on else self.settings.trigger_off_m}"

@@ -173,9 +173,9 @@ class GroupedWriter(ABC):
         self.own_axes = case.chain is not None
         self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
 
-    @abstractmethod
     def to_home(self) -> list[str]:
         """What announces the first move."""
+        return comments("to home")
 
     @abstractmethod
     def trigger(self, on: bool) -> str:
