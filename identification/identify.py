@@ -106,38 +106,23 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     return replace(estimate, findings=(*estimate.findings, *doubtful_body(model, estimate.fit, case)))
 
 
-def samples_of(
-    recording: Recording,
-    case: Case,
-    model: Model,
-    conditioning: Conditioning,
-    found: Scan,
-    biases: Biases | None = None,
+def _samples(
+    recording: Recording, case: Case, model: Model, conditioning: Conditioning, found: Scan, biases: Biases | None
 ) -> Samples:
-    """A recording ready to be evaluated, as it was asked for.
-
-    Args:
-        found: samples that may not be used.
-        biases: biases of a wrist run, known beforehand.
-
-    Raises:
-        RecordingError: it cannot be evaluated so.
-        IdentificationError: the model needs what the recording does not have.
-    """
+    """A recording ready to be evaluated, as it was asked for; `biases` are those of a wrist run, known beforehand."""
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model, found)
     if conditioning.periodic:
         return periodic_run(recording, case, model, conditioning, found)
     if recording.struts is None:
         return wrist_run(recording, case, model, MOST_DELAY, biases, bad=found.bad)
-    run = moving_run(recording, case, model, found=found)
-    return replace(run, smoothing=conditioning.flexible)
+    return replace(moving_run(recording, case, model, found=found), smoothing=conditioning.flexible)
 
 
 def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
     scanned = scan(recording, case)
     problem = FitProblem.of(model, case, method)
-    samples = samples_of(recording, case, model, conditioning, scanned, method.biases)
+    samples = _samples(recording, case, model, conditioning, scanned, method.biases)
     if conditioning.flexible and (method.priors or not isinstance(samples, Run)):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     findings = [*scanned.findings]

@@ -207,18 +207,15 @@ def body_clearances(motion: Motion, chain: Chain, frames: Frames | None = None) 
         if moving:
             columns = [_from_box(body, box.corners) for body in moving]
             limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
-            yield _kept(limit, [body.name for body in moving], columns, [box.vicinity] * len(moving))
+            yield Quantity.clear(limit, tuple(body.name for body in moving), np.column_stack(columns), box.vicinity)
     pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
     if pairs:
-        labels, reach = [f"{a.name}, {b.name}" for a, b in pairs], [a.radius + b.radius for a, b in pairs]
-        limit = Limit(LimitKind.DISTANCE_BETWEEN_LINKS)
-        yield _kept(limit, labels, [_between(a, b) for a, b in pairs], reach)
-
-
-def _kept(limit: Limit, labels: list[str], columns: list[Array], reach: list[float]) -> Quantity:
-    distance = np.column_stack(columns)
-    ratio = np.nan_to_num(np.maximum(0.0, 1.0 - distance / np.array(reach)), nan=np.inf)
-    return Quantity(limit, tuple(labels), distance, np.zeros((2, len(labels))), ratio)
+        labels, reach = (
+            tuple(f"{a.name}, {b.name}" for a, b in pairs),
+            np.array([a.radius + b.radius for a, b in pairs]),
+        )
+        distances = np.column_stack([_between(a, b) for a, b in pairs])
+        yield Quantity.clear(Limit(LimitKind.DISTANCE_BETWEEN_LINKS), labels, distances, reach)
 
 
 def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float) -> _Body:

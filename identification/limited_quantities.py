@@ -48,6 +48,12 @@ class Quantity:
             ratio[np.isnan(ratio)] = np.inf
         return cls(Limit(kind), labels, values, np.stack([low, high]), ratio)
 
+    @classmethod
+    def clear(cls, of: Limit, labels: tuple[str, ...], values: Array, reach: Array | float) -> "Quantity":
+        """Distances, shape (n, k) [m], which must not be below 0: the share falls from 1 there to 0 at `reach`."""
+        ratio = np.nan_to_num(np.maximum(0.0, 1.0 - values / reach), nan=np.inf)
+        return cls(of, labels, values, np.zeros((2, len(labels))), ratio)
+
     def limit_of(self, row: int, column: int) -> float:
         """The limit on whose side of the middle a value lies."""
         low, high = self.limits[:, column]
@@ -211,10 +217,7 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     for box in workspace.keep_out:
         labels = guarded(workspace)
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
-        ratio = np.maximum(0.0, 1.0 - distance / box.vicinity)
-        ratio = np.nan_to_num(ratio, nan=np.inf)
-        surface = np.zeros((2, len(labels)))
-        yield Quantity(Limit(LimitKind.DISTANCE_FROM_BOX, box.name), labels, distance, surface, ratio)
+        yield Quantity.clear(Limit(LimitKind.DISTANCE_FROM_BOX, box.name), labels, distance, box.vicinity)
 
 
 def _joint_angles(direction: Array, normal: Array, workspace: Workspace) -> Iterable[Quantity]:

@@ -242,23 +242,14 @@ def about_case(case: Case) -> dict[str, Any]:
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:
-    """Writes one table in our column names: as Parquet where the file's name says so, else as CSV.
-
-    Args:
-        file: file to write; write into an atomic folder.
-    """
+    """Writes one table in our column names as CSV; write into an atomic folder."""
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
     table = {name: np.round(values, _DECIMALS.get(name, FINE)) for name, values in _columns(recording, case).items()}
     if recording.trigger is not None:
         table[TRIGGER] = recording.trigger.astype(np.int8)
-    if file.suffix == ".parquet":
-        import pyarrow.parquet as pq
-
-        pq.write_table(pa.table(table), file)
-    else:
-        pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
+    pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
 
 
 def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import (
-    Compressed,
     compress,
     determined,
     fit_along,
@@ -51,16 +50,6 @@ def gauss_markov(
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
     """
     compressed = compress(regressors, forces, weights)
-    values = best_values(compressed, names, nuisance)
-    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
-
-
-def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0) -> Array:
-    """The u of least chi^2 (24), shape (u,).
-
-    Raises:
-        IdentificationError: parameters that the data do not determine, by name.
-    """
     determined(compressed.root, names, compressed.rows, nuisance)
     norms = np.linalg.norm(compressed.root, axis=0)
     remainders = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
@@ -68,7 +57,8 @@ def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0)
     if len(unseen):
         raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
     half = inverse_root(compressed.root)
-    return np.asarray(half @ ((compressed.root @ half).T @ compressed.right))
+    values = np.asarray(half @ ((compressed.root @ half).T @ compressed.right))  # (24)
+    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
 
 
 def require_alive(forces: Array) -> None:

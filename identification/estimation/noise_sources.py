@@ -155,8 +155,9 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
         for change in acceleration_effects(run.machine, run.model, motion):
             moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     if sensors.acceleration_noise is not None:
+        effects = _effects(run.model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
         variances = sensors.acceleration_noise**2 * run.filtered.gain
-        for change, size in zip(twist_rate_effects(run.model, motion), variances, strict=True):
+        for change, size in zip(effects, variances, strict=True):
             moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     return moment, len(motion.pose), variance
 
@@ -190,11 +191,6 @@ def acceleration_effects(machine: Machine, model: Model, motion: Kinematics) -> 
     assert isinstance(machine, Hexapod)  # only of struts a case states noise
     to_twist_rate = np.linalg.inv(over_samples(machine.inverse_jacobian, motion.pose)[1])
     return _effects(model, motion, to_twist_rate.astype(np.float64))
-
-
-def twist_rate_effects(model: Model, motion: Kinematics) -> list[Array]:
-    """The same for each component of the twist rate [per m/s^2, rad/s^2]."""
-    return _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
 
 
 def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
 MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
+STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
 SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
 MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
 MOST_LEFT_OUT = 0.5  # of the motion, by damage and the filter's reach around it
@@ -98,6 +99,21 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             f"{low_pass.cutoff:g} Hz filter; record longer"
         )
     return Run(recording, model, machine_of(case), low_pass, rows, len(window), warnings, spoilt=invalid)
+
+
+def stands_only(recording: Recording) -> bool:
+    """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
+    if recording.t is None or recording.trigger is None or recording.struts is None:
+        return False
+    if not delimited(recording.trigger):
+        return False
+    ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
+    return bool(ranges) and bool(max(ranges) < STANDING)
+
+
+def delimited(trigger: NDArray[np.bool_] | None) -> bool:
+    """Whether a trigger, shape (n,), tells standstills apart: it comes on more than once."""
+    return trigger is not None and len(stretches(trigger)) > 1
 
 
 def checked_filter(recording: Recording, case: Case) -> Filter:

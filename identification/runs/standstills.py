@@ -13,7 +13,7 @@ from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.machines import machine_of
 from identification.recording import Recording
-from identification.runs.preparation import MOVING
+from identification.runs.preparation import MOVING, delimited
 from identification.signals import stretches
 
 Array = NDArray[np.float64]
@@ -25,21 +25,6 @@ SAME_POSITION = 2.0 * MM  # between a standstill and its pose of the program
 SAME_ANGLE = 0.5 * DEG
 _COUNTED = Lines(first=1, word="standstill")
 BATCHES = 10  # of a standstill, whose means tell how well its own mean is known, noise of any colour included
-
-
-def stands_only(recording: Recording) -> bool:
-    """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
-    if recording.t is None or recording.trigger is None or recording.struts is None:
-        return False
-    if not delimited(recording.trigger):
-        return False
-    ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
-    return bool(ranges) and bool(max(ranges) < SAME_POSITION / 4)
-
-
-def delimited(trigger: Flags | None) -> bool:
-    """Whether a trigger, shape (n,), tells standstills apart: it comes on more than once."""
-    return trigger is not None and len(stretches(trigger)) > 1
 
 
 def find_standstills(recording: Recording, settle: float) -> list[slice]:

@@ -25,8 +25,9 @@ from identification.outcome import TOLD_OF_RUNS, Result
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
 from identification.result import residuals_of
+from identification.runs.preparation import delimited, stands_only
 from identification.runs.rates import on_one_clock
-from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
+from identification.runs.standstills import average, find_standstills, match
 from identification.samples import USUAL, Conditioning
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.csv as pacsv
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -32,7 +33,9 @@ def recorded(run: Truth) -> Recording:
 
 
 def test_what_is_written_is_read_back_from_file_and_folder(tmp_path: Path) -> None:
-    write_recording(tmp_path / "recording.parquet", recorded(RUN), HEXAPOD)
+    write_recording(tmp_path / "table.csv", recorded(RUN), HEXAPOD)
+    pq.write_table(pacsv.read_csv(tmp_path / "table.csv"), tmp_path / "recording.parquet")
+    (tmp_path / "table.csv").unlink()
     for place in (tmp_path, tmp_path / "recording.parquet"):
         back = read(place, HEXAPOD)
         np.testing.assert_array_equal(back.struts, read_back(tmp_path).struts)

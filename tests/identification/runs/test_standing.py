@@ -11,7 +11,8 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording
-from identification.runs.standstills import average, find_standstills, match, stands_only
+from identification.runs.preparation import stands_only
+from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import simulate_recording
 from identification.trajectories.moves import StraightMove
 from tests.helpers import one_line
