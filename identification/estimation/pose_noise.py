@@ -20,8 +20,8 @@ from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
 from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
-from identification.estimation.fit import PoseField, matern, squared_distances
-from identification.findings import Finding, Kind, note
+from identification.estimation.fit import PoseField, Robust, matern, squared_distances
+from identification.findings import Kind, note
 
 Array = NDArray[np.float64]
 
@@ -48,16 +48,13 @@ class Left(NamedTuple):
         return cls(noise, directions.reshape(*noise.shape, -1))
 
 
-class _Solved(NamedTuple):
-    """P = V^-1 - H H^T over all channels, applied."""
+def _solved(data: Left, covariance: Array) -> tuple[Array, Array, Array, float]:
+    """P = V^-1 - H H^T over all channels.
 
-    inverse: Array  # V^-1, shape (m, m)
-    spanned: Array  # H, shape (m, s, r)
-    answer: Array  # P applied to the residuals, shape (m, s)
-    half_logdet: float  # log of the determinants' root
-
-
-def _solved(data: Left, covariance: Array) -> _Solved:
+    Returns:
+        V^-1, shape (m, m), H, shape (m, s, r), P applied to the residuals, shape (m, s), and the logarithm of the
+        determinants' root.
+    """
     count, channels = data.noise.shape
     jittered = covariance + JITTER * np.trace(covariance) / count * np.eye(count)
     factor, lower = cho_factor(jittered, lower=True)
@@ -68,7 +65,7 @@ def _solved(data: Left, covariance: Array) -> _Solved:
     rest = np.tensordot(spanned, data.noise, ((0, 1), (0, 1)))
     solution = inverse @ data.noise
     logdet = channels * np.log(np.diag(factor)).sum() + np.log(np.diag(inner)).sum()
-    return _Solved(inverse, spanned, solution - spanned @ rest, float(logdet))
+    return inverse, spanned, solution - spanned @ rest, float(logdet)
 
 
 def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
@@ -81,10 +78,10 @@ def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[
 
     def value(logarithms: Array) -> tuple[float, Array]:
         covariance, gradient = family(logarithms)
-        solution = _solved(left, covariance)
-        flat = solution.spanned.reshape(len(covariance), -1)
-        slope = left.noise.shape[1] * solution.inverse - flat @ flat.T - solution.answer @ solution.answer.T
-        return solution.half_logdet + float(np.sum(left.noise * solution.answer)) / 2.0, gradient(slope / 2.0)
+        inverse, spanned, answer, half_logdet = _solved(left, covariance)
+        flat = spanned.reshape(len(covariance), -1)
+        slope = left.noise.shape[1] * inverse - flat @ flat.T - answer @ answer.T
+        return half_logdet + float(np.sum(left.noise * answer)) / 2.0, gradient(slope / 2.0)
 
     best = minimize(
         value,
@@ -116,9 +113,8 @@ def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
         kernels: covariances of the noises, shape (c, m, m).
         shares: shares that are the likeliest for all channels alike, shape (c,).
     """
-    solution = _solved(left, np.tensordot(shares, kernels, 1))
+    inverse, spanned, answer, _ = _solved(left, np.tensordot(shares, kernels, 1))
     channels, count = left.noise.shape[1], len(kernels)
-    inverse, spanned, answer = solution.inverse, solution.spanned, solution.answer
     weighed = inverse @ kernels
     power = np.einsum("ms,cms->sc", answer, np.tensordot(kernels, answer, 1))
     products = np.tensordot(kernels, spanned, 1)  # K_c H, shape (c, m, s, r)
@@ -150,33 +146,13 @@ UNKNOWNS = 2  # of a field: Akaike's price
 FREEDOM = 3  # degrees of freedom of the Student t that is the spectrum of Matern's 3/2
 
 
-class ByPose(NamedTuple):
-    """A field of errors over the pose."""
-
-    covariance: Array  # covariance of u, with noise that has memory, shape (u, u)
-    share: float  # variance of the field over that of the residuals; more than 1 where the fit took some
-    length: float  # distance in the space of the struts' lengths at which errors are half alike [m]
-
-    def field(self, residuals: Array) -> PoseField:
-        """The field of a channel, where residuals, shape (n, 6), are those of forces [N]."""
-        return PoseField(float(np.sqrt(self.share * np.mean(residuals**2))), self.length)
-
-    @property
-    def finding(self) -> Finding:
-        """For the user."""
-        return note(
-            Kind.NOISE,
-            f"errors depend on the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the parameters "
-            "take a part of them: std_robust allows for them",
-        )
-
-
-def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
+def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = None) -> Robust | None:
     """Covariance of u for errors of the pose and noise with memory; None where nothing speaks for errors of the pose.
 
     Args:
         found: residuals, in turned channels.
         struts: lengths at their samples, shape (n, 6) [m].
+        residuals: those of the forces, shape (n, 6) [N], by which the field is reported; None of whitened ones.
     """
     samples = len(found.noise)
     if samples < LEAST_SAMPLES:
@@ -210,7 +186,14 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
         response = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
         meat += found.share * np.tensordot(answer * share[:, None], response, ((0, 1), (0, 1)))
-    return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
+    share = float(by_channel[:, -1].mean())  # of the field over the residuals; above 1 where the fit took some
+    told = note(
+        Kind.NOISE,
+        f"errors depend on the pose, {np.sqrt(share):.2g} times as large as the residuals, for the parameters take a "
+        "part of them: std_robust allows for them",
+    )
+    reported = None if residuals is None else PoseField(float(np.sqrt(share * np.mean(residuals**2))), length)
+    return Robust(found.covariance(meat), (told,), reported)
 
 
 def _near(data: Turned) -> Array:

@@ -57,51 +57,41 @@ class Contact(NamedTuple):
     peak: float  # largest external force in it [N]; of a wrench, its force part
 
 
-class Calm(NamedTuple):
-    """What noise leaves of the forces.
+def _calm(residuals: Array) -> tuple[Array, Array, Array]:
+    """What noise leaves of the forces, by residuals, shape (m, 6), of which contacts may have touched less than half.
 
     The covariance is that of the inner half of the residuals, so that up to half of them may be touched; the median of
     the distances, which noise fixes, removes what trimming took from it.
+
+    Returns:
+        Median of each channel, shape (6,) [N, or N and N m]; the metric, shape (6, 6), in which the square of a
+        distance is 1 for what noise exceeds with the probability `CHANCE`, 0 where nothing is left; standard deviation
+        of each channel, shape (6,).
     """
-
-    centre: Array  # median of each channel, shape (6,) [N, or N and N m]
-    # distance^2 = away^T metric away is 1 for what noise exceeds with the probability `CHANCE`, shape (6, 6); 0 where
-    # nothing is left
-    metric: Array
-    noise: Array  # standard deviation of each channel, shape (6,)
-
-    @classmethod
-    def of(cls, residuals: Array) -> "Calm":
-        """By residuals, shape (m, 6), of which contacts may have touched less than half."""
-        centre = np.median(residuals, axis=0)
-        centred = residuals - centre
-        noise = np.quantile(np.abs(centred), CALM, axis=0) / ndtri((1 + CALM) / 2)
-        scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
-        scaled = centred / scale
-        size = np.sum(scaled**2, axis=1)
-        inverse = np.eye(6)
-        for _ in range(3):
-            inner = scaled[size <= np.median(size)]
-            covariance = inner.T @ inner / max(len(inner), 1)
-            covariance += 1e-9 * np.trace(covariance) * np.eye(6) + np.finfo(float).tiny * np.eye(6)
-            inverse = np.linalg.inv(covariance)
-            size = np.sum((scaled @ inverse) * scaled, axis=1)
-        middle = float(np.median(size))
-        if middle <= 0.0:
-            return cls(centre, np.zeros((6, 6)), noise)
-        # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
-        upper = float(np.quantile(size, 0.75)) / float(chdtri(6, 0.25))
-        spread = max(middle / float(chdtri(6, 0.5)), upper)
-        return cls(centre, inverse / np.outer(scale, scale) / spread / float(chdtri(6, CHANCE)), noise)
-
-    def distance(self, residuals: Array) -> Array:
-        """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,)."""
-        deviation = residuals - self.centre
-        return np.asarray(np.sum((deviation @ self.metric) * deviation, axis=1))
+    centre = np.median(residuals, axis=0)
+    centred = residuals - centre
+    noise = np.quantile(np.abs(centred), CALM, axis=0) / ndtri((1 + CALM) / 2)
+    scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
+    scaled = centred / scale
+    size = np.sum(scaled**2, axis=1)
+    inverse = np.eye(6)
+    for _ in range(3):
+        inner = scaled[size <= np.median(size)]
+        covariance = inner.T @ inner / max(len(inner), 1)
+        covariance += 1e-9 * np.trace(covariance) * np.eye(6) + np.finfo(float).tiny * np.eye(6)
+        inverse = np.linalg.inv(covariance)
+        size = np.sum((scaled @ inverse) * scaled, axis=1)
+    middle = float(np.median(size))
+    if middle <= 0.0:
+        return centre, np.zeros((6, 6)), noise
+    # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
+    upper = float(np.quantile(size, 0.75)) / float(chdtri(6, 0.25))
+    spread = max(middle / float(chdtri(6, 0.5)), upper)
+    return centre, inverse / np.outer(scale, scale) / spread / float(chdtri(6, CHANCE)), noise
 
 
 def find_contacts(
-    t: Array, residuals: Array, structure: Array, expected: Array, calm: Calm | None = None
+    t: Array, residuals: Array, structure: Array, expected: Array, calm: Array | None = None
 ) -> tuple[Contact, ...]:
     """Looks for contacts.
 
@@ -111,12 +101,12 @@ def find_contacts(
         structure: J^-T, shape (6, 6), for the external force.
         expected: forces of the model, shape (n, 6): where they change fast, a little error of time or of the model is
             no contact.
-        calm: what noise leaves; by default as these residuals tell it.
+        calm: residuals that tell what noise leaves, shape (m, 6); by default these.
     """
-    calm = Calm.of(residuals) if calm is None else calm
-    distance = calm.distance(residuals)
+    centre, metric, noise = _calm(residuals if calm is None else calm)
+    distance = np.sum(((residuals - centre) @ metric) * (residuals - centre), axis=1)
     # Where all channels but one leap, noise of the one that hardly changes is not contact.
-    own = np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * calm.noise, axis=1)
+    own = np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * noise, axis=1)
     clear = (distance >= CLEAR) & own
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
     contacts: list[Contact] = []
@@ -247,9 +237,7 @@ def _long_contacts(run: Samples, moving: Fitted) -> tuple[Contact, ...]:
         return ()
     values, explained = half
     residuals = forces - matrices @ values
-    return find_contacts(
-        run.t, residuals, run.model.structure, forces - residuals, Calm.of(residuals[every][explained])
-    )
+    return find_contacts(run.t, residuals, run.model.structure, forces - residuals, residuals[every][explained])
 
 
 def _spread(moving: Fitted) -> float:

@@ -171,12 +171,11 @@ class Run:
             residuals = residuals - matrices @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=None)[0]
         data = turned(matrices, residuals, weights, self._places_of(part))._replace(share=share)
         assert self.recording.struts is not None
-        placed = None
         if self.machine.of_pose:  # the field is one over the lengths of struts
-            placed = covariance_by_pose(data, self.recording.struts[self.filter.margin + self.rows[part]])
-        if placed is not None:
-            field = placed.field(residuals) if whitening is None else None
-            return Robust(placed.covariance, (placed.finding,), field)
+            struts = self.recording.struts[self.filter.margin + self.rows[part]]
+            placed = covariance_by_pose(data, struts, residuals if whitening is None else None)
+            if placed is not None:
+                return placed
         coloured = coloured_covariance(data)
         return None if coloured is None else Robust(coloured)
 

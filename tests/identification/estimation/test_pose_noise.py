@@ -100,10 +100,10 @@ def test_its_size_and_length_are_told() -> None:
     for seed in range(6):
         noise = field(seed, 0.05) + 0.1 * memory(seed, 0.0)
         fit = gauss_markov(A, noise, NAMES, np.ones(6))
-        found = covariance_by_pose(turned(A, fit.residuals, np.ones(6)), STRUTS)
+        found = covariance_by_pose(turned(A, fit.residuals, np.ones(6)), STRUTS, fit.residuals)
         assert found is not None
-        sizes.append(found.share * float(np.mean(fit.residuals**2)))
-        lengths.append(found.length)
+        sizes.append(found.field.size**2)
+        lengths.append(found.field.length)
     assert 0.5 < np.median(sizes) < 2.0
     assert 0.03 < np.median(lengths) < 0.12
 
