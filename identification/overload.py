@@ -20,7 +20,6 @@ from identification.motion import Motion
 
 Array = NDArray[np.float64]
 
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of components of an angular velocity
 SHARE = 0.8  # of the sensors' range; the rest is for process forces, offsets and the platform's deformation
 _CROSS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)  # S of each unit vector
 
@@ -33,7 +32,7 @@ class Loads:
     """
 
     case: Case
-    wrenches: Array  # `body_wrench` of each body, shape (bodies, 6, 12)
+    wrenches: Array  # `body_wrench` of each body, shape (bodies, 6, 15)
     limit: Array  # limit of each channel, shape (channels,) [N or N m]
     moments: NDArray[np.bool_]  # which of them are moments with a range of their own, shape (channels,)
     labels: tuple[str, ...]  # labels of the channels
@@ -51,8 +50,8 @@ class Loads:
 
     @property
     def coefficients(self) -> Array:
-        """Forces of sensors in the platform over the `_state` of {P}, shape (channels, 12)."""
-        return np.asarray(np.linalg.solve(self.case.sensor_frame.structure, self.wrenches).reshape(-1, 12))
+        """Forces of sensors in the platform over the `_state` of {P}, shape (channels, 15)."""
+        return np.asarray(np.linalg.solve(self.case.sensor_frame.structure, self.wrenches).reshape(-1, 15))
 
     def forces(self, motion: Motion, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
         """Forces, shape (n, channels) [N or N m].
@@ -69,7 +68,7 @@ class Loads:
 
 
 def body_wrench(body: RigidBody) -> Array:
-    """What times the state of {P} is force and moment about its origin that move a body with it, shape (6, 12).
+    """What times the state of {P} is force and moment about its origin that move a body with it, shape (6, 15).
 
     Newton and Euler in the axes of {P}: m (a + alpha x c + omega x (omega x c)) and c x m a + I alpha + omega x I omega
     with a = p'' - g, I about the origin.
@@ -77,16 +76,15 @@ def body_wrench(body: RigidBody) -> Array:
     mass, c = body.mass_kg, body.centre_of_gravity
     lever = np.tensordot(c, _CROSS, 1)  # S(c)
     inertia = body.inertia - mass * lever @ lever
-    spin = np.zeros((6, 6))
-    for column, (i, j) in enumerate(PAIRS):
-        for k, n in {(i, j), (j, i)}:
-            spin[:3, column] += mass * _CROSS[k] @ _CROSS[n] @ c
-            spin[3:, column] += _CROSS[k] @ inertia[:, n]
-    return np.hstack([np.vstack([mass * np.eye(3), mass * lever]), np.vstack([-mass * lever, inertia]), spin])
+    axes = np.eye(3)
+    spin = mass * (np.einsum("ki,j->kij", axes, c) - np.einsum("ij,k->kij", axes, c))
+    turning = np.einsum("ikl,lj->kij", _CROSS, inertia)
+    products = np.concatenate([spin, turning]).reshape(6, 9)
+    return np.hstack([np.vstack([mass * axes, mass * lever]), np.vstack([-mass * lever, inertia]), products])
 
 
 def _state(rotation: tuple[Array, Array, Array], specific: Array) -> Array:
-    """Of {P}: p'' - g, angular acceleration and products of angular velocities as `PAIRS`, in its axes, shape (n, 12).
+    """Of {P}: p'' - g, angular acceleration and products of angular velocities, in its axes, shape (n, 15).
 
     Args:
         rotation: R and its first and second time derivative, shapes (n, 3, 3).
@@ -95,14 +93,10 @@ def _state(rotation: tuple[Array, Array, Array], specific: Array) -> Array:
     turn, first, second = rotation
     back = turn.transpose(0, 2, 1)
     spin, change = back @ first, back @ second  # S(omega), and S(alpha) + S(omega)^2
-    state = np.empty((len(turn), 12))
-    state[:, :3] = (specific[:, None, :] @ turn)[:, 0]
-    for k, (i, j) in enumerate(((2, 1), (0, 2), (1, 0))):
-        state[:, 3 + k] = (change[:, i, j] - change[:, j, i]) / 2
     omega = spin[:, (2, 0, 1), (1, 2, 0)]
-    for k, (i, j) in enumerate(PAIRS, start=6):
-        state[:, k] = omega[:, i] * omega[:, j]
-    return state
+    alpha = (change - change.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2
+    products = (omega[:, :, None] * omega[:, None]).reshape(-1, 9)
+    return np.hstack([(specific[:, None, :] @ turn)[:, 0], alpha, products])
 
 
 def sensor_loads(values: Array, loads: Loads) -> Iterable[Quantity]:

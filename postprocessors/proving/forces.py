@@ -17,7 +17,7 @@ from identification.limit import Limit, LimitCheck, LimitKind, Status
 from identification.limit_proof import load_motion
 from identification.limited_quantities import Box
 from identification.motion import Array, Motion, Trajectory
-from identification.overload import PAIRS, Loads
+from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import limits_along
 
@@ -68,7 +68,8 @@ class ForceBounds:
         omega, alpha, pull = self._largest(share * self.limits.rate, share * self.limits.acceleration)
         pull += float(np.linalg.norm(self.case.gravity))
         most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
-        most += np.abs(np.linalg.eigvalsh(_matrices(spin))).max(axis=1) * omega**2
+        products = spin.reshape(-1, 3, 3)
+        most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
         return self._checks(most[None], np.array([clock]))
 
     def _largest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
@@ -152,14 +153,6 @@ class ForceBounds:
         kind = LimitKind.SENSOR_MOMENT if self.loads.moments[channel] else LimitKind.SENSOR_FORCE
         ratio, time = worst / limit, float(times[row])
         return LimitCheck(Limit(kind), f"{name}, at most", worst, limit, kind.unit, ratio, time, Status.PROVEN)
-
-
-def _matrices(spin: Array) -> Array:
-    """Q of each channel as a symmetric matrix, shape (channels, 3, 3)."""
-    matrices = np.zeros((len(spin), 3, 3))
-    for column, (i, j) in enumerate(PAIRS):
-        matrices[:, i, j] = matrices[:, j, i] = spin[:, column] / (1 if i == j else 2)
-    return matrices
 
 
 def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: Box) -> tuple[float, float]:
