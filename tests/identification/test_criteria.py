@@ -15,7 +15,7 @@ NAMES = ["m", "mxC", "myC", "mzC", "k0"]
 
 
 def value(letter: str, regressor: np.ndarray) -> float:
-    return CRITERIA[letter].of(singular_values(regressor.T @ regressor, NAMES))
+    return CRITERIA[letter](singular_values(regressor.T @ regressor, NAMES))
 
 
 @pytest.mark.parametrize(
