@@ -195,47 +195,41 @@ def doubtful_body(model: Model, fit: Fit, case: Case) -> list[Finding]:
     Raises:
         IdentificationError: the mass is a thousandth or a thousand times the expected.
     """
-    _require_scale(model, fit.values, case)
-    return [*_other_mass(model, fit.values, case), *_far_off(model, fit.values, case), *_no_body(model, fit)]
+    if MASS not in model.blocks:
+        return []
+    mass, findings = float(fit.values[model.names.index("m")]), []
+    if case.nominal is not None:
+        findings += _other_mass(mass, case.nominal.mass_kg, case)
+    distance = float(
+        np.linalg.norm(fit.values[[model.names.index(f"m{axis}C") for axis in "xyz"]]) / max(abs(mass), GRAM)
+    )
+    if case.sensor_frame.has_moments and distance >= FAR:  # further away than a machine is large
+        sentence = (
+            f"the centre of gravity comes out {distance:.3g} m from the origin of the platform: moments seem to be "
+        )
+        findings.append(warning(Kind.CASE, f"{sentence}in N mm; set recording.units.moments = 'Nmm' in the case"))
+    return [*findings, *_no_body(model, fit)]
 
 
-def _require_scale(model: Model, values: Array, case: Case) -> None:
-    """Raises IdentificationError where the mass in u, shape (u,), is a thousandth or a thousand times the expected."""
-    if MASS not in model.blocks or case.nominal is None:
-        return
-    mass, expected = float(values[model.names.index("m")]), case.nominal.mass_kg
+def _other_mass(mass: float, nominal: float, case: Case) -> list[Finding]:
+    """What to say of a mass [kg] that is far from nominal, with any number of the case's payloads.
+
+    Raises:
+        IdentificationError: it is a thousandth or a thousand times the nominal one.
+    """
     low, high = THOUSANDTH
-    if low < mass / expected < high or low < expected / max(mass, GRAM) < high:
-        unit = "kN" if mass < expected else "mN"
+    if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
+        unit = "kN" if mass < nominal else "mN"
         raise IdentificationError(
-            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg is {expected:g}: forces seem to be in {unit}; "
+            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg is {nominal:g}: forces seem to be in {unit}; "
             f"set recording.units.forces = '{unit}' in the case"
         )
-
-
-def _other_mass(model: Model, values: Array, case: Case) -> list[Finding]:
-    """What to say where the mass in u, shape (u,), is far from nominal, with any number of the case's payloads."""
-    if MASS not in model.blocks or case.nominal is None or case.setup == "1a":
-        return []
-    mass = float(values[model.names.index("m")])
     expected = min((body.mass_kg for body in case.bodies), key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
-    key = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
+    key = "nominal.mass_kg" if expected == nominal else "nominal.mass_kg with payloads"
     sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
     return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
-
-
-def _far_off(model: Model, values: Array, case: Case) -> list[Finding]:
-    """What to say where u, shape (u,), has its centre of gravity further away than a machine is large."""
-    if MASS not in model.blocks or not case.sensor_frame.has_moments:
-        return []
-    places = [model.names.index(f"m{axis}C") for axis in "xyz"]
-    distance = float(np.linalg.norm(values[places]) / max(abs(values[model.names.index("m")]), GRAM))
-    if distance < FAR:
-        return []
-    sentence = f"the centre of gravity comes out {distance:.3g} m from the origin of the platform: moments seem to be "
-    return [warning(Kind.CASE, f"{sentence}in N mm; set recording.units.moments = 'Nmm' in the case")]
 
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:

@@ -80,4 +80,4 @@ def criteria_of(case: Case, motion: Trajectory) -> dict[str, float]:
     """Each criterion of a motion, to be maximised."""
     model = identification_model(case, MODEL)
     mu = singular_values(mean_information(model, reference_scaling(case, model), motion), model.names)
-    return {letter: criterion.of(mu) for letter, criterion in CRITERIA.items()}
+    return {letter: criterion(mu) for letter, criterion in CRITERIA.items()}
