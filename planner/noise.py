@@ -11,7 +11,7 @@ import numpy as np
 
 from cases.schema import Case
 from identification.estimation.fit import PoseField, matern, squared_distances
-from identification.estimation.stated_noise import StatedNoise, inverse_root
+from identification.estimation.stated_noise import StatedNoise, whitening_of
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
@@ -42,7 +42,7 @@ class ExpectedNoise:
         if self.weights == "equal":
             return None
         if self.weights == "stated":
-            return self.sensors * inverse_root(self.channels)
+            return self.sensors * whitening_of(self.channels)
         variance = np.diag(self.channels)
         if self.weights == "per_unit":
             variance = np.repeat([variance[unit].mean() for unit in UNITS], 3)

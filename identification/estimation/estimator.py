@@ -16,6 +16,7 @@ from identification.estimation.compressed import (
     with_kernel,
 )
 from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, settled
+from identification.estimation.stated_noise import whitening_of
 
 Array = NDArray[np.float64]
 
@@ -222,8 +223,7 @@ def _weighted(
     regressors: Array, forces: Array, names: Sequence[str], channels: Array, nuisance: int, filtered: Filtered
 ) -> Fit:
     """Gauss-Markov after whitening: with channels = L L^T the noise of L^-1 f is white and alike in all channels."""
-    std = np.sqrt(np.diag(channels))  # apart, so that newtons and newton metres do not meet in one factorisation
-    whiten = np.linalg.inv(np.linalg.cholesky(channels / np.outer(std, std))) / std
+    whiten = whitening_of(channels)
     white = whiten @ regressors
     fit = with_kernel(gauss_markov(white, forces @ whiten.T, names, np.ones(6), nuisance, filtered), white, filtered)
     residuals = forces - regressors @ fit.values

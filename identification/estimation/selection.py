@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
@@ -151,9 +152,7 @@ def estimate_selected(
         IdentificationError: as the estimator does.
     """
     unknowns, beyond = len(selection.offset), regressors.shape[2] - len(selection.offset)
-    basis = np.zeros((unknowns + beyond, len(selection.names) + beyond))
-    basis[:unknowns, : len(selection.names)] = selection.basis
-    basis[unknowns:, len(selection.names) :] = np.eye(beyond)
+    basis = block_diag(selection.basis, np.eye(beyond))
     offset = np.r_[selection.offset, np.zeros(beyond)]
     fit = estimator(regressors @ basis, forces - regressors @ offset, [*selection.names, *names[unknowns:]])
     return replace(

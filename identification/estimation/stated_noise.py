@@ -62,7 +62,7 @@ class StatedNoise:
 
     def whitening(self, values: Array) -> Array:
         """What makes the noise of a force sample white and of variance 1, shape (6, 6): W is its square, (24)."""
-        return inverse_root(self.covariance(values))
+        return whitening_of(self.covariance(values))
 
     def whitening_from(self, regressors: Array, forces: Array, selection: "Selection") -> Array:
         """The same with u from the data themselves, in turns.
@@ -92,7 +92,7 @@ def acceleration_to_force(model: Model, values: Array) -> Array:
     return np.asarray((forces[1:] - forces[0]).T)
 
 
-def inverse_root(covariance: Array) -> Array:
+def whitening_of(covariance: Array) -> Array:
     """C with C covariance C^T = 1, shape (6, 6), lower triangular; newtons and newton metres are scaled apart."""
     std = np.sqrt(np.diag(covariance))
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance / np.outer(std, std))) / std)
@@ -154,7 +154,7 @@ def components_of(total: Array, model: Model, values: Array, wrench: bool) -> tu
     covariance = total
     theta = np.zeros(len(parts))
     for _ in range(ROUNDS):
-        root = inverse_root(covariance)
+        root = whitening_of(covariance)
         columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
         size = np.linalg.norm(columns, axis=0)
         theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
