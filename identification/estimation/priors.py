@@ -85,16 +85,11 @@ class PseudoMeasurements:
         """H(u), shape (priors,), and dh/du, shape (priors, u); components of u beyond the model have no prior."""
         count = len(self.model.names)
         physical, jacobian = (value.full() for value in self.form.map(u[:count]))
-        names = [p.name for p in self.form.parameters]
-        values, rows = np.empty(len(self.priors)), np.zeros((len(self.priors), len(u)))
-        for k, prior in enumerate(self.priors):
-            if prior.name in self.model.names:
-                index = self.model.names.index(prior.name)
-                values[k], rows[k, index] = u[index], 1.0
-            else:
-                index = names.index(prior.name)
-                values[k], rows[k, :count] = physical[index, 0], jacobian[index]
-        return values, rows
+        names = [*self.model.names, *(p.name for p in self.form.parameters)]
+        picks = [names.index(prior.name) for prior in self.priors]
+        rows = np.zeros((len(self.priors), len(u)))
+        rows[:, :count] = np.vstack([np.eye(count), jacobian])[picks]
+        return np.r_[u[:count], physical[:, 0]][picks], rows
 
 
 TOLERANCE = 1e-9  # of a standard deviation of each parameter
