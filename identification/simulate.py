@@ -126,22 +126,17 @@ class ForceParts(NamedTuple):
         return self.rigid + self.mode + self.pose
 
 
-class Moved(NamedTuple):
-    """A run as its encoders and sensors will see it, whatever is mounted."""
-
-    t: Array  # of the samples, shape (n,) [s]
-    struts: Array  # their true lengths, shape (n, 6) [m]
-    felt: Kinematics  # motion that the sensors feel when they are sampled
-    fields: Array | None  # force errors on the way; None where nothing disturbs
+Moved = tuple[Array, Array, Kinematics]
+"""A run as its encoders and sensors see it, whatever is mounted: times of the samples, shape (n,) [s], true lengths of
+the struts then, shape (n, 6) [m], and the motion that the sensors feel when they are sampled."""
 
 
-def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances, fields: Array | None) -> ForceParts:
+def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> ForceParts:
     """The true forces of a motion, taken apart.
 
     Args:
         motion: motion of the drives, at n instants.
         step: step between them [s].
-        fields: force errors in these poses; None where nothing disturbs.
 
     Raises:
         CaseError: the case describes no simulated machine.
@@ -153,7 +148,8 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
     disturbances = around.disturbances
     if disturbances is None:
         return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
-    assert fields is not None
+    home = case.need_machine("the simulation of sensor forces")[0].home.vector
+    fields = pose_fields(disturbances, home, motion.pose)
     frequency = mode_frequency(simulation.parameters, around)
     vibration = Kinematics(
         motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, disturbances.mode_damping)
@@ -203,12 +199,7 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
     step = 1.0 / simulation.encoder_rate_Hz
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     delay = simulation.force_delay + simulation.force_sampling_offset_cycles * step
-    kinematics = execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
-    fields = None
-    if around.disturbances is not None:
-        home = case.need_machine("the simulation of sensor forces")[0].home.vector
-        fields = pose_fields(around.disturbances, home, kinematics.pose)
-    return Moved(t, execution.struts(t), kinematics, fields)
+    return t, execution.struts(t), execution.kinematics(np.clip(t - delay, 0.0, execution.duration))
 
 
 def sensed(
@@ -224,7 +215,8 @@ def sensed(
         CaseError: the case describes no simulated machine.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
-    parts = force_parts(case, run.felt, 1.0 / simulation.encoder_rate_Hz, around, run.fields)
+    t, struts, felt = run
+    parts = force_parts(case, felt, 1.0 / simulation.encoder_rate_Hz, around)
     forces = parts.total
     draw = np.random.default_rng(seed)
     forces += draw.normal(size=forces.shape) * simulation.force_noise
@@ -232,10 +224,10 @@ def sensed(
         model = identification_model(case, full_model(case))
         u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
         forces += simulation.acceleration_noise * draw.normal(size=forces.shape) @ acceleration_to_force(model, u).T
-    trigger = np.zeros(len(run.t), dtype=bool)
+    trigger = np.zeros(len(t), dtype=bool)
     for start, end in trigger_times:
-        trigger |= (run.t >= start) & (run.t < end)
-    return Recording(source, run.t, _quantised(run.struts, case, simulation), None, forces, trigger), parts
+        trigger |= (t >= start) & (t < end)
+    return Recording(source, t, _quantised(struts, case, simulation), None, forces, trigger), parts
 
 
 def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod, Kinematics
 from identification.motion import Trajectory
 from identification.recording import Recording
-from identification.simulate import UNDISTURBED, Circumstances, force_parts, pose_fields
+from identification.simulate import UNDISTURBED, Circumstances, force_parts
 from identification.symbolic import over_samples, twist, twist_rate
 from identification.trajectories.executed import Execution
 
@@ -68,7 +68,7 @@ def true_forces(case: Case, execution: Execution, t: Array, around: Circumstance
     """Sensor forces (18) at times t, evenly spaced where a structural mode vibrates, shape (n, 6) [N]."""
     step = float(t[-1] - t[0]) / max(len(t) - 1, 1)
     motion = execution.kinematics(np.clip(t, 0.0, execution.duration))
-    return force_parts(case, motion, step, around, _fields(case, motion.pose, around)).total
+    return force_parts(case, motion, step, around).total
 
 
 def simulate_standstills(
@@ -76,14 +76,8 @@ def simulate_standstills(
 ) -> Recording:
     """What the machine records standing still in poses, shape (n, 6) [m, rad], averaged in each of them."""
     still = Kinematics(poses, np.zeros_like(poses), np.zeros_like(poses))
-    forces = force_parts(case, still, 1.0, around, _fields(case, poses, around)).total
+    forces = force_parts(case, still, 1.0, around).total
     noise = np.random.default_rng(seed).normal(0.0, case.simulation.force_noise_N / np.sqrt(samples), forces.shape)
     step = case.simulation.encoder_resolution
     struts = np.round(Hexapod.of(case).strut_lengths(poses) / step) * step
     return Recording("simulation", None, struts, None, forces + noise, None)
-
-
-def _fields(case: Case, poses: Array, around: Circumstances):
-    if around.disturbances is None:
-        return None
-    return pose_fields(around.disturbances, case.machine.home.vector, poses)
