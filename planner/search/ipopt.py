@@ -164,7 +164,14 @@ def _sparsity(rows: int, columns: int, row: Indices, column: Indices) -> tuple[c
 
 
 _QUIET = {"print_time": False, "show_eval_warnings": False, "no_nlp_grad": True}
-_IPOPT = {"print_level": 0, "sb": "yes", "hessian_approximation": "exact", "tol": 1e-6}
+_MINIMUM_DEGREE = 0  # MUMPS's number of the ordering that takes a quarter less time for splines than what it chooses
+_IPOPT = {
+    "print_level": 0,
+    "sb": "yes",
+    "hessian_approximation": "exact",
+    "tol": 1e-6,
+    "mumps_pivot_order": _MINIMUM_DEGREE,
+}
 
 
 class _Told(ca.Callback):  # type: ignore[misc]
