@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import TypedDict, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -26,13 +26,59 @@ Told = Callable[[str], None]
 """Shows a line about how far a search has come."""
 
 
+class Settings(TypedDict, total=False):
+    """What may be asked of a motion; `planner.request.Request` has the defaults.
+
+    Attributes:
+        criterion: letter of Table 4.
+        model: number in Table 2; the one with all that the machine can tell unless given.
+        payload: number of the case's payloads that are mounted, at most.
+        payload_from: fewest payloads, where that is another number.
+        targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
+        starts: number of random starts; as many as pay unless given.
+        seconds: time for the search [s].
+        seed: seed of the starts.
+    """
+
+    criterion: str
+    model: int
+    payload: int
+    payload_from: int | None
+    targets: tuple[str, ...]
+    starts: int | None
+    seconds: float | None
+    seed: int
+
+
+class PoseSettings(TypedDict, total=False):
+    """What may be asked of poses; `planner.request.PoseRequest` has the defaults.
+
+    Attributes:
+        criterion: letter of Table 4.
+        count: number of poses.
+        method: name of the method.
+        model: number in Table 2, 0 to 5; the largest of the machine unless given.
+        candidates: number of quasi-random candidates; the grid of the case unless given, of a chain 2048.
+        seed: seed of these.
+        noise: standard deviation of an averaged force [N].
+    """
+
+    criterion: str
+    count: int | None
+    method: str
+    model: int
+    candidates: int | None
+    seed: int
+    noise: float | None
+
+
 def plan(
     case: Case,
     family: FamilySettings | None = None,
     duration: float = 12.0,
     *,
     progress: Told | None = None,
-    **settings: Any,
+    **settings: Unpack[Settings],
 ) -> Plan:
     """The most informative motion inside the machine's limits, proven.
 
@@ -45,10 +91,7 @@ def plan(
             whose steps of acceleration shake the machine more than they tell.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: criterion, letter of Table 4; model, number in Table 2, that with all the machine can tell unless
-            given; payload and payload_from, numbers of the case's payloads that are mounted, at most and at least;
-            targets, standard deviations to be met, such as `("m=0.05kg",)`, when the duration is the longest allowed;
-            starts, number of random starts; seconds, time for the search; seed of the starts.
+        **settings: see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -72,15 +115,13 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
         return shortest_plan(request, case, make) if request.targets else make(request)
 
 
-def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Any) -> Plan:
+def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Unpack[PoseSettings]) -> Plan:
     """The most informative poses to stand at, in the fastest order, proven.
 
     Args:
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: criterion, letter of Table 4; count of poses; method, a name of `PoseMethod`; model, number in
-            Table 2, 0 to 5; candidates, number of quasi-random ones instead of the grid of the case; seed of these;
-            noise, standard deviation of an averaged force [N].
+        **settings: see `PoseSettings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.

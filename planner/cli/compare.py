@@ -91,7 +91,7 @@ def validate(
     from cases.loading import load_case
     from identification.model import RIGID, full_model
     from planner.comparison.carrying_out import ValidationSettings, unfinished
-    from planner.comparison.experiment import chosen, mounted_weights
+    from planner.comparison.experiment import METHODS, mounted_weights, require_methods
     from planner.comparison.validation import disturbances_of, validate_recordings
     from planner.comparison.validation import validate as carried_out
 
@@ -108,14 +108,16 @@ def validate(
         simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         for option in (name for name, value in simulating.items() if value):
             raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
-    selection = chosen(methods) if recordings is None else []
+    names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
+    selection = METHODS if names is None else names
+    if recordings is None:
+        require_methods(selection)
     if loaded.payloads is None:
         loaded.missing("payloads", "a validation with payloads")
     mounted = mounted_weights(loaded, weights)
     place = output_place(output, Path("hexcite-validation"), overwrite)
     check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
-        names = None if methods is None else [name.strip() for name in methods.split(",")]
         validation = validate_recordings(loaded, recordings, names)
         console.save_with_page(validation, VALIDATION, place, overwrite)
     else:

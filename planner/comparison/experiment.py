@@ -163,21 +163,17 @@ def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
     return numbers
 
 
-def chosen(names: str | None) -> list[str]:
-    """Methods by their names, separated by commas, by default all.
+def require_methods(names: Sequence[str]) -> None:
+    """Refuses names that are none of `METHODS`, and names given twice.
 
     Raises:
-        HexciteError: one of them is unknown.
+        HexciteError: one of them is unknown, or there is none.
     """
-    if names is None:
-        return list(METHODS)
-    selection = [name.strip() for name in names.split(",") if name.strip()]
-    for name in selection:
+    for name in names:
         if name not in METHODS:
             raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
-    if not selection or len(set(selection)) < len(selection):
-        raise HexciteError(f"methods {names!r}: name each once, of {', '.join(METHODS)}")
-    return selection
+    if not names or len(set(names)) < len(names):
+        raise HexciteError(f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}")
 
 
 def true_deviations(

@@ -12,7 +12,7 @@ from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
 from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
-from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps
+from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps, require_methods
 from planner.comparison.step import MethodStep
 from planner.comparison.verdict import Claim, findings
 from planner.runs.running import require_controller
@@ -87,8 +87,9 @@ def validate(
         count: told how it is getting on.
 
     Raises:
-        HexciteError: no method could be carried out, an unknown controller, or a case without simulation.
+        HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
     """
+    require_methods(methods)
     case.need_machine("a validation")
     disturbances = disturbances_of(case, settings, undisturbed)
     mounted = mounted_weights(case, None) if mounted is None else mounted

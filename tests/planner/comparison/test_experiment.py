@@ -3,8 +3,10 @@
 import pytest
 
 from cases.errors import HexciteError
+from cases.schema import Case
 from planner.comparison.experiment import mounted_weights, steps
 from planner.comparison.step import SHOWN
+from planner.comparison.validation import validate
 from tests.helpers import ideal
 from tests.planner.comparison.excitations import CASE, disturbed, moving, standing
 
@@ -40,3 +42,11 @@ def test_numbers_of_weights_are_chosen():
     for wrong in ("1,2", "0,6", "0,x", "", "0,3,3", "0,5,3"):
         with pytest.raises(HexciteError, match="how many are mounted"):
             mounted_weights(CASE, wrong)
+
+
+@pytest.mark.parametrize(
+    ("methods", "said"), [(("ptp", "nope"), "'nope' is unknown"), ((), "name each once"), (("ptp", "ptp"), "each once")]
+)
+def test_methods_that_do_not_exist_are_refused_from_python_too(methods: tuple[str, ...], said: str, hexapod_case: Case):
+    with pytest.raises(HexciteError, match=said):
+        validate(hexapod_case, methods)
