@@ -15,10 +15,9 @@ from identification.estimation.estimators import FitProblem, Method, gauss_marko
 from identification.estimation.fit import Fit, Uncertain, of_forces, w_of, whitened
 from identification.model import Model
 from identification.parameters import MASS
-from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.wrist import WristRun
-from identification.samples import Standstills
+from identification.samples import Samples
 
 Array = NDArray[np.float64]
 
@@ -28,13 +27,6 @@ CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so 
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
-
-
-Samples = Run | PeriodicRun | WristRun | Standstills
-"""What an estimate is made from, whatever the recording was: times, forces, regressors at a delay, how noise came in.
-
-Estimators and checks ask for what these have in common, and for nothing else.
-"""
 
 
 class Fitted(NamedTuple):

@@ -25,7 +25,7 @@ from identification.findings.contact import contacts_told, free_of_contact, touc
 from identification.findings.fit_checks import doubtful_body, fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
-from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, Samples, excerpt, fit_samples
+from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, excerpt, fit_samples
 from identification.model import RIGID, Model, full_model, identification_model
 from identification.parameters import MASS
 from identification.recording import Recording
@@ -34,7 +34,7 @@ from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, smoothed, smoothing_of, smoothing_told
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import WristRun, delay_band, wrist_run
-from identification.samples import USUAL, Conditioning
+from identification.samples import USUAL, Conditioning, Samples
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,10 @@
-"""Averaged standstills as samples of a fit, and what may be done to a moving run before it, beyond its low-pass."""
+"""What an estimate is made from: times, forces, regressors at a delay, how noise came in.
+
+Averaged standstills are such; and what may be done to a moving run before the estimate, beyond its low-pass.
+"""
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +17,63 @@ from identification.model import Model
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
+
+
+class Samples(Protocol):
+    """What an estimate is made from, whatever the recording was: estimators and checks ask for nothing else."""
+
+    @property
+    def model(self) -> Model:
+        """Gives A."""
+
+    @property
+    def t(self) -> Array:
+        """Times, shape (n,) [s]; of standstills their number from 1."""
+
+    @property
+    def forces(self) -> Array:
+        """As the estimator sees them, shape (n, 6) [N, or N and N m]."""
+
+    @property
+    def samples(self) -> int:
+        """Recorded samples that they stand for."""
+
+    @property
+    def window(self) -> tuple[Finding, ...]:
+        """What was found about the part of the recording that they are from."""
+
+    @property
+    def consecutive(self) -> bool:
+        """Whether neighbours follow each other in time, so that a contact is a stretch of them."""
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of what is estimated beside the model, the delay last; none where nothing moves."""
+
+    @property
+    def filtered(self) -> Filtered:
+        """What was done to white noise of the recorded forces."""
+
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise, between neighbours."""
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants t_k - delay, shape (n, 6, u)."""
+
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances)."""
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model, A u, shape (m, 6)."""
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Robust | None:
+        """Covariance of u for noise that is not white; None where too few samples tell."""
+
+    def without(self, left_out: Rows) -> Self:
+        """The same without some samples, shape (n,)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,9 +23,10 @@ from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.estimation.fit import Uncertain
 from identification.findings.fit_checks import systematic
 from identification.findings.sample_checks import MOST_NAMED, places
-from identification.fitting import Fitted, Samples, fit_samples
+from identification.fitting import Fitted, fit_samples
 from identification.model import Model
 from identification.recording import Recording
+from identification.samples import Samples
 from identification.signals import FAIR_PART, fair_part, stretches
 
 Array = NDArray[np.float64]

@@ -15,12 +15,13 @@ from identification.estimation.stated_noise import noise_components
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.readings import drifting
 from identification.findings.sample_checks import cut_off
-from identification.fitting import SANDWICHED, Fitted, Samples
+from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
 from identification.recording import Recording
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
+from identification.samples import Samples
 
 Array = NDArray[np.float64]
 
