@@ -64,15 +64,18 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     listener.begin(request)
     own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
-    results, interrupted = _explored(request, own, case, listener, run, patience.exploring())
+    rival = _rival(request, case)
+    # A single refinement leaves a core free for it.
+    at_once, later = ([], rival) if patience.refined == 1 else (rival, [])
+    results, interrupted = _explored(request, own, case, listener, run, patience.exploring(), at_once)
     explored, _ = _of_families(results, request)
     score = max((s.score for s in explored if s.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
     rough = [s for s in explored if not s.refined and s.promise > score]
     best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
             for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
-    if best and not interrupted:
-        second = run(best, listener, patience)
+    if explored and (best or later) and not interrupted:
+        second = run([*best, *later], listener, patience)
         results, interrupted = results + second.results, second.interrupted
     starts, others = _of_families(results, request)
     starts.sort(key=lambda s: -s.score)
@@ -123,9 +126,15 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
 
 
 def _explored(
-    request: Request, own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience
+    request: Request,
+    own: Controlled,
+    case: Case,
+    listener: Listener,
+    run: Runner,
+    patience: Patience,
+    beside: Sequence[Task],
 ) -> Outcome:
-    """Results of all starts, that of another family to compare with among them, and whether Ctrl-C ended them.
+    """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
 
     `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
     that follow go to the best of them.
@@ -140,7 +149,7 @@ def _explored(
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     everything: list[Start | Failed] = []
-    tasks += _rival(request, case)
+    tasks += beside
     while True:
         outcome = run(tasks, listener, patience)
         everything += outcome.results

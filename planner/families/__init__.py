@@ -92,6 +92,11 @@ class Family(Protocol):
         """Unknowns of the same motion drawn towards the middle of the box: all ways times share, at equal times."""
         ...
 
+    @property
+    def once(self) -> Self:
+        """The family whose motions do once what these do again and again: limits need not be looked at more often."""
+        ...
+
     def refined(self, unknowns: Array) -> Self:
         """The family with choices made that were open: the first result is improved in it."""
         ...

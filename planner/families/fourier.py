@@ -8,7 +8,7 @@ coefficients, and a quintic leads from rest in the middle of its circle into it 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -105,6 +105,11 @@ class FourierFamily:
         """The same series of the same order."""
         fits = table.shape == (self.unknowns, len(self.middle)) and not (self.run_in or self.centred)
         return table.ravel() if fits else None
+
+    @property
+    def once(self) -> Self:
+        """One period, after the same run-in."""
+        return replace(self, repeats=1)
 
     def refined(self, unknowns: Array) -> Self:
         """Nothing is left open."""

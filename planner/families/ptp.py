@@ -293,6 +293,11 @@ class PointToPointFamily:
         longer = float((times @ [4.0, 2.0, 1.0]).sum()) / self.moves
         return np.concatenate([share * points.ravel(), times.ravel() / longer])
 
+    @property
+    def once(self) -> "PointToPointFamily":
+        """Nothing comes again."""
+        return self
+
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """Phases that are too short for the controller are left out from now on, or last three cycles."""
         phases = self.split(unknowns)[1][:, 1:] * self.unit

@@ -187,6 +187,11 @@ class SplineFamily:
         old, new = np.linspace(0.0, 1.0, len(table)), np.linspace(0.0, 1.0, self.unknowns)
         return np.column_stack([np.interp(new, old, column) for column in table.T]).ravel()
 
+    @property
+    def once(self) -> Self:
+        """Nothing comes again."""
+        return self
+
     def refined(self, unknowns: Array) -> Self:
         """Nothing is left open."""
         return self

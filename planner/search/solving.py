@@ -153,14 +153,14 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
     best: tuple[Rating, Inside] | None = None
     if run.close or (task.step is Step.GLANCE and task.moves):  # of a glance the annealed walk tells enough
-        inside = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
+        inside = keep_limits(task.case, run.family.once, unknowns, QUICK_RATE)
         best = run.rate(inside.unknowns), inside
     for stage in _stages(task, run.close):
         if run.stopped and best is not None:
             break
         unknowns = run.solve(unknowns, stage)
         if exploring:
-            inside = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
+            inside = keep_limits(task.case, run.family.once, unknowns, QUICK_RATE)
         else:
             inside = run.inside(run.constrained(unknowns, stage), stage)
             unknowns = inside.unknowns
@@ -250,7 +250,7 @@ class _Run:
         self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN + SLIPPED))
         again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
-            slips = self.problem.slips(self.family.motion(unknowns))
+            slips = self.problem.slips(self.family.once.motion(unknowns))
             kept = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
             if self.stopped or kept:
                 break
@@ -268,7 +268,7 @@ class _Run:
         """
 
         def retraction(unknowns: Array) -> Inside:
-            return keep_limits(self.task.case, self.family, unknowns, QUICK_RATE)
+            return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
 
         def worth(candidate: Inside) -> float:
             return self.rate(candidate.unknowns, stage.letter).score
@@ -277,7 +277,7 @@ class _Run:
         for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
             if candidates[-1].share >= DRAWN_BACK or self.stopped:
                 break
-            slips = self.problem.slips(self.family.motion(unknowns))
+            slips = self.problem.slips(self.family.once.motion(unknowns))
             self.problem = self.problem.with_rows_above(unknowns, 0.0).tightened(slips, 1.0 - MARGIN - SLIPPED)
             if len(candidates) > 1:
                 candidates.append(retraction(self.begun))
