@@ -11,7 +11,7 @@ from identification.model import Model, identification_model
 from planner.noise import mean_information
 from planner.search.lifted import lifted
 from planner.search.program import NonlinearProgram, regressor_kernel
-from tests.helpers import taylor_slope
+from tests.helpers import few, taylor_slope
 from tests.planner.search.conftest import Small
 
 LETTERS = [("D", 0), ("A", 0), ("K", 2), ("N", 1)]
@@ -115,7 +115,7 @@ def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Mode
     assert other.values(states) == pytest.approx(2.0 * plain.values(states), rel=1e-12)
 
 
-SERIES = pytest.mark.parametrize("small", ["fourier", "led"], indirect=True)
+SERIES = pytest.mark.parametrize("small", few("fourier", "led"), indirect=True)
 
 
 @SERIES
