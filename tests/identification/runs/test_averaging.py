@@ -123,7 +123,7 @@ def test_clean_runs_lose_no_period() -> None:
     model, run = MODEL, recorded(ideal(CASE), Repeating())
     for seed in range(4):
         noisy = replace(run, forces=run.forces + np.random.default_rng(seed).normal(size=run.forces.shape))
-        assert periodic_run(noisy, CASE, model, AUTO.periodic, None).window == ()
+        assert periodic_run(noisy, CASE, model, AUTO, None).window == ()
 
 
 def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
@@ -140,7 +140,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
 @pytest.mark.slow
 def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() -> None:
     """Noise behind a 20 Hz first-order filter: the robust covariance is that of the estimates, (28) is too small."""
-    run = periodic_run(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO.periodic, None)
+    run = periodic_run(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO, None)
     matrices, t = run.regressors(0.0), run.recording.t
     flat = matrices.reshape(-1, 20)
     inverse = np.linalg.pinv(flat)
