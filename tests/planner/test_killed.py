@@ -91,7 +91,7 @@ def interrupted(times: int, folder: Path) -> subprocess.Popen:
     process = searching(folder)
     for _ in range(times):
         os.killpg(process.pid, signal.SIGINT)
-        time.sleep(0.3)  # two at once would be one
+        time.sleep(0.05)  # two at once would be one
     return process
 
 

@@ -92,11 +92,11 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     run = run_virtual(written.reading, case, language.guarantees(written.reading, case))
     excitation = Excitation(case, "ptp", run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 0)
     (step,) = steps(excitation, [0], case.simulation.disturbances)
-    by_mode = step.budget.parts["m"][MODE]
+    by_mode = step.budget["m"][MODE]
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)
     assert predicted == pytest.approx(abs(by_mode), rel=0.25)
     assert identify(excitation.recorded(0, case.simulation.disturbances)[0], case).fit.s0 == pytest.approx(
-        found.fit.s0, rel=0.15
+        found.s0, rel=0.15
     )
 
 
