@@ -73,11 +73,7 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 
 def _sinumerik(suffix: str = "") -> Language:
-    from postprocessors.proving.guarantees import (
-        sinumerik_forecast,
-        sinumerik_guarantees,
-        sinumerik_tolerance,
-    )
+    from postprocessors.proving.guarantees import sinumerik_forecast, sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 

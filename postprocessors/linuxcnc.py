@@ -17,15 +17,7 @@ from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import limits_along
-from postprocessors.blocks import (
-    Array,
-    Block,
-    Dwell,
-    NeutralProgram,
-    TimedPath,
-    ToHome,
-    Trigger,
-)
+from postprocessors.blocks import Array, Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
 from postprocessors.wording import (

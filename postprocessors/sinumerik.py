@@ -13,13 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM, MS
 from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
-from postprocessors.blocks import (
-    NeutralProgram,
-    TimedPath,
-    even_deviation,
-    path_speed_deviation,
-    pieces,
-)
+from postprocessors.blocks import NeutralProgram, TimedPath, even_deviation, path_speed_deviation, pieces
 from postprocessors.proving.guarantees import sinumerik_guarantees
 from postprocessors.reading import Reading, axis_letters
 from postprocessors.wording import FEED_DECIMALS, GroupedWriter, comments, coordinates, number

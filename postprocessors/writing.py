@@ -13,15 +13,7 @@ from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, polynomials_of
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.blocks import (
-    Block,
-    Dwell,
-    NeutralProgram,
-    TimedPath,
-    ToHome,
-    Trigger,
-    divided,
-)
+from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, divided
 from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches

@@ -7,14 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import (
-    compress,
-    determined,
-    fit_along,
-    inverse_root,
-    orthonormal,
-    with_kernel,
-)
+from identification.estimation.compressed import compress, determined, fit_along, inverse_root, orthonormal, with_kernel
 from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, settled
 from identification.estimation.stated_noise import whitening_of
 

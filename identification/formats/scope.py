@@ -22,15 +22,7 @@ from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.delimited import cells, decoded, select, unknown_columns
 from identification.formats.table import ColumnTable, Stamps
-from identification.formats.text import (
-    TextBlock,
-    TextFormat,
-    is_number,
-    lines_of,
-    parse,
-    read_blocks,
-    read_head,
-)
+from identification.formats.text import TextBlock, TextFormat, is_number, lines_of, parse, read_blocks, read_head
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
 _MISSING = ("", " ")

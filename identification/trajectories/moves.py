@@ -10,13 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Joined, Motion, Trajectory
-from identification.trajectories.profile import (
-    UNLIMITED,
-    Profile,
-    TimeLaw,
-    fastest_profile,
-    limits_along,
-)
+from identification.trajectories.profile import UNLIMITED, Profile, TimeLaw, fastest_profile, limits_along
 
 Array = NDArray[np.float64]
 

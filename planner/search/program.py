@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from identification.model import Model
 from planner.search.objective import Felt, FieldByStates, Local, criterion_at
-from planner.search.rows import Blocks, Rows, StateRows, pulled_back, states_bent
+from planner.search.rows import Blocks, Rows, StateRows, curvature_at_states, pulled_back
 from planner.search.states import SHARE, Kernel, States, state_size
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ class NonlinearProgram:
         """Second derivative of factor times the criterion plus the rows times multipliers, as `hessian_pattern`."""
         size, beyond = self.informative, np.zeros(len(self._beyond))
         total = np.zeros((size, size))
-        blocks = self._rows_bent(unknowns, multipliers)
+        blocks = self._curvatures_of_rows(unknowns, multipliers)
         if factor != 0.0 and (curvature := self._bent(unknowns, factor, total)) is not None:
             blocks.append(curvature)
         for index, matrices in blocks:
@@ -192,7 +192,7 @@ class NonlinearProgram:
                 total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
         return np.concatenate([total[np.triu_indices(size)], beyond])
 
-    def _rows_bent(self, unknowns: Array, multipliers: Array) -> list[Blocks]:
+    def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[Blocks]:
         """Second derivatives of the rows; those of limits at the same states are pulled back together."""
         first, blocks = 0, []
         at_states: dict[int, list[tuple[StateRows, Array]]] = {}
@@ -203,7 +203,7 @@ class NonlinearProgram:
                 at_states.setdefault(id(part.states), []).append((part, own))
             elif (curvature := part.curvature(unknowns, own)) is not None:
                 blocks.append(curvature)
-        return [*blocks, *(states_bent(unknowns, parts) for parts in at_states.values())]
+        return [*blocks, *(curvature_at_states(unknowns, parts) for parts in at_states.values())]
 
     def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
         """Second derivative of the criterion: adds the part through F to total, returns that along the states."""

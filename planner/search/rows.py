@@ -200,9 +200,9 @@ class StateRows:
 
     def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
         """Second derivative of the weighted rows, block by block."""
-        return states_bent(unknowns, [(self, multipliers)])
+        return curvature_at_states(unknowns, [(self, multipliers)])
 
-    def add_bends(self, at: Array, multipliers: Array, own: Array, pull: Array) -> None:
+    def add_curvature(self, at: Array, multipliers: Array, own: Array, pull: Array) -> None:
         """Adds derivatives of the weighted rows by the states `at`: second ones to `own`, first ones to `pull`.
 
         Args:
@@ -220,7 +220,7 @@ class StateRows:
         pull[needed] += (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
 
 
-def states_bent(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Blocks:
+def curvature_at_states(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Blocks:
     """Second derivative of weighted limits of the same states, block by block.
 
     Args:
@@ -230,7 +230,7 @@ def states_bent(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Bl
     at = states.at(unknowns)
     own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
     for part, multipliers in parts:
-        part.add_bends(at, multipliers, own, pull)
+        part.add_curvature(at, multipliers, own, pull)
     return Blocks(states.index, pulled_back(states, unknowns, states.slopes(unknowns), own, pull))
 
 

@@ -7,14 +7,7 @@ import numpy as np
 
 from cases.loading import load_case
 from cases.schema import Case
-from postprocessors.blocks import (
-    Block,
-    Dwell,
-    NeutralProgram,
-    TimedPath,
-    ToHome,
-    Trigger,
-)
+from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted

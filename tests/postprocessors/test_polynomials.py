@@ -10,15 +10,7 @@ from identification.motion import Joined, Standstill
 from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import (
-    NeutralProgram,
-    TimedPath,
-    ToHome,
-    even_deviation,
-    knots,
-    path_speed_deviation,
-    pieces,
-)
+from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, even_deviation, knots, path_speed_deviation, pieces
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.writing import excitation_program, proven_program, timed_path
 from tests.postprocessors.changed_case import changed

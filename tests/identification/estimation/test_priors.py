@@ -10,18 +10,7 @@ from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered, Fit
 from identification.estimation.priors import Prior, PriorEffect, PseudoMeasurements, with_priors
 from tests.helpers import few, one_line, paper_poses, taylor_slope
-from tests.identification.moving_run import (
-    FORM,
-    MODEL,
-    NAMES,
-    ONES,
-    PHYSICAL,
-    SAMPLES,
-    A,
-    U,
-    coverage,
-    forces,
-)
+from tests.identification.moving_run import FORM, MODEL, NAMES, ONES, PHYSICAL, SAMPLES, A, U, coverage, forces
 
 Array = np.ndarray
 STILL = np.zeros((480, 6))

@@ -6,15 +6,7 @@ from identification.identify import identify
 from planner.comparison.experiment import steps
 from planner.comparison.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, cause_of
 from tests.helpers import few, ideal
-from tests.planner.comparison.excitations import (
-    CASE,
-    FOUND,
-    NO_MODE,
-    NO_POSE_ERROR,
-    disturbed,
-    moving,
-    standing,
-)
+from tests.planner.comparison.excitations import CASE, FOUND, NO_MODE, NO_POSE_ERROR, disturbed, moving, standing
 
 
 @pytest.mark.parametrize("method", few("Q", "D"))

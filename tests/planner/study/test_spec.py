@@ -10,16 +10,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from planner.families.settings import FAMILIES
 from planner.request import Request
-from planner.study import (
-    ExecutionSpec,
-    Grid,
-    Spec,
-    cell_key,
-    command_of,
-    load_spec,
-    request_of,
-    settings_of,
-)
+from planner.study import ExecutionSpec, Grid, Spec, cell_key, command_of, load_spec, request_of, settings_of
 from planner.study.study_run import cells_of
 from tests.helpers import one_line
 
