@@ -21,7 +21,7 @@ from planner.precision import solver_text
 from planner.request import Request, parse_targets
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.vibration import BothLaws, both_laws
-from planner.worth import BINDING, Search, Worth, bound_by, figures_of, predicted_std_of, worst_std
+from planner.worth import BINDING, Rival, Search, Tried, Worth, bound_by, figures_of, predicted_std_of, worst_std
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one
@@ -89,23 +89,22 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
 def _record(result: Found, seconds: float, efficiency: float, parameters: int) -> Search:
     """What a plan keeps of its search."""
     starts = tuple(
-        {
-            "seed": s.seed,
-            "refined": s.refined,
-            "start_logdet": s.start_logdet if np.isfinite(s.start_logdet) else None,
-            "logdet": s.logdet,
-            "criterion_value": s.score,
-            "solver": s.status,
-            "converged": s.converged,
-            "iterations": s.iterations,
-            "seconds": s.seconds,
-        }
+        Tried(
+            seed=s.seed,
+            refined=s.refined,
+            start_logdet=s.start_logdet if np.isfinite(s.start_logdet) else None,
+            logdet=s.logdet,
+            criterion_value=s.score,
+            solver=s.status,
+            converged=s.converged,
+            iterations=s.iterations,
+            seconds=s.seconds,
+        )
         for s in result.starts
     )
     rival = None
     if result.rival is not None:
-        times = result.of_rival(parameters)
-        rival = {"family": result.rival.family.name, "d_efficiency": times * efficiency}
+        rival = Rival(result.rival.family.name, result.of_rival(parameters) * efficiency)
     return Search(starts, result.failed, result.interrupted, seconds, rival)
 
 

@@ -5,7 +5,6 @@ Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -32,24 +31,39 @@ from planner.noise import (
 from planner.poses.pose_criteria import total_information
 from planner.search.solving import Failed
 
-START = itemgetter(
-    "seed", "refined", "start_logdet", "logdet", "criterion_value", "solver", "converged", "iterations", "seconds"
-)
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """What a motion of another family reached in seconds."""
+
+    family: str
+    d_efficiency: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """One start of a search."""
+
+    seed: int
+    refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
+    start_logdet: float | None  # log det F where it began; None where F was singular
+    logdet: float  # log det F where it ended
+    criterion_value: float  # of the criterion asked for, to be maximised
+    solver: str  # the solver's status
+    converged: bool  # whether its last stage converged
+    iterations: int  # of all stages
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
     """How a motion was found."""
 
-    # starts that led somewhere, the best first: seed; refined, whether all limits were constrained wherever they come
-    # close, else it was explored only; start_logdet, log det F where it began, None where F was singular; logdet, where
-    # it ended; criterion_value, to be maximised; solver, its status; converged, whether its last stage did; iterations
-    # of all stages; seconds
-    starts: tuple[dict[str, Any], ...]
+    starts: tuple[Tried, ...]  # those that led somewhere, the best first
     failed_starts: tuple[Failed, ...]  # the others, with the reason
     interrupted: bool  # whether Ctrl-C ended the search early
     solve_s: float  # spent on it [s]
-    rival: dict[str, Any] | None  # what another family reached in seconds: family, d_efficiency
+    rival: Rival | None  # what another family reached in seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +106,6 @@ class Worth:
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
         """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
-        for start in data["starts"]:
-            START(start)  # raises where an entry is missing
         bounds = {
             key: None if data[key] is None else Bound.of_json(data[key], parameters) for key in ("bound", "bound_tight")
         }
