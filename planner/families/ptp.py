@@ -20,7 +20,7 @@ from identification.motion import Joined
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
 from planner.families import Layout, box_middle
-from planner.search.rows import BlockRows, LinearRows
+from planner.search.rows import LinearRows, StateRows
 from planner.search.states import Kernel, KernelStates, LinearStates, Peak, state_size
 
 Array = NDArray[np.float64]
@@ -181,6 +181,7 @@ class PointToPointFamily:
             ca.DM(self.half / limit / self.unit**order) * peak
             for order, (peak, limit) in enumerate(zip(maxima, self.limits, strict=True), start=1)
         ]
+        kernel = Kernel(own, ca.vertcat(*peaks))
         total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count
         edge = np.full(places, 1.0 - margin)
         lower, upper = self._time_bounds()
@@ -192,7 +193,7 @@ class PointToPointFamily:
                 LinearRows(
                     csr_array(total[None, :]), np.zeros(1, dtype=int), np.ones(1, dtype=bool), np.ones(1), equal=1.0
                 ),
-                BlockRows(index, Kernel(own, ca.vertcat(*peaks)), 1.0 - margin),
+                StateRows(_plain_states(index), kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),
             ),
             lower=np.r_[-edge, lower.ravel()],
             upper=np.r_[edge, upper.ravel()],
@@ -305,6 +306,12 @@ class PointToPointFamily:
         if self.steps:
             absent[:, 0] = False  # without it nothing accelerates
         return replace(self, absent=absent)
+
+
+def _plain_states(index: NDArray[np.intp]) -> LinearStates:
+    """The unknowns of each move themselves, for what is limited as a function of them; shape (moves, m)."""
+    count, width = index.shape
+    return LinearStates(index, np.zeros((count, 1, width)), np.tile(np.eye(width), (count, 1, 1, 1)))
 
 
 def _largest_way(limits: Array, duration: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.search.program import NonlinearProgram
-from planner.search.rows import LinearRows, Rows, StateRows
+from planner.search.rows import LinearRows, StateRows
 from planner.search.states import LinearStates
 
 Array = NDArray[np.float64]
@@ -69,10 +69,8 @@ def _of_components(part: StateRows, place: Indices, scale: Array) -> StateRows:
     return replace(part, states=own, chosen=part.chosen[needed][:, None])
 
 
-def _widened(part: Rows, unknowns: int) -> Rows:
+def _widened(part: LinearRows, unknowns: int) -> LinearRows:
     """The same rows, which do not depend on further unknowns."""
-    if not isinstance(part, LinearRows):
-        return part
     table = part.matrix
     wide = type(table)((table.data, table.indices, table.indptr), shape=(table.shape[0], unknowns))
     return replace(part, matrix=wide)

@@ -36,15 +36,23 @@ class Local(NamedTuple):
     # A: log(trace F^-1 / u); D: -log det F / u; K: log of mu_1 / mu_u; N: log of mu_1 / mu_u^2. Not a number where F is
     # not positive definite
     value: float
+    eigenvalues: Array  # of F, ascending, shape (u,)
     vectors: Array  # eigenvectors of F, one a column, shape (u, u)
     first: Array  # derivatives by the eigenvalues, shape (u,)
     second: Array  # second derivatives by the eigenvalues, shape (u, u)
-    quotients: Array  # (f_a - f_b) / (lambda_a - lambda_b), shape (u, u)
 
     @property
     def slope(self) -> Array:
         """Derivative by F, shape (u, u), symmetric."""
         return np.asarray((self.vectors * self.first) @ self.vectors.T)
+
+    @property
+    def quotients(self) -> Array:
+        """(f_a - f_b) / (lambda_a - lambda_b), shape (u, u), where both eigenvalues are equal its limit."""
+        difference = self.eigenvalues[:, None] - self.eigenvalues[None, :]
+        equal = np.abs(difference) <= EQUAL * self.eigenvalues
+        own = np.diag(self.second)[:, None] - self.second
+        return np.where(equal, own, (self.first[:, None] - self.first) / np.where(equal, 1.0, difference))
 
 
 def criterion_at(letter: str, information: Array, halvings: int = 0) -> Local:
@@ -58,27 +66,26 @@ def criterion_at(letter: str, information: Array, halvings: int = 0) -> Local:
     size = len(information)
     nothing = np.full((size, size), np.nan)
     if not np.isfinite(information).all():
-        return Local(np.nan, nothing, nothing[0], nothing, nothing)
+        return Local(np.nan, nothing[0], nothing, nothing[0], nothing)
     eigenvalues, vectors = np.linalg.eigh(information)
     if eigenvalues[0] <= 0.0:
-        return Local(np.nan, vectors, nothing[0], nothing, nothing)
-    value, first, second = _of_eigenvalues(letter, eigenvalues, halvings)
-    difference = eigenvalues[:, None] - eigenvalues[None, :]
-    equal = np.abs(difference) <= EQUAL * eigenvalues
-    own = np.diag(second)[:, None] - second
-    quotients = np.where(equal, own, (first[:, None] - first) / np.where(equal, 1.0, difference))
-    return Local(value, vectors, first, second, quotients)
+        return Local(np.nan, eigenvalues, vectors, nothing[0], nothing)
+    if letter == "D":
+        value = -float(np.log(eigenvalues).mean())
+        return Local(value, eigenvalues, vectors, -1 / eigenvalues / size, np.diag(1 / eigenvalues**2) / size)
+    if letter == "A":
+        inverse = _log_norm(eigenvalues, vectors, -1.0)
+        return inverse._replace(value=-inverse.value - np.log(size), first=-inverse.first, second=-inverse.second)
+    largest, smallest = (_log_norm(eigenvalues, vectors, sign * 2.0 ** (halvings + 1)) for sign in (1, -1))
+    share = 0.5 if letter == "K" else 1.0
+    return largest._replace(
+        value=largest.value / 2 - share * smallest.value,
+        first=largest.first / 2 - share * smallest.first,
+        second=largest.second / 2 - share * smallest.second,
+    )
 
 
-class _OfEigenvalues(NamedTuple):
-    """A function of the eigenvalues: value, first and second derivatives, shapes (), (u,) and (u, u)."""
-
-    value: float
-    first: Array
-    second: Array
-
-
-def _log_norm(eigenvalues: Array, exponent: float) -> _OfEigenvalues:
+def _log_norm(eigenvalues: Array, vectors: Array, exponent: float) -> Local:
     """Log (sum lambda^p) / p; p below zero: of the inverse's p-norm, with its sign."""
     logs = exponent * np.log(eigenvalues)
     weights = np.exp(logs - logs.max())
@@ -86,33 +93,31 @@ def _log_norm(eigenvalues: Array, exponent: float) -> _OfEigenvalues:
     weights /= total
     shares = weights / eigenvalues
     second = np.diag((exponent - 1) * shares / eigenvalues) - exponent * np.outer(shares, shares)
-    return _OfEigenvalues(float(np.log(total) + logs.max()) / exponent, shares, second)
+    return Local(float(np.log(total) + logs.max()) / exponent, eigenvalues, vectors, shares, second)
 
 
-def _of_eigenvalues(letter: str, eigenvalues: Array, halvings: int) -> _OfEigenvalues:
-    size = len(eigenvalues)
-    if letter == "D":
-        value = -float(np.log(eigenvalues).mean())
-        return _OfEigenvalues(value, -1 / eigenvalues / size, np.diag(1 / eigenvalues**2) / size)
-    if letter == "A":
-        inverse = _log_norm(eigenvalues, -1.0)
-        return _OfEigenvalues(-inverse.value - np.log(size), -inverse.first, -inverse.second)
-    largest, smallest = (_log_norm(eigenvalues, sign * 2.0 ** (halvings + 1)) for sign in (1, -1))
-    share = 0.5 if letter == "K" else 1.0
-    return _OfEigenvalues(
-        largest.value / 2 - share * smallest.value,
-        largest.first / 2 - share * smallest.first,
-        largest.second / 2 - share * smallest.second,
-    )
-
-
-class Felt(NamedTuple):
+class InformationOfStates(NamedTuple):
     """An information matrix S and its derivatives by K states: dS = share (rows^T slopes + slopes^T rows)."""
 
+    states: Array  # shape (K, d)
+    regressors: Array  # A of (21) at each, row by row, shape (K, 6 u)
+    changes: Array  # their slopes by the components of the state, shape (K, d, 6 u)
     information: Array  # S, shape (u, u)
     rows: Array  # shape (K, r u)
     slopes: Array  # slopes by the components of the state, shape (K, d, r u)
     own: Array  # dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u)
+
+    @classmethod
+    def white(cls, states: Array, regressors: Array, changes: Array, size: int) -> "InformationOfStates":
+        """Of u = `size` parameters, where nothing but white noise counts."""
+        square = weighted_square(states, regressors, size)
+        return cls(states, regressors, changes, square, regressors, changes, regressors)
+
+
+def weighted_square(states: Array, regressors: Array, size: int) -> Array:
+    """Mean of A^T A over states, shape (u, u)."""
+    weighted = (regressors * states[:, SHARE, None]).reshape(-1, size)  # shares of moves may be negative on the way
+    return np.asarray(weighted.T @ regressors.reshape(-1, size))
 
 
 class FieldByStates:
@@ -144,7 +149,7 @@ class FieldByStates:
         plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
         return _estimate(plain, scatter)[1]
 
-    def felt(self, states: Array, regressors: Array, slopes: Array) -> Felt:
+    def with_slopes(self, states: Array, regressors: Array, slopes: Array) -> InformationOfStates:
         """S and its derivatives.
 
         Args:
@@ -160,7 +165,10 @@ class FieldByStates:
         changed = slopes.reshape(*slopes.shape[:2], 6, -1)
         shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
         flat = (len(states), -1)
-        return Felt(
+        return InformationOfStates(
+            states,
+            regressors,
+            slopes,
             information,
             np.concatenate([y, matrices - y - rotated_answer], axis=1).reshape(flat),
             np.concatenate([shifted, changed @ turn], axis=2).reshape(*slopes.shape[:2], -1),

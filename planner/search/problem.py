@@ -61,7 +61,7 @@ class Problem:
         """The same with rows for all that use more than a share of a limit, besides those that it has."""
         rows: list[Rows] = []
         for part in self.program.rows:
-            if isinstance(part, StateRows) or (isinstance(part, LinearRows) and part.equal is None):
+            if not _equation(part):
                 part = replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share))
             rows.append(part)
         return replace(self, program=replace(self.program, rows=tuple(rows)))

@@ -6,14 +6,14 @@ The criterion couples all unknowns, so that its second derivative is full; yet i
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from identification.model import Model
-from planner.search.objective import Felt, FieldByStates, Local, criterion_at
+from planner.search.objective import FieldByStates, InformationOfStates, Local, criterion_at, weighted_square
 from planner.search.rows import Blocks, Rows, StateRows, curvature_at_states, pulled_back
 from planner.search.states import SHARE, Kernel, States, state_size
 
@@ -34,16 +34,6 @@ def regressor_kernel(model: Model, scaling: Array) -> Kernel:
     state = ca.SX.sym("state", state_size(n))
     matrix = model.coordinate_regressor(state[:n], state[n : 2 * n], state[2 * n : 3 * n]) @ ca.diag(ca.DM(scaling))
     return Kernel(state, ca.vec(matrix.T))
-
-
-class _Point(NamedTuple):
-    """What is known at one vector of unknowns: states, A of (21) with its slopes, and the information with its own."""
-
-    unknowns: Array
-    states: Array
-    regressors: Array
-    slopes: Array
-    felt: Felt
 
 
 @dataclass(frozen=True)
@@ -108,7 +98,7 @@ class NonlinearProgram:
         regressors = self.regressor.values(states)
         if self.errors is not None:
             return self.errors.information(states, regressors)
-        return _weighted_square(regressors, states[:, SHARE], self.size)
+        return weighted_square(states, regressors, self.size)
 
     def value(self, unknowns: Array) -> float:
         """The criterion."""
@@ -122,34 +112,32 @@ class NonlinearProgram:
         """Derivatives of the rows, in the order of `pattern`."""
         return np.concatenate([part.jacobian(unknowns) for part in self.rows])
 
-    def _point(self, unknowns: Array) -> _Point:
-        """States and regressors with their derivatives; the last ones are remembered: solvers ask for both in turn."""
-        last: list[_Point] = self.__dict__.setdefault("_last", [])
-        if last and np.array_equal(last[0].unknowns, unknowns):
-            return last[0]
+    def _point(self, unknowns: Array) -> InformationOfStates:
+        """The information with its derivatives; the last one is remembered: solvers ask for both in turn."""
+        last: list[tuple[Array, InformationOfStates]] = self.__dict__.setdefault("_last", [])
+        if last and np.array_equal(last[0][0], unknowns):
+            return last[0][1]
         states = _flat(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
         if self.errors is None:
-            square = _weighted_square(regressors, states[:, SHARE], self.size)
-            effect = Felt(square, regressors, slopes, regressors)
+            point = InformationOfStates.white(states, regressors, slopes, self.size)
         else:
-            effect = self.errors.felt(states, regressors, slopes)
-        last[:] = [_Point(unknowns.copy(), states, regressors, slopes, effect)]
-        return last[0]
+            point = self.errors.with_slopes(states, regressors, slopes)
+        last[:] = [(unknowns.copy(), point)]
+        return point
 
-    def _pull(self, point: _Point, local: Local) -> tuple[Array, Array]:
+    def _pull(self, point: InformationOfStates, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
-        effect = point.felt
-        gradient = (effect.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
-        plain = 2.0 * (effect.slopes @ gradient[:, :, None])[:, :, 0]
+        gradient = (point.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
+        plain = 2.0 * (point.slopes @ gradient[:, :, None])[:, :, 0]
         pull = plain * point.states[:, SHARE, None]
-        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, effect.own)
+        pull[:, SHARE] = np.einsum("ki,ki->k", gradient, point.own)
         return plain, pull
 
     def gradient(self, unknowns: Array) -> Array:
         """Derivative of the criterion, shape (n,)."""
         point = self._point(unknowns)
-        _, pull = self._pull(point, criterion_at(self.letter, point.felt.information, self.halvings))
+        _, pull = self._pull(point, criterion_at(self.letter, point.information, self.halvings))
         index = self.states.index
         pull = pull.reshape(len(index), -1)
         slopes = self.states.slopes(unknowns).reshape(len(index), pull.shape[1], -1)
@@ -194,26 +182,23 @@ class NonlinearProgram:
 
     def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[Blocks]:
         """Second derivatives of the rows; those of limits at the same states are pulled back together."""
-        first, blocks = 0, []
+        first = 0
         at_states: dict[int, list[tuple[StateRows, Array]]] = {}
         for part in self.rows:
             own = multipliers[first : first + len(part.lower)]
             first += len(own)
             if isinstance(part, StateRows):
                 at_states.setdefault(id(part.states), []).append((part, own))
-            elif (curvature := part.curvature(unknowns, own)) is not None:
-                blocks.append(curvature)
-        return [*blocks, *(curvature_at_states(unknowns, parts) for parts in at_states.values())]
+        return [curvature_at_states(unknowns, parts) for parts in at_states.values()]
 
     def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
         """Second derivative of the criterion: adds the part through F to total, returns that along the states."""
         point, size = self._point(unknowns), self.size
-        local = criterion_at(self.letter, point.felt.information, self.halvings)
-        self._add_through(unknowns, factor, local, point.states, point.felt, total)
+        local = criterion_at(self.letter, point.information, self.halvings)
+        self._add_through(unknowns, factor, local, point, total)
         if self.errors is not None:  # where field and motion change together the part above is flat, and steps too long
-            square = _weighted_square(point.regressors, point.states[:, SHARE], size)
-            without = Felt(square, point.regressors, point.slopes, point.regressors)
-            self._add_through(unknowns, factor, criterion_at("D", square), point.states, without, total)
+            white = InformationOfStates.white(point.states, point.regressors, point.changes, size)
+            self._add_through(unknowns, factor, criterion_at("D", white.information), white, total)
             return None
         if self.convex:
             return None
@@ -221,7 +206,7 @@ class NonlinearProgram:
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
         projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
-        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
+        turned_slopes = (point.changes.reshape(-1, size) @ local.vectors).reshape(*point.changes.shape)
         products = (projections.reshape(-1, size) * local.first) @ local.vectors.T
         along = self.regressor.curvature(point.states, 2.0 * products.reshape(len(point.states), -1))
         scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)
@@ -233,14 +218,14 @@ class NonlinearProgram:
         return Blocks(index, factor * matrices)
 
     def _add_through(
-        self, unknowns: Array, factor: float, local: Local, states: Array, effect: Felt, total: Array
+        self, unknowns: Array, factor: float, local: Local, point: InformationOfStates, total: Array
     ) -> None:
         """Adds to a second derivative what a criterion has through its information."""
-        size, index, slopes = self.size, self.states.index, self.states.slopes(unknowns)
+        size, index, slopes, states = self.size, self.states.index, self.states.slopes(unknowns), point.states
         blocks, width = index.shape
         # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
-        projections = (effect.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
-        turned_slopes = (effect.slopes.reshape(-1, size) @ local.vectors).reshape(*effect.slopes.shape)
+        projections = (point.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
+        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
         flat_slopes = slopes.reshape(len(states), -1, width)
         own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * states[:, SHARE, None, None]
         own = own.reshape(blocks, -1, width, projections.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
@@ -251,10 +236,10 @@ class NonlinearProgram:
         elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
         if flat_slopes[:, SHARE].any():
             right = left = projections.reshape(len(states), -1, size)
-            if effect.own is not effect.rows:
-                right = (effect.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
+            if point.own is not point.rows:
+                right = (point.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
             squares = left.transpose(0, 2, 1) @ right
-            if effect.own is not effect.rows:
+            if point.own is not point.rows:
                 squares = (squares + squares.transpose(0, 2, 1)) / 2.0
             squares = squares.reshape(blocks, -1, size * size)
             lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
@@ -269,11 +254,6 @@ class NonlinearProgram:
 def _flat(states: Array) -> Array:
     """States one after the other, shape (K, d)."""
     return states.reshape(-1, states.shape[2])
-
-
-def _weighted_square(regressors: Array, shares: Array, size: int) -> Array:
-    weighted = (regressors * shares[:, None]).reshape(-1, size)  # shares of moves may be negative on the way
-    return np.asarray(weighted.T @ regressors.reshape(-1, size))
 
 
 def _spread(index: Indices, unknowns: int) -> "csr_array":

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,41 +22,6 @@ class Blocks(NamedTuple):
 
     unknowns: Indices  # unknowns of each, shape (B, m)
     matrices: Array  # shape (B, m, m)
-
-
-class Rows(Protocol):
-    """Some rows of a program."""
-
-    @property
-    def lower(self) -> Array:
-        """Lower bound of each row, shape (R,)."""
-        ...
-
-    @property
-    def upper(self) -> Array:
-        """Upper bound of each row, shape (R,)."""
-        ...
-
-    @property
-    def pattern(self) -> tuple[Indices, Indices]:
-        """Row and column of each value of `jacobian`."""
-        ...
-
-    def all_values(self, unknowns: Array) -> Array:
-        """Values of these rows and of others that could be."""
-        ...
-
-    def values(self, unknowns: Array) -> Array:
-        """Shape (R,)."""
-        ...
-
-    def jacobian(self, unknowns: Array) -> Array:
-        """Derivatives, in the order of `pattern`."""
-        ...
-
-    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks | None:
-        """Second derivative of the rows weighted with multipliers, shape (R,); None where it is zero."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -107,50 +72,6 @@ class LinearRows:
         """The matrix."""
         return np.asarray(self._matrix.data)
 
-    def curvature(self, unknowns: Array, multipliers: Array) -> None:
-        """Zero."""
-        return
-
-
-@dataclass(frozen=True)
-class BlockRows:
-    """Values of a kernel of each block's unknowns between -bound and bound."""
-
-    index: Indices  # unknowns of each block, shape (B, m)
-    kernel: Kernel  # m unknowns -> r values
-    bound: float  # bound of all of them
-
-    @property
-    def lower(self) -> Array:
-        """-bound."""
-        return -self.upper
-
-    @property
-    def upper(self) -> Array:
-        """The bound."""
-        return np.full(len(self.index) * self.kernel.size, self.bound)
-
-    @cached_property
-    def pattern(self) -> tuple[Indices, Indices]:
-        """Each row depends on all unknowns of its block."""
-        width = self.index.shape[1]
-        return np.repeat(np.arange(len(self.upper)), width), np.repeat(self.index, self.kernel.size, axis=0).ravel()
-
-    def all_values(self, unknowns: Array) -> Array:
-        """Shape (R,)."""
-        return self.kernel.values(unknowns[self.index]).ravel()
-
-    values = all_values
-
-    def jacobian(self, unknowns: Array) -> Array:
-        """Derivatives by all unknowns of the block, row by row."""
-        return self.kernel.slopes(unknowns[self.index])[1].transpose(0, 2, 1).ravel()
-
-    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
-        """Second derivative of the weighted rows, block by block."""
-        weights = multipliers.reshape(len(self.index), -1)
-        return Blocks(self.index, self.kernel.curvature(unknowns[self.index], weights))
-
 
 @dataclass(frozen=True)
 class StateRows:
@@ -198,10 +119,6 @@ class StateRows:
         rows = slopes.transpose(0, 2, 1) @ self.states.slopes(unknowns)[self.needed]
         return np.asarray(rows[self.chosen[self.needed]]).ravel()
 
-    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
-        """Second derivative of the weighted rows, block by block."""
-        return curvature_at_states(unknowns, [(self, multipliers)])
-
     def add_curvature(self, at: Array, multipliers: Array, own: Array, pull: Array) -> None:
         """Adds derivatives of the weighted rows by the states `at`: second ones to `own`, first ones to `pull`.
 
@@ -218,6 +135,9 @@ class StateRows:
         needed, weights = self.needed, weights[self.needed]
         own[needed] += self.kernel.curvature(at[needed], weights)
         pull[needed] += (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
+
+
+Rows = LinearRows | StateRows
 
 
 def curvature_at_states(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Blocks:

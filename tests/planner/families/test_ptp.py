@@ -14,7 +14,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
 from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import Problem, build_problem, pose_shares
-from planner.search.rows import BlockRows, StateRows
+from planner.search.rows import StateRows
 from planner.search.solving import Start, Task, run_start
 
 MOVES = 9
@@ -47,7 +47,7 @@ def test_a_random_start_takes_the_duration_and_satisfies_the_limits_of_the_coord
 ):
     assert family.motion(start).duration == pytest.approx(4.0)
     duration, peaks = problem.program.rows[:2]
-    assert isinstance(peaks, BlockRows)
+    assert isinstance(peaks, StateRows)
     assert 0.9 < np.abs(peaks.values(start)).max() <= 1.0 + 1e-9
     assert duration.values(start) == pytest.approx(1.0, abs=1e-12)
     assert duration.lower == duration.upper == 1.0
