@@ -21,7 +21,7 @@ from planner.precision import solver_text
 from planner.request import Request, parse_targets
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.vibration import BothLaws, both_laws
-from planner.worth import BINDING, Rival, Search, Tried, Worth, bound_by, figures_of, predicted_std_of, worst_std
+from planner.worth import BINDING, Rival, Search, Worth, bound_by, figures_of, predicted_std_of, worst_std
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one
@@ -47,7 +47,7 @@ class Found(NamedTuple):
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
         if self.rival is None or not self.starts:
             return 0.0
-        return float(np.exp((self.rival.logdet - self.starts[0].logdet) / parameters))
+        return float(np.exp((self.rival.tried.logdet - self.starts[0].tried.logdet) / parameters))
 
 
 def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
@@ -88,24 +88,10 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
 
 def _record(result: Found, seconds: float, efficiency: float, parameters: int) -> Search:
     """What a plan keeps of its search."""
-    starts = tuple(
-        Tried(
-            seed=s.seed,
-            refined=s.refined,
-            start_logdet=s.start_logdet if np.isfinite(s.start_logdet) else None,
-            logdet=s.logdet,
-            criterion_value=s.score,
-            solver=s.status,
-            converged=s.converged,
-            iterations=s.iterations,
-            seconds=s.seconds,
-        )
-        for s in result.starts
-    )
     rival = None
     if result.rival is not None:
         rival = Rival(result.rival.family.name, result.of_rival(parameters) * efficiency)
-    return Search(starts, result.failed, result.interrupted, seconds, rival)
+    return Search(tuple(s.tried for s in result.starts), result.failed, result.interrupted, seconds, rival)
 
 
 def _from_rest_to_rest(motion: Trajectory) -> bool:
@@ -176,10 +162,10 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
             f"weaker than a motion of another family that took seconds: --family {found.rival.family.name} has "
             f"{times:.2f} times the D-efficiency{remark}"
         )
-    refined = [s for s in found.starts if s.refined]
+    refined = [s.tried for s in found.starts if s.tried.refined]
     if refined and not found.interrupted and not refined[0].converged:
         words.append(
-            f"the search had not converged where it ended ({solver_text(refined[0].status)}): more --seconds or "
+            f"the search had not converged where it ended ({solver_text(refined[0].solver)}): more --seconds or "
             "--starts may find more"
         )
     if found.starts and (share := found.starts[0].shrunk) < DRAWN_BACK:

@@ -19,7 +19,7 @@ from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
 from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search.inside import require_plannable
-from planner.search.parallel import SILENT, WORTHWHILE, Listener, News, gain
+from planner.search.parallel import SILENT, WORTHWHILE, Listener, gain
 from planner.search.solving import Failed, Start
 
 Told = Callable[[str], None]
@@ -229,7 +229,7 @@ class Progress:
                 self.best = start
         self.show()
 
-    def show(self, word: News | None = None) -> None:
+    def show(self) -> None:
         """Shows one line: a start is under way, or has ended."""
         seconds = time.monotonic() - self.began
         other = "" if self.request.family.name == self.asked.family.name else f"{self.request.family.name} instead: "
@@ -237,9 +237,9 @@ class Progress:
             self.remark(f"{other}first starts, {seconds:.0f} s")
             return
         if self.bound is not None:
-            text = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
+            text = f"{100 * self.bound.efficiency(self.best.tried.logdet):.1f} % of the limit of information"
         else:
-            text = f"criterion {self.request.criterion} {self.best.score:.4g}"
+            text = f"criterion {self.request.criterion} {self.best.tried.criterion_value:.4g}"
         starts = f"{self.count} start{'s' * (self.count > 1)}"
         self.remark(f"{other}{text} after {starts}, {seconds:.0f} s, {self._left(seconds)}")
 

@@ -69,16 +69,17 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     at_once, later = ([], rival) if patience.refined == 1 else (rival, [])
     results, interrupted = _explored(request, own, case, listener, run, patience.exploring(), at_once)
     explored, _ = _of_families(results, request)
-    score = max((s.score for s in explored if s.refined), default=-np.inf)
+    score = max((s.tried.criterion_value for s in explored if s.tried.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
-    rough = [s for s in explored if not s.refined and s.promise > score]
-    best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
+    rough = [s for s in explored if not s.tried.refined and s.promise > score]
+    best = [Task(own.case, request.model, s.family, request.criterion, s.tried.seed, request.payload, Step.REFINE,
+                 s.begin)
             for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
     if explored and (best or later) and not interrupted:
         second = run([*best, *later], listener, patience)
         results, interrupted = results + second.results, second.interrupted
     starts, others = _of_families(results, request)
-    starts.sort(key=lambda s: -s.score)
+    starts.sort(key=lambda s: -s.tried.criterion_value)
     failed = [r for r in results if isinstance(r, Failed)]
     if not starts:
         if interrupted:
@@ -88,7 +89,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     if PoseField.of(case.sensors) is not None and not interrupted:
         fresh, best_family = request.family.families(own.case, request.duration)[0], starts[0].family
         fresh = fresh if fresh.settings == best_family.settings else best_family
-        one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
+        one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].tried.seed, request.payload,
                    begin=shipped_start(fresh, case))  # fmt: skip
         alone = run([one], replace(SILENT, news=listener.news), patience)
         white, interrupted = next((r for r in alone.results if isinstance(r, Start)), None), alone.interrupted

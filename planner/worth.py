@@ -29,7 +29,7 @@ from planner.noise import (
     seen_through,
 )
 from planner.poses.pose_criteria import total_information
-from planner.search.solving import Failed
+from planner.search.solving import Failed, Tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,21 +38,6 @@ class Rival:
 
     family: str
     d_efficiency: float
-
-
-@dataclass(frozen=True, slots=True)
-class Tried:
-    """One start of a search."""
-
-    seed: int
-    refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
-    start_logdet: float | None  # log det F where it began; None where F was singular
-    logdet: float  # log det F where it ended
-    criterion_value: float  # of the criterion asked for, to be maximised
-    solver: str  # the solver's status
-    converged: bool  # whether its last stage converged
-    iterations: int  # of all stages
-    seconds: float
 
 
 @dataclass(frozen=True, slots=True)

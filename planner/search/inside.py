@@ -29,23 +29,19 @@ CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
 SMALLEST = 1e-6  # share of all ways below which nothing moves
 
 
-class Rating(NamedTuple):
-    """What a motion is worth in reference scaling: log det of its information, and the criterion to be maximised."""
-
-    logdet: float
-    score: float
-
-
 def rate(
     model: Model, scaling: Array, family: Family, unknowns: Array, criterion: str, errors: PoseErrors | None = None
-) -> Rating:
-    """Rates a motion from its samples at 1 kHz; minus infinity where it does not determine all parameters."""
+) -> float:
+    """A criterion of a motion, to be maximised, in reference scaling and from its samples at 1 kHz.
+
+    Minus infinity where the motion does not determine all parameters.
+    """
     information = information_of(model, scaling, family.motion(unknowns), errors)
     try:
         mu = singular_values(information, model.names)
     except IdentificationError:
-        return Rating(-np.inf, -np.inf)
-    return Rating(CRITERIA["D"](mu), CRITERIA[criterion](mu))
+        return -np.inf
+    return CRITERIA[criterion](mu)
 
 
 class Inside(NamedTuple):

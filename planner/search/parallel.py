@@ -14,9 +14,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import parent_process
-from multiprocessing.context import SpawnContext, SpawnProcess
-from multiprocessing.process import BaseProcess
+from multiprocessing import get_context, parent_process
 from threading import Thread
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -96,16 +94,8 @@ def gain(criterion: str, parameters: int, old: float, new: float) -> float:
     return abs(old / new) - 1.0 if new < 0.0 else new / old - 1.0
 
 
-NEWS = 0.3  # [s] between two words of a worker
+NEWS = 0.3  # [s] between two signs of a worker that it gets on
 POLL = 0.1  # [s]
-
-
-class News(NamedTuple):
-    """What a running start tells: its seed, iterations so far and the solver's present objective."""
-
-    seed: int
-    iterations: int
-    objective: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,10 +104,10 @@ class Listener:
 
     begin: Callable[[Request], None]  # called when a search begins: one plan may take several
     done: Callable[[Start | Failed], None]  # called with each result as it arrives
-    news: Callable[[News], None]  # called between the results
+    news: Callable[[], None]  # called between the results, while starts get on
 
 
-SILENT = Listener(lambda request: None, lambda result: None, lambda news: None)
+SILENT = Listener(lambda request: None, lambda result: None, lambda: None)
 
 
 class Outcome(NamedTuple):
@@ -149,15 +139,13 @@ def _end_with_parent() -> None:
 
 
 def _work(task: Task) -> Start | Failed:
-    iterations, last_report = 0, time.monotonic()
+    last_report = time.monotonic()
 
     def watch(objective: float) -> bool:
-        nonlocal iterations, last_report
-        iterations += 1
-        now = time.monotonic()
-        if now - last_report >= NEWS:
-            last_report = now
-            _news.put(News(task.seed, iterations, objective))
+        nonlocal last_report
+        if time.monotonic() - last_report >= NEWS:
+            last_report = time.monotonic()
+            _news.put(task.seed)
         return bool(_stop.is_set())
 
     return run_safely(task, watch)
@@ -184,24 +172,15 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class _Process(SpawnProcess):
-    """A process that does not run its parent's script again, which has no guard in a notebook or a script of ten lines.
-
-    Spawned, not forked: MUMPS and threads of a parent do not survive a fork.
-    """
-
-    @staticmethod
-    def _Popen(process_obj: BaseProcess) -> Any:
-        main = sys.modules["__main__"]
-        sys.modules["__main__"] = ModuleType("__main__")  # without a file, which a new process would run
-        try:
-            return SpawnProcess._Popen(process_obj)
-        finally:
-            sys.modules["__main__"] = main
-
-
-class _Context(SpawnContext):
-    Process = _Process
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """Processes that start inside do not run the script again, which has no guard in a notebook or in ten lines."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")  # without a file, which a new process would run
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 @contextmanager
@@ -211,7 +190,7 @@ def workers() -> Iterator[Runner]:
     The first Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of
     the time.
     """
-    context = _Context()
+    context = get_context("spawn")  # not forked: MUMPS and threads of a parent do not survive that
     stop, news = context.Event(), context.SimpleQueue()
     pool = ProcessPoolExecutor(cores(), mp_context=context, initializer=_begin, initargs=(stop, news))
 
@@ -226,13 +205,14 @@ def workers() -> Iterator[Runner]:
         stop.clear()
         results: dict[int, Start | Failed] = {}
         with first_ctrl_c_calls(press):
-            with ctrl_c_waits():
+            with ctrl_c_waits(), _without_script():
                 places = {pool.submit(_work, task): k for k, task in enumerate(tasks)}
             pending = set(places)
             while pending:
                 finished, pending = wait(pending, POLL, FIRST_COMPLETED)
                 while not news.empty():
-                    listener.news(news.get())
+                    news.get()
+                    listener.news()
                 for future in finished:
                     results[places[future]] = _result(future)
                     listener.done(results[places[future]])

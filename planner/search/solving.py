@@ -21,7 +21,7 @@ from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate, require_rest
+from planner.search.inside import MARGIN, Inside, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
 
@@ -41,23 +41,30 @@ SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the o
 
 
 @dataclass(frozen=True, slots=True)
+class Tried:
+    """One start of a search, as a plan keeps it."""
+
+    seed: int  # of the random start
+    refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
+    start_logdet: float | None  # log det F where it began, reference scaling; None where F was singular
+    logdet: float  # log det F of the motion within the limits, W as identification will have it
+    criterion_value: float  # of the same motion, by the criterion asked for, to be maximised
+    solver: str  # the solver's last status
+    converged: bool  # whether its last stage converged
+    iterations: int  # of the solver, all stages
+    seconds: float  # time spent
+
+
+@dataclass(frozen=True, slots=True)
 class Start:
     """What became of one start."""
 
-    seed: int  # of the random start
-    start_logdet: float  # log det F at its start, reference scaling, W as identification will have it
-    logdet: float  # log det F of the motion within the limits, the same
-    score: float  # the criterion of the motion within the limits; the larger the better
-    status: str  # the solver's last words
-    converged: bool  # whether the solver says that its last stage is done
-    iterations: int  # iterations of the solver, all stages
-    seconds: float  # time spent
-    unknowns: Array  # the motion
+    tried: Tried
+    unknowns: Array  # the motion within the limits
     family: Family  # what the unknowns mean
     shrunk: float  # share to which the motion was drawn towards the middle of the box at last
     begin: Array  # where a refinement goes on: the motion before that
     promise: float  # the criterion there, by which it is chosen for a refinement
-    refined: bool  # whether limits were constrained wherever they come close; else at first instants only
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,9 +156,9 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
-    before = run.rate(unknowns)
+    before = run.rate(unknowns, "D")
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
-    best: tuple[Rating, Inside] | None = None
+    best: tuple[float, Inside] | None = None
     if run.close or (task.step is Step.GLANCE and task.moves):  # of a glance the annealed walk tells enough
         inside = keep_limits(task.case, run.family.once, unknowns, QUICK_RATE)
         best = run.rate(inside.unknowns), inside
@@ -165,31 +172,28 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             inside = run.inside(run.constrained(unknowns, stage), stage)
             unknowns = inside.unknowns
         after = run.rate(inside.unknowns)
-        if best is None or after.score > best[0].score:
+        if best is None or after > best[0]:
             best = after, inside
     assert best is not None
     after, inside = best
-    if not np.isfinite(after.score):
+    if not np.isfinite(after):
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
         )
-    return Start(
+    promise = run.rate(unknowns) if exploring else after
+    tried = Tried(
         seed=task.seed,
-        start_logdet=before.logdet,
-        logdet=after.logdet,
-        score=after.score,
-        status=run.status,
+        refined=not exploring,
+        start_logdet=before if np.isfinite(before) else None,
+        logdet=after if task.criterion == "D" else run.rate(inside.unknowns, "D"),
+        criterion_value=after,
+        solver=run.status,
         converged=run.converged,
         iterations=run.iterations,
         seconds=time.perf_counter() - start,
-        unknowns=inside.unknowns,
-        family=run.family,
-        shrunk=inside.share,
-        begin=unknowns,
-        promise=run.rate(unknowns).score if exploring else after.score,
-        refined=not exploring,
     )
+    return Start(tried, inside.unknowns, run.family, inside.share, unknowns, promise)
 
 
 class _Run:
@@ -211,8 +215,8 @@ class _Run:
         self.stopped = self.watch(objective) or self.stopped
         return self.stopped
 
-    def rate(self, unknowns: Array, letter: str | None = None) -> Rating:
-        """What a motion is worth by the criterion asked for, or another."""
+    def rate(self, unknowns: Array, letter: str | None = None) -> float:
+        """What a motion is worth by the criterion asked for, or another; see `planner.search.inside.rate`."""
         return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
 
     def begin(self) -> Array:
@@ -271,7 +275,7 @@ class _Run:
             return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
 
         def worth(candidate: Inside) -> float:
-            return self.rate(candidate.unknowns, stage.letter).score
+            return self.rate(candidate.unknowns, stage.letter)
 
         candidates = [retraction(unknowns)]
         for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):

@@ -45,7 +45,7 @@ def criteria_table() -> None:
             with workers() as run:
                 found = search(request, case, SILENT, run)
             values[letter] = criteria_of(case, found.motion)
-            seconds = [start.seconds for start in found.starts]
+            seconds = [start.tried.seconds for start in found.starts]
             rows.append(
                 [
                     f"{family}{', best order, period' if settings else ''}, {letter}-optimal",

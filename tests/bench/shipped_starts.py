@@ -53,7 +53,7 @@ def search(name: str, seconds: float) -> None:
         except HexciteError as error:
             print(f"{name}, {k}: {error}", flush=True)
         else:
-            efficiency = bound.efficiency(found.logdet)
+            efficiency = bound.efficiency(found.tried.logdet)
             print(f"{name}, {k}: {efficiency:.4f}", flush=True)
             if efficiency > best:
                 table = found.family.table(found.unknowns).round(DIGITS).tolist()
@@ -67,7 +67,7 @@ def _refined(task: Task, found: Start) -> Start:
     """The motion after as many refinements as pay."""
     for _ in range(HARDER):
         better = run_start(replace(task, family=found.family, step=Step.REFINE, begin=found.begin))
-        if better.logdet <= found.logdet and found.refined:
+        if better.tried.logdet <= found.tried.logdet and found.tried.refined:
             break
         found = better
     return found

@@ -69,7 +69,7 @@ def test_the_heaviest_load_is_limited_where_it_comes_close_and_none_where_it_doe
 
 def explored_and_refined(case: Case, name: str) -> Start:
     first = run_start(Task(case, 0, family_of(case, name), "D", seed=1))
-    return first if first.refined else run_start(Task(case, 0, first.family, "D", 1, begin=first.begin))
+    return first if first.tried.refined else run_start(Task(case, 0, first.family, "D", 1, begin=first.begin))
 
 
 @pytest.mark.slow

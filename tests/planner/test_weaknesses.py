@@ -12,7 +12,7 @@ from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.found import FULL, RIVALS, Found, weaknesses
-from planner.search.solving import DRAWN_BACK, Start
+from planner.search.solving import DRAWN_BACK, Start, Tried
 
 SIZE = 20
 
@@ -25,7 +25,8 @@ def check(kind: LimitKind, place: str, ratio: float) -> LimitCheck:
 def start(hexapod_case: Case) -> Start:
     family = FourierFamily(2, 3.0, 1, *box_middle(hexapod_case))
     unknowns = 0.01 * np.random.default_rng(0).normal(size=18)
-    return Start(1, -9.0, -5.0, -5.0, "Solve_Succeeded", True, 9, 1.0, unknowns, family, 1.0, unknowns, -5.0, True)
+    tried = Tried(1, True, -9.0, -5.0, -5.0, "Solve_Succeeded", True, 9, 1.0)
+    return Start(tried, unknowns, family, 1.0, unknowns, -5.0)
 
 
 @pytest.fixture
@@ -37,7 +38,7 @@ def found(start: Start) -> Found:
 
 def rival(start: Start, case: Case, times: float) -> Start:
     family = PointToPointFamily.of(case, 8, 3.0)
-    return replace(start, family=family, logdet=start.logdet + SIZE * np.log(times))
+    return replace(start, family=family, tried=replace(start.tried, logdet=start.tried.logdet + SIZE * np.log(times)))
 
 
 Said = Callable[[Found], tuple[str, ...]]

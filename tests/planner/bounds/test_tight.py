@@ -111,9 +111,9 @@ def test_nor_does_an_optimised_one(model: Model, found: TightDesign):
     start = run_start(Task(CASE, number, family, "D", seed=1))
     drawn = family.motion(family.start(np.random.default_rng(1), lambda values: float(np.abs(values).max())))
     scaling = reference_scaling(CASE, model)
-    assert start.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]
-    assert start.logdet < box_bound(CASE, model).logdet
-    assert model is ALL or start.logdet < bound_of(found)
+    assert start.tried.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]
+    assert start.tried.logdet < box_bound(CASE, model).logdet
+    assert model is ALL or start.tried.logdet < bound_of(found)
 
 
 def random_derivative(seed: int) -> TightDerivative:

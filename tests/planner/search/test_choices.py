@@ -13,7 +13,7 @@ from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import Request
 from planner.search.parallel import SILENT, Listener, Outcome, Patience
-from planner.search.solving import Start, Step, Task
+from planner.search.solving import Start, Step, Task, Tried
 from tests.helpers import one_line
 
 
@@ -90,9 +90,8 @@ def _made_up(task: Task) -> Start:
     refined = task.step is Step.REFINE
     score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
     unknowns = np.full(18, 0.01)
-    return Start(
-        task.seed, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, 1.0, unknowns, promise, refined
-    )
+    tried = Tried(task.seed, refined, 0.0, 0.0, score, "done", True, 1, 0.0)
+    return Start(tried, unknowns, task.family, 1.0, unknowns, promise)
 
 
 @pytest.mark.parametrize(("criterion", "refinements"), [("D", 2), ("K", 4)])

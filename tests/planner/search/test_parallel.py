@@ -12,7 +12,7 @@ from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
 from planner.search.parallel import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
-from planner.search.solving import Failed, Start
+from planner.search.solving import Failed, Start, Tried
 
 SIZE = 20
 FAMILY = FourierFamily(2, 3.0, 1, np.zeros(6), np.ones(6))
@@ -21,9 +21,8 @@ STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
 
 
 def start(promise: float, seed: int = 0) -> Start:
-    return Start(
-        seed, 0.0, promise, promise, "done", True, 1, 0.0, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise, False
-    )
+    tried = Tried(seed, False, 0.0, promise, promise, "done", True, 1, 0.0)
+    return Start(tried, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise)
 
 
 def patience(**settings: object) -> Patience:
