@@ -65,7 +65,8 @@ def test_another_family_that_carries_more(
 
 @pytest.mark.parametrize("interrupted", [False, True])
 def test_a_search_that_had_not_converged(interrupted: bool, found: Found, start: Start, said: Said):
-    unfinished = replace(start, converged=False, status="Maximum_Iterations_Exceeded")
+    tried = replace(start.tried, converged=False, solver="Maximum_Iterations_Exceeded")
+    unfinished = replace(start, tried=tried)
     weak = said(found._replace(starts=(unfinished,), interrupted=interrupted))
     if interrupted:  # it says so itself
         assert weak == ()
@@ -75,8 +76,9 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: Found, start:
 
 
 def test_only_the_best_refined_start_need_have_converged(found: Found, start: Start, said: Said):
-    explored = replace(start, refined=False, converged=False)
-    assert said(found._replace(starts=(start, explored, replace(start, converged=False)))) == ()
+    unfinished = replace(start.tried, converged=False)
+    explored = replace(start, tried=replace(unfinished, refined=False))
+    assert said(found._replace(starts=(start, explored, replace(start, tried=unfinished)))) == ()
     assert said(found._replace(starts=(explored, start))) == ()
 
 
