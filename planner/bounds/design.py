@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import Model
 from identification.symbolic import over_samples
-from planner.bounds.branch import Maximum, maximise
+from planner.bounds.branch import maximise
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.features import CORNER_COORDINATES, Features
 
@@ -35,8 +35,11 @@ class Design:
 
     states: Array  # as shares of the half widths of the box, shape (n, 18)
     weights: Array  # shape (n,), adding up to 1
-    logdet: float  # log det F, reference scaling
-    maximum: Maximum  # maximum of the directional derivative over the box
+    attained: float  # log det F, reference scaling; of a tight one the largest of all designs that were found
+    logdet: float  # the same, or log det F of the dual point, from which the bound counts
+    dmax: float  # largest directional derivative (tight: Lagrangian) over the box: proven, or the largest that was met
+    proven: float  # no larger one is there; infinite where nothing is proven
+    certified: bool  # whether `dmax` is proven to the wanted gap
 
 
 def optimal_design(
@@ -64,7 +67,9 @@ def optimal_design(
         room = size * float(np.log(max(maximum.upper, size) / size))
         progress(f"log det {logdet:.4f}, at most {room:.4f} more; {len(states)} states")
         if maximum.upper <= levels[0] or process_time() >= deadline or not len(maximum.points):
-            return Design(states, weights, logdet, maximum)
+            certified = maximum.upper <= levels[0] * (1.0 + 1e-9)
+            dmax = max(float(size), maximum.upper if certified else maximum.lower)
+            return Design(states, weights, logdet, logdet, dmax, max(float(size), maximum.upper), certified)
         fresh = np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED]
         states = np.vstack([states, fresh])
         share = min(0.5, len(fresh) / len(states))
@@ -176,7 +181,7 @@ def searched_design(
         states = np.vstack([states, fresh])
         share = min(0.5, len(fresh) / len(states))
         weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
-    return Design(states, weights, logdet, Maximum(np.inf, dmax, climbed, 0))
+    return Design(states, weights, logdet, logdet, max(float(size), dmax), np.inf, False)
 
 
 def _climbed(box: _Box, inverse: Array, starts: Array, draw: np.random.Generator) -> tuple[Array, Array]:

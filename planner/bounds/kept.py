@@ -8,7 +8,7 @@ proof in `planner.bounds.certificate`.
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from pathlib import Path
 from time import process_time
@@ -236,10 +236,13 @@ def compute_bound(
     scaling = reference_scaling(case, model)
     if model.struts is not None or not (model.machine is None or model.machine.of_pose):
         design = searched_design(case, model, scaling, SEARCHED_GAP, process_time() + time_limit, progress)
-        return _bound(design, len(scaling), SEARCHED)
-    features = box_features(case, model, scaling)
-    design = optimal_design(features, GAP, process_time() + time_limit, progress)
-    return _bound(design, len(model.parameters), ESTIMATE)
+        return replace(_bound(design, len(scaling), SEARCHED), proven_logdet=None)
+    design = optimal_design(box_features(case, model, scaling), GAP, process_time() + time_limit, progress)
+    if not np.isfinite(design.proven):
+        raise HexciteError(
+            "the information limit has no proof yet after the time limit; give it more with --time-limit"
+        )
+    return _bound(design, len(scaling), PROVEN if design.certified else ESTIMATE)
 
 
 def compute_tight_bound(
@@ -251,21 +254,9 @@ def compute_tight_bound(
     """Computes the tighter bound; arguments as in `box_bound`."""
     features = box_features(case, model, reference_scaling(case, model))
     design = tight_design(case, features, TIGHT_GAP, process_time() + time_limit, progress, aim=TIGHT_AIM)
-    size = len(model.parameters)
+    return _bound(design, len(model.parameters), TIGHT if design.certified else TIGHT_ESTIMATE)
+
+
+def _bound(design: Design, size: int, method: str) -> Bound:
     logdet, proven = (design.logdet + size * float(np.log(value / size)) for value in (design.dmax, design.proven))
-    method = TIGHT if design.certified else TIGHT_ESTIMATE
     return Bound(logdet, design.dmax, size, method, design.certified, design.attained, proven)
-
-
-def _bound(design: Design, size: int, estimate: str) -> Bound:
-    certified = design.maximum.upper <= size * (1.0 + GAP) * (1.0 + 1e-9)
-    dmax = max(float(size), design.maximum.upper if certified else design.maximum.lower)
-    proven: float | None = design.logdet + size * float(np.log(max(size, design.maximum.upper) / size))
-    if estimate is SEARCHED:
-        proven = None
-    elif not np.isfinite(design.maximum.upper):
-        raise HexciteError(
-            "the information limit has no proof yet after the time limit; give it more with --time-limit"
-        )
-    logdet = design.logdet + size * float(np.log(dmax / size))
-    return Bound(logdet, dmax, size, PROVEN if certified else estimate, certified, design.logdet, proven)

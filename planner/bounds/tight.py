@@ -8,7 +8,6 @@ the multipliers; states where h is large come in, until max h is near u. The lea
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from time import process_time
 from typing import Any
@@ -20,6 +19,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
+from planner.bounds.design import Design
 from planner.bounds.features import Features, Moments, Multipliers, combined, mixed, motion_moments
 
 Array = NDArray[np.float64]
@@ -39,17 +39,6 @@ STEPS = (0.15, 0.05, 0.015)
 _ACTIVE = (0, 1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14, 15, 16, 17)  # rates of x, y, z are eliminated
 
 
-@dataclass(frozen=True, slots=True)
-class TightDesign:
-    """What was found."""
-
-    logdet: float  # log det F of the dual point that gives the bound
-    attained: float  # log det of the best design that was found
-    dmax: float  # largest h: proven, or the largest that was met
-    proven: float  # proven largest h
-    certified: bool  # whether `dmax` is proven
-
-
 def tight_design(
     case: Case,
     features: Features,
@@ -58,7 +47,7 @@ def tight_design(
     progress: Callable[[str], None] = lambda _: None,
     rounds: int = ROUNDS,
     aim: float | None = None,
-) -> TightDesign:
+) -> Design:
     """Finds the design, its bound and, as far as time allows, the proof.
 
     Args:
@@ -108,7 +97,7 @@ def tight_design(
     )
     certified = maximum.upper <= max(lower_bound, maximum.lower) * (1.0 + gap) * (1.0 + 1e-9)
     dmax = maximum.upper if certified else max(largest, maximum.lower)
-    return TightDesign(logdet, attained, max(dmax, size), max(maximum.upper, size), certified)
+    return Design(states, weights, attained, logdet, max(dmax, size), max(maximum.upper, size), certified)
 
 
 def _candidates(count: int, draw: np.random.Generator) -> Array:

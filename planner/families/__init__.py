@@ -1,11 +1,11 @@
 """What every family of excitations offers to the optimiser: unknowns -> motion, with CasADi's exact derivatives.
 
-Families whose coordinates are linear in their unknowns (Fourier series, B-splines) share `linear_layout`.
+Families whose coordinates are linear in their unknowns (Fourier series, B-splines) are a `LinearFamily`.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,8 +109,19 @@ def box_middle(case: Case) -> tuple[Array, Array]:
     return home + (low + high) / 2, np.asarray((high - low) / 2)
 
 
-class Maps(Protocol):
-    """Linear maps of a family; unknowns of shape (q n,), row by row, in half widths of the box around its middle."""
+class LinearFamily(Protocol):
+    """A family whose coordinates are linear in its unknowns.
+
+    Unknowns have the shape (q n,), row by row, in half widths of the box around its middle.
+    """
+
+    name: ClassVar[str]
+    middle: Array  # of the box of coordinates, shape (n,) [m or rad]
+
+    @property
+    def shipped(self) -> str:
+        """One for every machine."""
+        return self.name
 
     @property
     def unknowns(self) -> int:
@@ -154,36 +165,52 @@ class Maps(Protocol):
         """A bound g with max|x'| <= g max|x| for every motion of the family [1/s]; infinity where there is none."""
         ...
 
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion as functions of the unknowns.
 
-def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
-    """States and rows of a linear family.
+        Limits of a derivative that others prove to be satisfied (`growth`) are left out.
+        """
+        from scipy.sparse import csr_array, kron, vstack
 
-    Limits of a derivative that others prove to be satisfied (`growth`) are left out.
-    """
-    from scipy.sparse import csr_array, kron, vstack
+        middle, half = box_middle(case)
+        box = case.need_motion("planning")[1]
+        critical = self.critical_maps()
+        rows, first, orders = [], [], []
+        bounds = np.ones(len(half))  # what is known to bound the derivative before, in half widths
+        for order, (matrix, limit) in enumerate(
+            zip(self.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
+        ):
+            own = limit / half if order > 1 else limit / half - self.slips()[order]
+            needed = np.ones(len(half), dtype=bool) if order == 0 else self.growth() * bounds > own
+            bounds = own if order == 0 else np.minimum(self.growth() * bounds, own)
+            if needed.any():
+                rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
+                first.append(np.repeat(self.first_rows()[order], needed.sum()))
+                orders.append(np.full(rows[-1].shape[0], order))
+        table, starts = csr_array(vstack(rows, format="csr")), np.concatenate(first)
+        free = np.full(self.unknowns * len(half), np.inf)
+        return Layout(
+            states=linear_states(self.maps(), middle, half, self.weights(), self.blocks),
+            critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), self.blocks),
+            peaks=self.peaks(),
+            rows=(LinearRows(table, np.concatenate(orders), starts, np.full(len(starts), 1.0 - margin)),),
+            lower=-free,
+            upper=free,
+        )
 
-    middle, half = box_middle(case)
-    box = case.need_motion("planning")[1]
-    critical = family.critical_maps()
-    rows, first, orders = [], [], []
-    bounds = np.ones(len(half))  # what is known to bound the derivative before, in half widths
-    for order, (matrix, limit) in enumerate(
-        zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
-    ):
-        own = limit / half if order > 1 else limit / half - family.slips()[order]
-        needed = np.ones(len(half), dtype=bool) if order == 0 else family.growth() * bounds > own
-        bounds = own if order == 0 else np.minimum(family.growth() * bounds, own)
-        if needed.any():
-            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
-            first.append(np.repeat(family.first_rows()[order], needed.sum()))
-            orders.append(np.full(rows[-1].shape[0], order))
-    table, starts = csr_array(vstack(rows, format="csr")), np.concatenate(first)
-    free = np.full(family.unknowns * len(half), np.inf)
-    return Layout(
-        states=linear_states(family.maps(), middle, half, family.weights(), family.blocks),
-        critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), family.blocks),
-        peaks=family.peaks(),
-        rows=(LinearRows(table, np.concatenate(orders), starts, np.full(len(starts), 1.0 - margin)),),
-        lower=-free,
-        upper=free,
-    )
+    def table(self, unknowns: Array) -> Array:
+        """A row for each unknown of a coordinate."""
+        return unknowns.reshape(-1, len(self.middle))
+
+    def shrunk(self, unknowns: Array, share: float) -> Array:
+        """Smaller about the middle of the box."""
+        return unknowns * share
+
+    @property
+    def once(self) -> Self:
+        """Nothing comes again."""
+        return self
+
+    def refined(self, unknowns: Array) -> Self:
+        """Nothing is left open."""
+        return self

@@ -14,9 +14,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.schema import Case
 from identification.trajectories.curves import FourierMotion, run_in, run_out
-from planner.families import Layout, linear_layout
+from planner.families import LinearFamily
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]
@@ -42,7 +41,7 @@ def resting_basis(order: int) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class FourierFamily:
+class FourierFamily(LinearFamily):
     """All Fourier motions of one order and period.
 
     Unknowns are `q = 2 N - 1` amplitudes of each coordinate in units of the pose limits; with a run-in 2 N + 1.
@@ -64,18 +63,9 @@ class FourierFamily:
         lead = order == 1
         return cls(order, period, periods - lead, middle, half, centred, period / 2 if lead else 0.0)
 
+    name: ClassVar[str] = "fourier"
     iterations: ClassVar[int] = 30
     mending: ClassVar[int] = 20
-
-    @property
-    def name(self) -> str:
-        """As the command line calls it."""
-        return "fourier"
-
-    @property
-    def shipped(self) -> str:
-        """One for every machine."""
-        return self.name
 
     @property
     def duration(self) -> float:
@@ -88,18 +78,10 @@ class FourierFamily:
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
         return own | ({"run_in_s": self.run_in} if self.run_in else {})
 
-    def layout(self, case: Case, margin: float) -> Layout:
-        """The motion as functions of the unknowns."""
-        return linear_layout(case, self, margin)
-
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
         unknowns = draw.normal(size=self.unknowns * len(self.middle))
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
-
-    def table(self, unknowns: Array) -> Array:
-        """A row for each unknown of a coordinate."""
-        return unknowns.reshape(-1, len(self.middle))
 
     def like(self, table: Array) -> Array | None:
         """The same series of the same order."""
@@ -110,14 +92,6 @@ class FourierFamily:
     def once(self) -> Self:
         """One period, after the same run-in."""
         return replace(self, repeats=1)
-
-    def refined(self, unknowns: Array) -> Self:
-        """Nothing is left open."""
-        return self
-
-    def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Smaller about the middle of the box."""
-        return unknowns * share
 
     @property
     def unknowns(self) -> int:

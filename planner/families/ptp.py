@@ -115,13 +115,9 @@ class PointToPointFamily:
         limits = [box.rate, box.acceleration, *([box.jerk] if box.limits_jerk else [])]
         return cls(moves, duration, cycle, middle, half, np.array(limits))
 
+    name: ClassVar[str] = "ptp"
     iterations: ClassVar[int] = 60
     mending: ClassVar[int] = 25  # with 10, a wider box gave 1.5 % less
-
-    @property
-    def name(self) -> str:
-        """As the command line calls it."""
-        return "ptp"
 
     @property
     def shipped(self) -> str:

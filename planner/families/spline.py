@@ -10,14 +10,14 @@ and the same, and so are the last three. It need not end where it begins.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import factorial
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.trajectories.curves import Piece, PolynomialMotion
-from planner.families import Layout, box_middle, linear_layout
+from planner.families import LinearFamily, box_middle
 from planner.search.states import Peak
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def _spline(knots: Array, coefficients: Array) -> "BSpline":
 
 
 @dataclass(frozen=True, slots=True)
-class SplineFamily:
+class SplineFamily(LinearFamily):
     """Cubic splines from rest to rest over equal intervals."""
 
     intervals: int  # 20 to 150
@@ -74,18 +74,9 @@ class SplineFamily:
         slip = np.array([4 * box.acceleration, box.jerk]) * step**2 / 8 / half
         return cls(intervals, duration, middle, half, slip)
 
+    name: ClassVar[str] = "spline"
     iterations: ClassVar[int] = 50
     mending: ClassVar[int] = 10
-
-    @property
-    def name(self) -> str:
-        """As the command line calls it."""
-        return "spline"
-
-    @property
-    def shipped(self) -> str:
-        """One for every machine."""
-        return self.name
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -166,19 +157,11 @@ class SplineFamily:
         """Nothing bounds a derivative by the one before it."""
         return float("inf")
 
-    def layout(self, case: Case, margin: float) -> Layout:
-        """The motion as functions of the unknowns."""
-        return linear_layout(case, self, margin)
-
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
         steps = draw.normal(size=(self.unknowns // 6 + 1, len(self.middle)))
         unknowns = np.repeat(steps, 6, axis=0)[: self.unknowns].ravel()
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
-
-    def table(self, unknowns: Array) -> Array:
-        """A row for each unknown of a coordinate."""
-        return unknowns.reshape(-1, len(self.middle))
 
     def like(self, table: Array) -> Array | None:
         """The same curve over as many intervals as there are."""
@@ -186,19 +169,6 @@ class SplineFamily:
             return None
         old, new = np.linspace(0.0, 1.0, len(table)), np.linspace(0.0, 1.0, self.unknowns)
         return np.column_stack([np.interp(new, old, column) for column in table.T]).ravel()
-
-    @property
-    def once(self) -> Self:
-        """Nothing comes again."""
-        return self
-
-    def refined(self, unknowns: Array) -> Self:
-        """Nothing is left open."""
-        return self
-
-    def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Smaller about the middle of the box."""
-        return unknowns * share
 
     def motion(self, unknowns: Array) -> PolynomialMotion:
         """The motion of unknowns of shape (q n,), row by row."""

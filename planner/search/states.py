@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -105,37 +104,11 @@ class Peak(Enum):
         return (cls.POSE, cls.VELOCITY, cls.ACCELERATION)[order]
 
 
-class States(Protocol):
-    """Some states of a motion, S in each of B blocks of m unknowns."""
-
-    @property
-    def index(self) -> Indices:
-        """The unknowns on which each block depends, shape (B, m), none twice in a block."""
-        ...
-
-    def at(self, unknowns: Array) -> Array:
-        """States, shape (B, S, d)."""
-        ...
-
-    def slopes(self, unknowns: Array) -> Array:
-        """Derivatives of the states by the block's unknowns, shape (B, S, d, m)."""
-        ...
-
-    def curvature(self, unknowns: Array, weights: Array) -> Array | None:
-        """Second derivative of the weighted sum of the states, shape (B, m, m); None where it is zero.
-
-        Args:
-            unknowns: shape (n,).
-            weights: shape (B, S, d).
-        """
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class LinearStates:
-    """States that are linear in the unknowns (Fourier series, splines)."""
+    """States that are linear in the unknowns (Fourier series, splines): S in each of B blocks of m unknowns."""
 
-    index: Indices  # shape (B, m)
+    index: Indices  # the unknowns on which each block depends, none twice in a block, shape (B, m)
     offset: Array  # shape (B, S, d)
     slope: Array  # shape (B, S, d, m)
 
@@ -152,9 +125,7 @@ class LinearStates:
         return
 
 
-def linear_states(
-    maps: Sequence[Array], middle: Array, half: Array, shares: Array, blocks: int, places: slice = slice(None)
-) -> LinearStates:
+def linear_states(maps: Sequence[Array], middle: Array, half: Array, shares: Array, blocks: int) -> LinearStates:
     """States of a motion whose coordinates are linear in the same way in their own unknowns.
 
     Args:
@@ -163,9 +134,8 @@ def linear_states(
         half: half of its width, shape (n,) [m or rad].
         shares: share of the duration of each state, shape (K,).
         blocks: number B of blocks of equally many successive states.
-        places: states of each block that count.
     """
-    table = np.stack(maps[:3], axis=1).reshape(blocks, -1, 3, maps[0].shape[1])[:, places]
+    table = np.stack(maps[:3], axis=1).reshape(blocks, -1, 3, maps[0].shape[1])
     count = table.shape[1]
     active = np.abs(table).max(axis=(1, 2)) > 0.0
     width = int(active.sum(axis=1).max())
@@ -178,16 +148,16 @@ def linear_states(
             slope[:, :, n * order + k, :, k] = own[:, :, order] * half[k]
     offset = np.zeros((blocks, count, state_size(n)))
     offset[:, :, :n] = middle
-    offset[:, :, SHARE] = shares.reshape(blocks, -1)[:, places]
+    offset[:, :, SHARE] = shares.reshape(blocks, -1)
     index = (n * columns[:, :, None] + np.arange(n)).reshape(blocks, -1)
     return LinearStates(index, offset, slope.reshape(blocks, count, state_size(n), -1))
 
 
 @dataclass(frozen=True, slots=True)
 class KernelStates:
-    """States that a kernel makes of each block's unknowns (moves)."""
+    """States that a kernel makes of each block's unknowns (moves): S in each of B blocks of m unknowns."""
 
-    index: Indices  # shape (B, m)
+    index: Indices  # the unknowns on which each block depends, none twice in a block, shape (B, m)
     kernel: Kernel  # m unknowns -> S states of d numbers, one after the other
     size: int  # d
 
@@ -203,3 +173,6 @@ class KernelStates:
     def curvature(self, unknowns: Array, weights: Array) -> Array:
         """Second derivative of the weighted sum of the states, shape (B, m, m)."""
         return self.kernel.curvature(unknowns[self.index], weights.reshape(len(self.index), -1))
+
+
+States = LinearStates | KernelStates

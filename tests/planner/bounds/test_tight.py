@@ -14,9 +14,10 @@ from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from planner.bounds.certificate import TightDerivative, first_tight_cells
+from planner.bounds.design import Design
 from planner.bounds.features import box_features, combined, motion_moments
 from planner.bounds.kept import box_bound, compute_bound
-from planner.bounds.tight import TightDesign, climb, tight_design
+from planner.bounds.tight import climb, tight_design
 from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
@@ -42,27 +43,27 @@ def box() -> float:
 
 
 @pytest.fixture(scope="module")
-def found() -> TightDesign:
+def found() -> Design:
     return tight_design(CASE, FEATURES, 0.05, time.process_time() + 60, rounds=3)
 
 
-def bound_of(found: TightDesign) -> float:
+def bound_of(found: Design) -> float:
     return found.logdet + 10 * np.log(found.dmax / 10)
 
 
-def test_it_is_proven_and_above_the_best_design_that_was_found(found: TightDesign):
+def test_it_is_proven_and_above_the_best_design_that_was_found(found: Design):
     assert found.certified
     assert found.dmax == found.proven >= 10
     assert found.attained <= bound_of(found)
 
 
-def test_it_is_far_below_the_bound_of_the_box(found: TightDesign, box: float):
+def test_it_is_far_below_the_bound_of_the_box(found: Design, box: float):
     assert bound_of(found) < box - 0.3
 
 
 @given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from(FAMILIES))
 @settings(max_examples=6, derandomize=True, deadline=None)
-def test_no_motion_inside_the_limits_passes_it(seed: int, make, found: TightDesign):
+def test_no_motion_inside_the_limits_passes_it(seed: int, make, found: Design):
     motion = make(seed)
     states = np.hstack([motion.pose, motion.rates, motion.accelerations])
     matrices = FEATURES.matrices((states - FEATURES.middle) / FEATURES.half)
@@ -93,7 +94,7 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
 @given(seed=st.integers(0, 2**32 - 1), name=st.sampled_from(["fourier", "ptp", "spline", "manual"]))
 @settings(max_examples=8, derandomize=True, deadline=None)
 def test_no_random_feasible_motion_of_any_family_passes_either_bound(
-    seed: int, name: str, found: TightDesign, box: float, tmp_path_factory: pytest.TempPathFactory
+    seed: int, name: str, found: Design, box: float, tmp_path_factory: pytest.TempPathFactory
 ):
     """The planner's own classes, drawn to the very edge of the limits: the box bound is passed even less."""
     motion = feasible(name, seed, tmp_path_factory.mktemp("poses"))
@@ -104,7 +105,7 @@ def test_no_random_feasible_motion_of_any_family_passes_either_bound(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", few(MODEL, ALL))
-def test_nor_does_an_optimised_one(model: Model, found: TightDesign):
+def test_nor_does_an_optimised_one(model: Model, found: Design):
     """Thirty iterations towards the bounds leave them out of reach."""
     number = 0 if model is MODEL else 9
     family = FourierFamily(3, 3.0, 1, *box_middle(CASE))
