@@ -12,14 +12,13 @@ from identification.motion import Joined
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
-from planner.controlled import usual_dialect
 from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plans import Plan
 from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
-from planner.runs.written import write
+from planner.runs.written import usual_dialect, write
 from postprocessors.dialects import Program, dialect
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo

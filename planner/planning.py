@@ -15,8 +15,7 @@ from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model
 from identification.motion import Trajectory
-from planner.controlled import Controlled
-from planner.families import Family
+from planner.families import Controlled, Family
 from planner.families.saved import shipped_start
 from planner.families.settings import Spline
 from planner.found import Found, rated

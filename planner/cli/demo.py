@@ -25,13 +25,13 @@ def demo(
     from planner.cli.identification import answer_of_result
     from planner.cli.plan import answer_of_plan
     from planner.cli.programs import answer_of_program, answer_of_proof, answer_of_run
-    from planner.controlled import usual_dialect
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
     from planner.reports.demo import demo_page, truth_cells
     from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
+    from planner.runs.written import usual_dialect
     from postprocessors.dialects import Program
     from postprocessors.dialects import dialect as dialect_named
 

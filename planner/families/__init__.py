@@ -4,18 +4,25 @@ Families whose coordinates are linear in their unknowns (Fourier series, B-splin
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.limit import LimitKind, LimitReport, Status
+from identification.limit_proof import PROOF_RATE
 from identification.motion import Trajectory
 from planner.search.rows import LinearRows, Rows
 from planner.search.states import Peak, States, linear_states
+from postprocessors.dialects import dialect
+from postprocessors.proving.guarantees import limits_jerk
+from postprocessors.reading import Reading
 
 Array = NDArray[np.float64]
+
+CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 
 
 @dataclass(frozen=True)
@@ -100,6 +107,45 @@ class Family(Protocol):
     def refined(self, unknowns: Array) -> Self:
         """The family with choices made that were open: the first result is improved in it."""
         ...
+
+
+class Controlled(NamedTuple):
+    """A case as a controller executes point-to-point moves."""
+
+    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
+    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
+    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
+
+    def reported(self, report: LimitReport) -> LimitReport:
+        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
+        if not self.step_time:
+            return report
+        share = 1.0 / (PROOF_RATE * self.step_time)
+        return LimitReport(
+            tuple(
+                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
+                if c.kind.family is LimitKind.JERK
+                else c
+                for c in report.checks
+            )
+        )
+
+
+def controlled(case: Case, controller: str | None) -> Controlled:
+    """The case as a controller executes point-to-point moves.
+
+    Args:
+        controller: a name of `CONTROLLERS`; None for none.
+
+    Raises:
+        CaseError: the case has no limits, or no settings of this controller.
+    """
+    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
+        return Controlled(case, controller)
+    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
+    if limits_jerk(guarantees.law):
+        return Controlled(case, controller)
+    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
 
 
 def box_middle(case: Case) -> tuple[Array, Array]:

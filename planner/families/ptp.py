@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
@@ -32,6 +33,25 @@ GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time e
 START_WIDTH = 0.9  # waypoints of random starts lie within this share of the box
 BISECTIONS = 30
 TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
+
+
+MOVES_A_SECOND = 10.0 / 3.0  # at most where jerk is limited
+
+
+def moves_in(box: Box, duration: float) -> float:
+    """How many moves a duration has room for.
+
+    A good move just reaches its limit of velocity, or crosses the box before that: where accelerations step in all
+    coordinates; where jerk is limited in the quickest, and in 0.3 s at least.
+
+    Args:
+        box: limits that count, see `Controlled`.
+    """
+    width = box.pose[1] - box.pose[0]
+    each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))
+    if box.limits_jerk:
+        return duration * min(MOVES_A_SECOND, 1.0 / float(np.min(each)))
+    return duration / float(np.max(each))
 
 
 def unit_profile(jerk_time: float, hold_time: float, cruise_time: float) -> Profile:

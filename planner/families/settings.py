@@ -11,8 +11,7 @@ from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
-from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in
-from planner.families import Family, box_middle, ptp, spline
+from planner.families import CONTROLLERS, Controlled, Family, box_middle, controlled, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 
@@ -260,7 +259,7 @@ class PointToPoint(FamilySettings):
         """
         if self.moves is not None:
             return self.moves
-        fitting = moves_in(case.need_motion("planning")[1], duration)
+        fitting = ptp.moves_in(case.need_motion("planning")[1], duration)
         return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:

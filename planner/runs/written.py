@@ -1,23 +1,28 @@
 """From a plan to a program that is proven, or the reason why not."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from cases.basis import motion_hash
 from cases.errors import CaseError, HexciteError, ProgramError
+from cases.scaffold import readiness
 from cases.schema import Case
-from identification.motion import Joined
-from planner.controlled import fits_law, usual_dialect
+from identification.motion import Joined, Trajectory
+from identification.trajectories.moves import has_steps
+from planner.families import controlled
 from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan
 from planner.request import Request
-from postprocessors.dialects import Dialect, Program, dialect_of_file, read_program
+from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file, read_program
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program
 
+USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can
+USUAL_OF_PATHS = ("setpoints", "ros2")
 LONGER = 1.001  # times its duration, from which a program that takes longer than its plan says so
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
@@ -82,6 +87,44 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
         return dialect_of_file(str(file))
     path = isinstance(plan.request, Request) and not isinstance(plan.request.family, PointToPoint)
     return dialect_named(usual_dialect(plan.case, plan.worth.settings, path))
+
+
+def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: bool = False) -> str:
+    """The language of the controller that a plan was made for, else the first that the case has what it takes for.
+
+    Args:
+        path: whether the motion is one path, of which controllers of a chain know tables of points alone.
+    """
+    made_for = (settings or {}).get("made_for")
+    if made_for in DIALECTS:
+        return str(made_for)
+    ready = {command for command, missing in readiness(case).items() if not missing}
+    names = USUAL_OF_PATHS if path and case.chain is not None else USUAL
+    return next((name for name in names if f"post --dialect {name}" in ready), "linuxcnc")
+
+
+def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:
+    """What to know about moves that the controller of a dialect times by another law than they were planned with.
+
+    Raises:
+        HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.
+        CaseError: the case has no settings of this controller.
+    """
+    steps = bool(controlled(case, dialect_name).step_time)
+    if has_steps(motion) and not steps:
+        raise HexciteError(
+            f"{plan}: was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
+            f"keep the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
+            f"hexcite retime {plan} -o NEW"
+        )
+    if steps and not has_steps(motion):
+        return (
+            f"planned with limited jerk; {dialect_name} does not limit it and makes trapezoids of the moves: a plan "
+            f"made with --for {dialect_name} carries more information there",
+        )
+    if made_for not in (None, "", "virtual", dialect_name):
+        return (f"made for {made_for}; {dialect_name} times moves by the same law",)
+    return ()
 
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)

@@ -9,7 +9,7 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
 from identification.trajectories.moves import StraightMove
-from planner.controlled import controlled
+from planner.families import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
 from planner.search.inside import MARGIN, keep_limits
