@@ -1,8 +1,10 @@
 """Plans an excitation from start to proof."""
 
+import json
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from threading import Event
 from time import perf_counter
@@ -13,10 +15,10 @@ from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
+from identification.machines import machine_of
 from identification.model import identification_model
-from identification.motion import Trajectory
+from identification.motion import Array, Trajectory
 from planner.families import Controlled, Family
-from planner.families.saved import shipped_start
 from planner.families.settings import Spline
 from planner.found import Found, rated
 from planner.interruption import Interrupted, first_ctrl_c_calls
@@ -28,8 +30,28 @@ from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner,
 from planner.search.solving import Failed, Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
+SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # of several orders and periods, the best get more starts
 ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time
+
+
+def shipped_start(family: Family, case: Case) -> Array | None:
+    """Unknowns of a family from which a search begins, limits of the machine apart; None where nothing fits it.
+
+    Good motions of different machines are alike: in half widths of their boxes (Fourier series, splines), in longest
+    steps (point-to-point). A search that begins from one ends higher than from random starts, and sooner; random starts
+    follow. `tests/bench/shipped_starts.py` has searched for them on the built-in hexapod.
+    """
+    if not machine_of(case).of_pose or family.shipped not in _shipped():
+        return None
+    return family.like(_shipped()[family.shipped])
+
+
+@cache
+def _shipped() -> dict[str, Array]:
+    """Names of families -> their tables, shape (n, columns)."""
+    tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
+    return {name: np.array(tables[name]["table"]) for name in tables}
 
 
 def _of_families(results: Sequence[Start | Failed], request: Request) -> tuple[list[Start], list[Start]]:

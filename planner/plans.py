@@ -17,7 +17,6 @@ from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
 from identification.parameters import physical_form
-from planner.families.saved import motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 from planner.worth import PoseWorth, Worth, bound_by
@@ -152,6 +151,8 @@ class Plan:
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
+        from planner.plan_folder import motion_entries
+
         request = self.request
         if isinstance(request, Request):
             first, last = self.motion.at([0.0, self.duration]).pose

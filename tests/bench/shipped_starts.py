@@ -22,8 +22,8 @@ from cases.files import write_text
 from cases.loading import load_case
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
-from planner.families.saved import FILE
 from planner.families.settings import family_class
+from planner.planning import SHIPPED
 from planner.search.solving import Start, Step, Task, run_start
 
 DIGITS = 5
@@ -41,7 +41,7 @@ def search(name: str, seconds: float) -> None:
     (family,) = family_class(name.partition(",")[0])().families(case, 12.0)
     draw, until, k = np.random.default_rng(), time.monotonic() + seconds, 0
     while time.monotonic() < until:
-        tables = json.loads(FILE.read_text(encoding="utf-8"))
+        tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
         best, near = tables[name]["d_efficiency"], family.like(np.array(tables[name]["table"]))
         assert near is not None
         begin = near + STEPS[k % len(STEPS)] * near.std() * draw.normal(size=near.shape)
@@ -57,9 +57,9 @@ def search(name: str, seconds: float) -> None:
             print(f"{name}, {k}: {efficiency:.4f}", flush=True)
             if efficiency > best:
                 table = found.family.table(found.unknowns).round(DIGITS).tolist()
-                tables = json.loads(FILE.read_text(encoding="utf-8"))
+                tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
                 tables[name] = {"d_efficiency": round(efficiency, 4), "table": table}
-                write_text(FILE, json.dumps(tables) + "\n")
+                write_text(SHIPPED, json.dumps(tables) + "\n")
         k += 1
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.families.fourier import DENSITY, FourierFamily, resting_basis
-from planner.families.saved import motion_entries, motion_of_entries
+from planner.plan_folder import motion_entries, motion_of_entries
 from tests.helpers import HOME, taylor_slope
 
 HALF = np.array([0.25, 0.25, 0.1, 0.35, 0.35, 0.35])

@@ -14,9 +14,9 @@ from identification.model import identification_model
 from planner.bounds.kept import box_bound
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
-from planner.families.saved import FILE, shipped_start
 from planner.families.settings import family_class
 from planner.noise import mean_information
+from planner.planning import SHIPPED, shipped_start
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.problem import build_problem
 from planner.search.solving import CLOSE
@@ -57,7 +57,7 @@ def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name
     assert start is not None
     scaling = reference_scaling(case, model)
     logdet = np.linalg.slogdet(mean_information(model, scaling, family.motion(start)))[1]
-    stated = json.loads(FILE.read_text())[name]["d_efficiency"]
+    stated = json.loads(SHIPPED.read_text())[name]["d_efficiency"]
     assert box_bound(case, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
     assert prove(family.motion(start), case).worst_ratio < 1.0
     assert build_problem(case, model, family, scaling, 0.0).worst(start) <= CLOSE  # rows may hold a bound of a limit
