@@ -123,27 +123,11 @@ CLIMBS = (0.15, 0.03)  # shares of a half width
 ROUNDS = 40
 
 
-class _Box:
-    """Regressors of states that are given as shares of the half widths of the box."""
-
-    def __init__(self, case: Case, model: Model, scaling: Array) -> None:
-        home, box = case.need_motion("the information limit")
-        self.count, self.model, self.scaling = len(home), model, scaling
-        none = np.zeros(2 * self.count)
-        self.middle = np.concatenate([home + box.pose.mean(axis=0), none])
-        self.half = np.concatenate([np.ptp(box.pose, axis=0) / 2, box.rate, box.acceleration])
-
-    def matrices(self, shares: Array) -> Array:
-        """A in reference scaling, shape (n, 6, u)."""
-        states = np.split(self.middle + self.half * shares, 3, axis=1)
-        return over_samples(self.model.coordinate_regressor, *states)[0].reshape(len(shares), 6, -1) * self.scaling
-
-    def drawn(self, draw: np.random.Generator, count: int) -> Array:
-        """Random states, most of them on corners, edges and middles."""
-        n = self.count
-        shares = draw.choice(LEVELS, (count, 3 * n))
-        shares[:, 2 * n :] = draw.choice([-1.0, 1.0], (count, n))
-        return shares
+def _drawn(draw: np.random.Generator, count: int, n: int) -> Array:
+    """Random states of n coordinates, most of them on corners, edges and middles, as shares of the half widths."""
+    shares = draw.choice(LEVELS, (count, 3 * n))
+    shares[:, 2 * n :] = draw.choice([-1.0, 1.0], (count, n))
+    return shares
 
 
 def searched_design(
@@ -160,19 +144,27 @@ def searched_design(
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].
     """
-    box, draw = _Box(case, model, scaling), np.random.default_rng(SEED)
-    size = len(scaling)
-    states = box.drawn(draw, FIRST_SEARCHED)
+    home, box = case.need_motion("the information limit")
+    middle = np.concatenate([home + box.pose.mean(axis=0), np.zeros(2 * len(home))])
+    half = np.concatenate([np.ptp(box.pose, axis=0) / 2, box.rate, box.acceleration])
+
+    def matrices_of(shares: Array) -> Array:
+        """A in reference scaling of states as shares of the half widths, shape (n, 6, u)."""
+        states = np.split(middle + half * shares, 3, axis=1)
+        return over_samples(model.coordinate_regressor, *states)[0].reshape(len(shares), 6, -1) * scaling
+
+    draw, size = np.random.default_rng(SEED), len(scaling)
+    states = _drawn(draw, FIRST_SEARCHED, len(home))
     weights = np.full(len(states), 1.0 / len(states))
     for number in range(ROUNDS):
-        matrices = box.matrices(states)
+        matrices = matrices_of(states)
         products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(states), -1)
         weights = improved_weights(products, weights, size, gap / 3)
         support = weights > NEGLIGIBLE
         states, weights = states[support], weights[support] / weights[support].sum()
         information = (weights @ products[support]).reshape(size, size)
         logdet = float(np.linalg.slogdet(information)[1])
-        climbed, values = _climbed(box, np.linalg.inv(information), states, draw)
+        climbed, values = _climbed(matrices_of, np.linalg.inv(information), states, draw)
         dmax = float(values.max())
         progress(f"log det {logdet:.4f}, about {size * np.log(max(dmax / size, 1.0)):.4f} more; {len(states)} states")
         fresh = climbed[values > size * (1.0 + gap / 2)]
@@ -184,14 +176,17 @@ def searched_design(
     return Design(states, weights, logdet, logdet, max(float(size), dmax), np.inf, False)
 
 
-def _climbed(box: _Box, inverse: Array, starts: Array, draw: np.random.Generator) -> tuple[Array, Array]:
+def _climbed(
+    matrices_of: Callable[[Array], Array], inverse: Array, starts: Array, draw: np.random.Generator
+) -> tuple[Array, Array]:
     """Distinct local maxima of d = trace(A F^-1 A^T) and their values, from random and known states."""
+    n = starts.shape[1] // 3
     root = np.linalg.cholesky((inverse + inverse.T) / 2)
 
     def value(shares: Array) -> Array:
-        return np.asarray(np.square(box.matrices(shares) @ root).sum(axis=(1, 2)))
+        return np.asarray(np.square(matrices_of(shares) @ root).sum(axis=(1, 2)))
 
-    random = box.drawn(draw, RANDOM)
+    random = _drawn(draw, RANDOM, n)
     states = np.vstack([random[np.argsort(-value(random))[:CLIMBERS]], starts])
     values = value(states)
 
@@ -203,8 +198,8 @@ def _climbed(box: _Box, inverse: Array, starts: Array, draw: np.random.Generator
         states[better], values[better] = trial[better], new[better]
 
     for sweep in range(SWEEPS):
-        for k in draw.permutation(3 * box.count):
-            accelerates = k >= 2 * box.count
+        for k in draw.permutation(3 * n):
+            accelerates = k >= 2 * n
             for level in (-1.0, 1.0) if accelerates else LEVELS if sweep == 0 else ():
                 attempt(k, level)
             for step in () if accelerates else CLIMBS:

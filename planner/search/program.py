@@ -4,7 +4,7 @@ The criterion couples all unknowns, so that its second derivative is full; yet i
 (`planner.search.objective`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from identification.model import Model
 from planner.search.objective import FieldByStates, InformationOfStates, Local, criterion_at, weighted_square
-from planner.search.rows import Blocks, Rows, StateRows, curvature_at_states, pulled_back
+from planner.search.rows import Rows, StateRows, curvature_at_states, pulled_back
 from planner.search.states import SHARE, Kernel, States, state_size
 
 if TYPE_CHECKING:
@@ -68,10 +68,6 @@ class NonlinearProgram:
     def size(self) -> int:
         """Number of parameters u."""
         return self.regressor.size // 6
-
-    def with_rows(self, *rows: Rows) -> "NonlinearProgram":
-        """The same with other rows."""
-        return replace(self, rows=rows)
 
     @cached_property
     def row_bounds(self) -> tuple[Array, Array]:
@@ -169,7 +165,7 @@ class NonlinearProgram:
         total = np.zeros((size, size))
         blocks = self._curvatures_of_rows(unknowns, multipliers)
         if factor != 0.0 and (curvature := self._bent(unknowns, factor, total)) is not None:
-            blocks.append(curvature)
+            blocks.append((self.states.index, curvature))
         for index, matrices in blocks:
             if len(places := self._places(index)):
                 rows, columns = np.triu_indices(index.shape[1])
@@ -180,8 +176,8 @@ class NonlinearProgram:
                 total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
         return np.concatenate([total[np.triu_indices(size)], beyond])
 
-    def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[Blocks]:
-        """Second derivatives of the rows; those of limits at the same states are pulled back together."""
+    def _curvatures_of_rows(self, unknowns: Array, multipliers: Array) -> list[tuple[Indices, Array]]:
+        """Second derivatives of the rows by blocks of unknowns; limits at the same states are pulled back together."""
         first = 0
         at_states: dict[int, list[tuple[StateRows, Array]]] = {}
         for part in self.rows:
@@ -189,10 +185,13 @@ class NonlinearProgram:
             first += len(own)
             if isinstance(part, StateRows):
                 at_states.setdefault(id(part.states), []).append((part, own))
-        return [curvature_at_states(unknowns, parts) for parts in at_states.values()]
+        return [(parts[0][0].states.index, curvature_at_states(unknowns, parts)) for parts in at_states.values()]
 
-    def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
-        """Second derivative of the criterion: adds the part through F to total, returns that along the states."""
+    def _bent(self, unknowns: Array, factor: float, total: Array) -> Array | None:
+        """Second derivative of the criterion: adds the part through F to total, returns that along the states' blocks.
+
+        Shape (B, m, m); None where that part is left out.
+        """
         point, size = self._point(unknowns), self.size
         local = criterion_at(self.letter, point.information, self.halvings)
         self._add_through(unknowns, factor, local, point, total)
@@ -202,7 +201,7 @@ class NonlinearProgram:
             return None
         if self.convex:
             return None
-        index, slopes = self.states.index, self.states.slopes(unknowns)
+        slopes = self.states.slopes(unknowns)
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
         projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
@@ -215,7 +214,7 @@ class NonlinearProgram:
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
         shape = slopes.shape[:3]
         matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape))
-        return Blocks(index, factor * matrices)
+        return factor * matrices
 
     def _add_through(
         self, unknowns: Array, factor: float, local: Local, point: InformationOfStates, total: Array

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
-
-class Blocks(NamedTuple):
-    """Symmetric matrices that add up to one over all unknowns."""
-
-    unknowns: Indices  # unknowns of each, shape (B, m)
-    matrices: Array  # shape (B, m, m)
 
 
 @dataclass(frozen=True)
@@ -140,8 +133,8 @@ class StateRows:
 Rows = LinearRows | StateRows
 
 
-def curvature_at_states(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Blocks:
-    """Second derivative of weighted limits of the same states, block by block.
+def curvature_at_states(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Array:
+    """Second derivative of weighted limits of the same states by the unknowns of their blocks, shape (B, m, m).
 
     Args:
         parts: limits with the multipliers of their rows.
@@ -151,7 +144,7 @@ def curvature_at_states(unknowns: Array, parts: Sequence[tuple[StateRows, Array]
     own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
     for part, multipliers in parts:
         part.add_curvature(at, multipliers, own, pull)
-    return Blocks(states.index, pulled_back(states, unknowns, states.slopes(unknowns), own, pull))
+    return pulled_back(states, unknowns, states.slopes(unknowns), own, pull)
 
 
 def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull: Array) -> Array:

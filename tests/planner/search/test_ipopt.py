@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from planner.search.ipopt import INSIDE, Reached, solve
 from planner.search.program import NonlinearProgram
-from planner.search.rows import Blocks, LinearRows
+from planner.search.rows import LinearRows
 from tests.helpers import few
 from tests.planner.search.conftest import Small
 
@@ -29,9 +29,6 @@ class Disc:
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         return 2 * x[:2]
-
-    def curvature(self, x: np.ndarray, multipliers: np.ndarray) -> Blocks:
-        return Blocks(np.arange(2)[None], 2 * multipliers[0] * np.eye(2)[None])
 
 
 class Valley(NonlinearProgram):

@@ -140,7 +140,7 @@ def build_problem_without(problem: Problem) -> Problem:
             some = part.chosen & (np.arange(part.chosen.size).reshape(part.chosen.shape) % 3 == 0)
             part = replace(part, chosen=some)
         rows.append(part)
-    return replace(problem, program=problem.program.with_rows(*rows))
+    return replace(problem, program=replace(problem.program, rows=tuple(rows)))
 
 
 def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
