@@ -83,14 +83,14 @@ def study(
         "rows": len(table),
         "seconds": seconds,
         "overhead": seconds * threads / busy if busy else None,
-        "best": {letter: group.settings | {"score": group.best} for letter, group in best.items()},
+        "best": {letter: {**group.settings, "score": group.best} for letter, group in best.items()},
         "report": str(report),
     }
     print_answer(answer, json, lambda: _show(answer, best, case))
 
 
 def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
-    from planner.study import command_of
+    from planner.study.summary import command_of
 
     rows = [
         [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]

@@ -9,15 +9,14 @@ import math
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypedDict, TypeVar, cast
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from cases.basis import KEPT, Artefact, study_hash
+from cases.basis import KEPT, Artefact
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
 from cases.parts import Part, Positive
-from cases.schema import Case, fingerprint
 from planner.families.settings import family_class
 from planner.request import Request
 
@@ -54,6 +53,21 @@ class Grid(Part):
     knots: Values[Whole | None] = (None,)
     payload: Values[Whole] = (0,)
     seed: Values[Whole] = (0,)
+
+
+class CellSettings(TypedDict, total=False):
+    """One value of each setting of a `Grid`; what is left to the machine, or means nothing to the family, is absent."""
+
+    family: str
+    criterion: str
+    model: int
+    duration_s: float
+    order: int
+    period_s: float
+    moves: int
+    knots: int
+    payload: int
+    seed: int
 
 
 class ExecutionSpec(Part):
@@ -123,7 +137,7 @@ def load_spec(name: str) -> Spec:
         raise FileProblem(path, f"{key}: {problem}") from error
 
 
-def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
+def settings_of(spec: Spec) -> Iterator[CellSettings]:
     """The settings of every cell, each once, in the order of the grid.
 
     Raises:
@@ -144,36 +158,19 @@ def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
         text = json.dumps(settings, sort_keys=True)
         if text not in texts:
             texts.add(text)
-            yield settings
+            yield cast(CellSettings, settings)
 
 
-def request_of(settings: dict[str, Any]) -> Request:
+def request_of(settings: CellSettings) -> Request:
     """What a cell plans, from one start.
 
     Raises:
         HexciteError: settings that cannot be planned.
     """
-    ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
+    ours: dict[str, Any] = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
     own = {name: ours.pop(name) for name in ("order", "period", "moves", "knots") if name in ours}
     return Request(kind(**own), starts=1, **ours)
-
-
-def cell_key(settings: dict[str, Any], execute: ExecutionSpec | None, case: Case, version: str) -> str:
-    """What a cell's rows are known by: 16 hexadecimal digits of settings, execution, version and case.
-
-    Of the case only what it uses counts; the settings of the controller where it runs the plans.
-    """
-    executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
-    content = [settings, executed, study_hash(case), version]
-    return fingerprint(content)
-
-
-def command_of(settings: dict[str, Any], case: str) -> str:
-    """The command line that plans a cell anew, from eight starts."""
-    options = {"duration_s": "duration", "period_s": "period"}
-    words = [f"--{options.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
-    return " ".join(["hexcite plan", case, *words])
 
 
 SETTINGS = tuple(Grid.model_fields)

@@ -10,12 +10,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.basis import KEPT, study_basis
+from cases.basis import KEPT, study_basis, study_hash
 from cases.errors import HexciteError
-from cases.schema import Case
+from cases.schema import Case, fingerprint
 from identification.model import full_model
 from planner.request import Request
-from planner.study import DONE, FAILED, PLANNED, Spec, cell_key, keep, open_study, read_rows, request_of, settings_of
+from planner.study import (
+    DONE,
+    FAILED,
+    PLANNED,
+    CellSettings,
+    ExecutionSpec,
+    Spec,
+    keep,
+    open_study,
+    read_rows,
+    request_of,
+    settings_of,
+)
 from planner.study.cluster import TaskEnd, run_tasks
 
 if TYPE_CHECKING:
@@ -110,15 +122,25 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     return rows
 
 
-def cells_of(spec: Spec, case: Case) -> dict[str, dict[str, Any]]:
+def cell_key(settings: CellSettings, execute: ExecutionSpec | None, case: Case, version: str) -> str:
+    """What a cell's rows are known by: 16 hexadecimal digits of settings, execution, version and case.
+
+    Of the case only what it uses counts; the settings of the controller where it runs the plans.
+    """
+    executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
+    content = [settings, executed, study_hash(case), version]
+    return fingerprint(content)
+
+
+def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
     """Settings of every cell of a study, by the key of its rows.
 
     Raises:
         HexciteError: a combination cannot be planned, or there are too many.
     """
-    ours, cells = version("hexcite"), {}
+    ours, cells = version("hexcite"), dict[str, CellSettings]()
     for choice in settings_of(spec):
-        settings = {"model": full_model(case)} | choice
+        settings = CellSettings(model=full_model(case)) | choice
         request_of(settings)
         cells[cell_key(settings, spec.execute, case, ours)] = settings
     return cells
@@ -178,8 +200,8 @@ def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Call
     return len(open_cells)
 
 
-def _rows(settings: dict[str, Any], end: TaskEnd, case: Case) -> list[dict[str, Any]]:
-    shared = settings | {"cell": end.key, "case_hash": case.hash, "version": version("hexcite")}
+def _rows(settings: CellSettings, end: TaskEnd, case: Case) -> list[dict[str, Any]]:
+    shared: dict[str, Any] = {**settings, "cell": end.key, "case_hash": case.hash, "version": version("hexcite")}
     if end.reason is not None:
         return [shared | {"noise_seed": PLANNED, "status": FAILED, "reason": end.reason, "seconds": end.seconds}]
     return [shared | row for row in end.value]

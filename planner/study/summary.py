@@ -2,12 +2,12 @@
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, Tiles
-from planner.study import DONE, FAILED, PLANNED, SETTINGS, command_of
+from planner.study import DONE, FAILED, PLANNED, SETTINGS, CellSettings
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -20,7 +20,7 @@ GROUPED = tuple(name for name in SETTINGS if name != "seed")
 class SettingsGroup:
     """Cells that differ in their seed only."""
 
-    settings: dict[str, Any]  # settings that they share
+    settings: CellSettings  # settings that they share
     cells: int  # how many
     done: int  # number of these that are done
     converged: float  # share of those done whose solver said so
@@ -41,12 +41,16 @@ def groups(table: "pa.Table") -> list[SettingsGroup]:
         members.setdefault(key, []).append(row)
     ordered = sorted(members, key=lambda key: [(value is not None, value) for value in key])
     return [
-        _group({n: v for n, v in zip(GROUPED, key, strict=True) if v is not None}, members[key], columns)
+        _group(
+            cast(CellSettings, {n: v for n, v in zip(GROUPED, key, strict=True) if v is not None}),
+            members[key],
+            columns,
+        )
         for key in ordered
     ]
 
 
-def _group(settings: dict[str, Any], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
+def _group(settings: CellSettings, rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
     plans = [r for r in rows if columns["noise_seed"][r] == PLANNED]
     planned = [r for r in plans if columns["status"][r] == DONE]
     identified = [r for r in rows if columns["noise_seed"][r] != PLANNED and columns["status"][r] == DONE]
@@ -70,6 +74,13 @@ def _group(settings: dict[str, Any], rows: list[int], columns: dict[str, list[An
         intervals=intervals,
         inside=inside / intervals if intervals else float("nan"),
     )
+
+
+def command_of(settings: CellSettings, case: str) -> str:
+    """The command line that plans a cell anew, from eight starts."""
+    options = {"duration_s": "duration", "period_s": "period"}
+    words = [f"--{options.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
+    return " ".join(["hexcite plan", case, *words])
 
 
 def best_groups(found: list[SettingsGroup]) -> dict[str, SettingsGroup]:
@@ -167,7 +178,7 @@ def _boxes(settings_groups: list[SettingsGroup]) -> tuple[Item, ...]:
         varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in members}) > 1]
         figure = Chart(y=f"criterion {letter}")
         for g in members:
-            name = ", ".join(f"{n} {g.settings[n]}" for n in varied if n in g.settings) or "all"
+            name = ", ".join(f"{n} {g.settings.get(n)}" for n in varied if n in g.settings) or "all"
             figure.add("box", y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers")
         figure.update_layout(showlegend=False)
         plots.append(Plot(f"spread-{letter}", figure, note=f"{len(members)} best settings for {letter}, a box each."))

@@ -10,8 +10,9 @@ from cases.loading import load_case
 from cases.schema import Case
 from planner.families.settings import FAMILIES
 from planner.request import Request
-from planner.study import ExecutionSpec, Grid, Spec, cell_key, command_of, load_spec, request_of, settings_of
-from planner.study.study_run import cells_of
+from planner.study import ExecutionSpec, Grid, Spec, load_spec, request_of, settings_of
+from planner.study.study_run import cell_key, cells_of
+from planner.study.summary import command_of
 from tests.helpers import one_line
 
 HEAD = 'schema_version = 1\nname = "mine"\n'
