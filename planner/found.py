@@ -19,7 +19,8 @@ from planner.noise import ExpectedNoise, expected_noise, mean_information, witho
 from planner.plans import Plan
 from planner.precision import solver_text
 from planner.request import Request, parse_targets
-from planner.search.solving import DRAWN_BACK, Failed, Start
+from planner.search import Failed
+from planner.search.solving import DRAWN_BACK, Start
 from planner.vibration import BothLaws, both_laws
 from planner.worth import BINDING, Rival, Search, Worth, bound_by, figures_of, predicted_std_of, worst_std
 

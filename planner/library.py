@@ -18,9 +18,10 @@ from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
 from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
+from planner.search import Failed
 from planner.search.inside import require_plannable
 from planner.search.parallel import SILENT, WORTHWHILE, Listener, gain
-from planner.search.solving import Failed, Start
+from planner.search.solving import Start
 
 Told = Callable[[str], None]
 """Shows a line about how far a search has come."""

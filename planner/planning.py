@@ -25,9 +25,10 @@ from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import without_pose_errors
 from planner.plans import Plan
 from planner.request import LONGEST, Request
+from planner.search import Failed
 from planner.search.inside import keep_limits, remedy, require_plannable
 from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner, run_here, workers
-from planner.search.solving import Failed, Start, Step, Task
+from planner.search.solving import Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"

@@ -29,7 +29,7 @@ from planner.noise import (
     seen_through,
 )
 from planner.poses.pose_criteria import total_information
-from planner.search.solving import Failed, Tried
+from planner.search import Failed, Tried
 
 
 @dataclass(frozen=True, slots=True)

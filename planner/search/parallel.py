@@ -23,7 +23,8 @@ from threadpoolctl import threadpool_limits
 
 from planner.interruption import ctrl_c_waits, first_ctrl_c_calls
 from planner.request import Request
-from planner.search.solving import Failed, Start, Task, run_safely
+from planner.search import Failed
+from planner.search.solving import Start, Task, run_safely
 
 MOST = 40  # starts, by default; with `--seconds` there is no such end
 FAILURES = 3  # in a row from the first on

@@ -20,6 +20,7 @@ from identification.model import identification_model
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
+from planner.search import Failed, Tried
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.inside import MARGIN, Inside, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
@@ -41,21 +42,6 @@ SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the o
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
-    """One start of a search, as a plan keeps it."""
-
-    seed: int  # of the random start
-    refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
-    start_logdet: float | None  # log det F where it began, reference scaling; None where F was singular
-    logdet: float  # log det F of the motion within the limits, W as identification will have it
-    criterion_value: float  # of the same motion, by the criterion asked for, to be maximised
-    solver: str  # the solver's last status
-    converged: bool  # whether its last stage converged
-    iterations: int  # of the solver, all stages
-    seconds: float  # time spent
-
-
-@dataclass(frozen=True, slots=True)
 class Start:
     """What became of one start."""
 
@@ -65,14 +51,6 @@ class Start:
     shrunk: float  # share to which the motion was drawn towards the middle of the box at last
     begin: Array  # where a refinement goes on: the motion before that
     promise: float  # the criterion there, by which it is chosen for a refinement
-
-
-@dataclass(frozen=True, slots=True)
-class Failed:
-    """A start that led nowhere."""
-
-    seed: int  # of the random start
-    reason: str  # why, in one line
 
 
 class Step(Enum):

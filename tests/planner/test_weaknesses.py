@@ -12,7 +12,8 @@ from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.found import FULL, RIVALS, Found, weaknesses
-from planner.search.solving import DRAWN_BACK, Start, Tried
+from planner.search import Tried
+from planner.search.solving import DRAWN_BACK, Start
 
 SIZE = 20
 

@@ -12,8 +12,9 @@ from planner.cli.plan import BELONGS, OPTIONS, refuse_foreign
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import Request
+from planner.search import Tried
 from planner.search.parallel import SILENT, Listener, Outcome, Patience
-from planner.search.solving import Start, Step, Task, Tried
+from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line
 
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
+from planner.search import Failed, Tried
 from planner.search.parallel import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
-from planner.search.solving import Failed, Start, Tried
+from planner.search.solving import Start
 
 SIZE = 20
 FAMILY = FourierFamily(2, 3.0, 1, np.zeros(6), np.ones(6))
