@@ -138,22 +138,24 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         ),
     }
     nlp = Passed("nlp", [x, nothing], both, values)
-    callback = _Told(n, bounds, watch)
+    told = _Told(n, bounds, watch)
+    sizes = {"f": 1, "x": n, "lam_x": n, "g": count, "lam_g": count}
+    iterates = [(ca.nlpsol_out(k), sizes.get(ca.nlpsol_out(k), 0)) for k in range(ca.nlpsol_n_out())]
     settings = {
         **functions,
         **_QUIET,
-        "iteration_callback": callback,
+        "iteration_callback": Passed("watch", iterates, [("stop", number)], told),
         "ipopt": _IPOPT | options | {"max_iter": iterations},
     }
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
     stats, last = solver.stats(), answer["x"].full()[:own, 0]
     iterations = int(stats["iter_count"])
-    if callback.settled:
-        return Reached(callback.best_unknowns[:own], SETTLED, True, iterations)
+    if told.settled:
+        return Reached(told.best_unknowns[:own], SETTLED, True, iterations)
     status = str(stats["return_status"]).replace("_", " ").lower()
-    better = callback.best < float(answer["f"]) or not stats["success"]
-    inside = callback.best_unknowns[:own] if np.isfinite(callback.best) and better else last
+    better = told.best < float(answer["f"]) or not stats["success"]
+    inside = told.best_unknowns[:own] if np.isfinite(told.best) and better else last
     return Reached(inside, status, bool(stats["success"]), iterations)
 
 
@@ -174,43 +176,22 @@ _IPOPT = {
 }
 
 
-class _Told(ca.Callback):  # type: ignore[misc]
-    """CasADi's iteration callback: remembers the best iterate inside the bounds, and stops where no more is gained.
+class _Told:
+    """Is told each iterate: remembers the best inside the bounds, and stops where no more is gained.
 
     An exception in it would be swallowed by IPOPT.
     """
 
     def __init__(self, size: int, bounds: tuple[Array, Array], watch: Watch) -> None:
-        super().__init__()
-        self.size, self.bounds, self.watch = size, bounds, watch
+        self.bounds, self.watch = bounds, watch
         self.best, self.best_unknowns, self.settled = np.inf, np.zeros(size), False
         self.latest: list[float] = []
-        self.construct("watch", {})
 
-    def get_n_in(self) -> int:
-        return int(ca.nlpsol_n_out())
-
-    def get_n_out(self) -> int:
-        return 1
-
-    def get_name_in(self, k: int) -> str:
-        return str(ca.nlpsol_out(k))
-
-    def get_name_out(self, k: int) -> str:
-        return "stop"
-
-    def get_sparsity_in(self, k: int) -> Any:
-        name = ca.nlpsol_out(k)
-        count = len(self.bounds[0])
-        rows = {"f": 1, "x": self.size, "lam_x": self.size, "g": count, "lam_g": count}.get(name, 0)
-        return ca.Sparsity.dense(rows, 1 if rows else 0)
-
-    def eval(self, arguments: list[Any]) -> list[float]:
-        unknowns, value, rows = (arguments[k].full()[:, 0] for k in range(3))
+    def __call__(self, unknowns: Array, value: Array, rows: Array, *_: Array) -> tuple[Array]:
         lower, upper = self.bounds
         outside = max(float((lower - rows).max(initial=0.0)), float((rows - upper).max(initial=0.0)))
         if outside < INSIDE and value[0] < self.best:
-            self.best, self.best_unknowns = float(value[0]), unknowns
+            self.best, self.best_unknowns = float(value[0]), unknowns.copy()
         self.latest = [*self.latest[-PATIENCE:], float(value[0]) if outside < INSIDE else np.inf]
         self.settled = len(self.latest) > PATIENCE and max(self.latest) < min(self.latest) + GAIN
-        return [float(self.watch(float(value[0])) or self.settled)]
+        return (np.array([float(self.watch(float(value[0])) or self.settled)]),)
