@@ -5,6 +5,7 @@ change it. A motion is planned for the weights that its identification will use,
 predicted for these weights and this noise, whether the weights are right for it or not.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -183,6 +184,22 @@ def of_estimate(information: Array, scatter: Array) -> Array:
     """S = F M^-1 F, the inverse of the covariance of an estimate by F whose score scatters by M, shape (u, u)."""
     answer = information @ np.linalg.solve(scatter, information)
     return np.asarray((answer + answer.T) / 2.0)
+
+
+def counted_information(
+    information: Callable[[Array | None], Array], noise: ExpectedNoise, by_pose: Array | None
+) -> Array:
+    """The information of an estimate by the weights of a noise: S where these are not right for it, shape (u, u).
+
+    Args:
+        information: root R of weights, shape (6, 6), None for 1 -> mean of H A^T R^T R A H.
+        by_pose: what errors of the pose add to the scatter of the score, shape (u, u); None for nothing.
+    """
+    weighted = information(noise.whitening)
+    scattered = None if noise.scatter is None else information(noise.scatter)
+    if by_pose is not None:
+        scattered = (weighted if scattered is None else scattered) + by_pose
+    return weighted if scattered is None else of_estimate(weighted, scattered)
 
 
 def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:

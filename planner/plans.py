@@ -200,8 +200,7 @@ class Plan:
         if isinstance(worth, PoseWorth):
             lines.append(f"D-efficiency {worth.efficiency:.3f} of the best design over {worth.candidates} candidates")
         else:
-            kind = "certified" if worth.bound.certified else "an estimate"
-            lines.append(f"D-efficiency {worth.d_efficiency:.3f} against the box bound ({kind})")
+            lines.append(f"D-efficiency {worth.d_efficiency:.3f} against the box bound ({worth.bound.label})")
             lines += [f"weak: {weakness}" for weakness in worth.weaknesses]
         by_unit: dict[str, list[str]] = {}
         for name, std, unit in self._deviations():

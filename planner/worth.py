@@ -22,10 +22,10 @@ from planner.bounds.kept import Bound
 from planner.noise import (
     ExpectedNoise,
     PoseErrors,
+    counted_information,
     expected_noise,
     information_of,
     mean_information,
-    of_estimate,
     seen_through,
 )
 from planner.poses.pose_criteria import total_information
@@ -200,16 +200,13 @@ def predicted_std_of(
     Raises:
         CaseError: the case has no nominal body.
     """
-    information = mean_information(seen_through(model, noise.whitening), scaling, motion)
-    scattered = None
-    if noise.scatter is not None:
-        scattered = mean_information(seen_through(model, noise.scatter), scaling, motion)
     errors = PoseErrors.of(case, noise)
+    by_pose = None
     if errors is not None:
-        scattered = information if scattered is None else scattered
-        scattered = scattered + errors.scatter_of(seen_through(model, noise.whitening), scaling, motion)
-    if scattered is not None:
-        information = of_estimate(information, scattered)
+        by_pose = errors.scatter_of(seen_through(model, noise.whitening), scaling, motion)
+    information = counted_information(
+        lambda root: mean_information(seen_through(model, root), scaling, motion), noise, by_pose
+    )
     return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload)
 
 

@@ -67,10 +67,6 @@ class Bound:
         """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
         return float(np.exp((logdet - self.logdet) / self.parameters))
 
-    def to_json(self) -> dict[str, Any]:
-        """What a plan says of its bound."""
-        return asdict(self)
-
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Bound":
         """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged."""
@@ -79,8 +75,8 @@ class Bound:
 
     @property
     def label(self) -> str:
-        """`certified` or `estimate`."""
-        return "certified" if self.certified else "estimate"
+        """What kind of a bound it is, for people."""
+        return "certified" if self.certified else "an estimate"
 
 
 def box_bound(
@@ -209,18 +205,10 @@ def _kept(file: Path, bound: Bound) -> Bound:
 def _read(file: Path, size: int) -> Bound:
     """A bound from the cache; raises where it is not one of this model."""
     data = read_json(file, "hexcite bound")
-    bound = Bound(
-        float(data["logdet"]),
-        float(data["dmax"]),
-        int(data["parameters"]),
-        str(data["method"]),
-        bool(data["certified"]),
-        float(data["design_logdet"]),
-        None if data["proven_logdet"] is None else float(data["proven_logdet"]),
-    )
+    bound = Bound(**data)
     proven = [] if bound.proven_logdet is None else [bound.proven_logdet]
     numbers = [bound.logdet, bound.dmax, bound.design_logdet, *proven]
-    fits = set(data) == set(asdict(bound)) and data["certified"] is bound.certified and bound.parameters == size
+    fits = isinstance(bound.method, str) and isinstance(bound.certified, bool) and bound.parameters == size
     if not (fits and np.isfinite(numbers).all() and bound.dmax > 0.0):
         raise ValueError(f"{file}: holds no bound of {size} parameters")
     return bound

@@ -168,6 +168,7 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     """Prints a plan for people."""
     from identification.limit import Status
 
+    worth = plan.of_motion[1]
     for weakness in answer["weaknesses"]:
         print(f"WEAK: {weakness}")
     for failed in answer["failed_starts"]:
@@ -204,16 +205,14 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     elif answer["d_efficiency_tight"] is None:
         command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
         print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
-    else:
-        kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
-        value = answer["d_efficiency_tight"]
+    elif worth.bound_tight is not None:
+        value, kind = answer["d_efficiency_tight"], worth.bound_tight.label
         print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"
     )
-    kind = "certified" if answer["bound"]["certified"] else "an estimate"
-    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
+    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({worth.bound.label})")
 
 
 def _mounted(answer: dict[str, Any]) -> str:

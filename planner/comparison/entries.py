@@ -24,7 +24,7 @@ from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
-from planner.noise import PoseErrors, expected_noise, mean_information, of_estimate
+from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
@@ -178,15 +178,12 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     seconds = samples / case.recording.rate_Hz
     if recording.t is None and recorded.t is not None and recorded.trigger is not None:
         seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
-    weighted = _seen(matrices, noise.whitening, scaling)
-    scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
-    errors = PoseErrors.of(case, noise)
+    errors, by_pose = PoseErrors.of(case, noise), None
     if errors is not None and struts is not None:
         rows = matrices if noise.whitening is None else noise.whitening @ matrices
-        scattered = weighted if scattered is None else scattered
-        scattered = scattered + errors.scatter(rows * scaling, struts, seconds)
+        by_pose = errors.scatter(rows * scaling, struts, seconds)
     units = _units(model)
-    weighted = weighted if scattered is None else of_estimate(weighted, scattered)
+    weighted = counted_information(lambda root: _seen(matrices, root, scaling), noise, by_pose)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors)
     recordings = frozenset(map(sha256_of, files_of([path])))
     machine, plan = _machine(about), about.get("plan_hash")

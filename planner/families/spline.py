@@ -174,8 +174,17 @@ class SplineFamily(LinearFamily):
         """The motion of unknowns of shape (q n,), row by row."""
         basis = self._basis()
         coefficients = basis.c @ (unknowns.reshape(self.unknowns, -1) * self.half) + self.middle
-        spline, step = _spline(basis.t, coefficients), self.duration / self.intervals
-        # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
-        places = [self._at((0.5 if order == DEGREE else 0.0,)) for order in range(DEGREE + 1)]
-        taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
-        return PolynomialMotion(tuple(Piece(taylor[:, k, :].copy(), step) for k in range(self.intervals)))
+        return in_pieces(_spline(basis.t, coefficients), self._at((0.0,)), self.duration / self.intervals)
+
+
+def in_pieces(spline: "BSpline", begins: Array, step: float) -> PolynomialMotion:
+    """A cubic spline of coordinates over equal intervals as polynomials.
+
+    Args:
+        begins: of the intervals, shape (k,) [s].
+        step: of these [s].
+    """
+    # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
+    places = [begins] * DEGREE + [begins + step / 2]
+    taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
+    return PolynomialMotion(tuple(Piece(taylor[:, k, :].copy(), step) for k in range(len(begins))))

@@ -110,7 +110,7 @@ def limits_plot(report: LimitReport) -> Plot:
 
 def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
     """Forces as the estimator saw them (lines) and the model's (dotted)."""
-    figure = Chart(y=f"force [{_unit(channels)}]")
+    figure = Chart(y=f"force [{unit_of(channels)}]")
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.seen[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
@@ -124,7 +124,7 @@ def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
 
 def residuals_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
     """What the model leaves of each channel over time; a long run is drawn by its extremes."""
-    figure = Chart(y=f"recorded - model [{_unit(channels)}]")
+    figure = Chart(y=f"recorded - model [{unit_of(channels)}]")
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.left[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
@@ -159,7 +159,7 @@ def spectrum_plot(residuals: "Residuals", channels: Sequence[str], cutoff: float
     if cutoff is not None:
         figure.add_vline(x=cutoff, line={"color": GREY, "dash": "dash", "width": 1})
     figure.update_xaxes(title="frequency [Hz]", type="log")
-    figure.update_yaxes(title=f"residual [{_unit(channels)}/√Hz]", type="log")
+    figure.update_yaxes(title=f"residual [{unit_of(channels)}/√Hz]", type="log")
     note = (
         "Of the forces as recorded."
         if cutoff is None
@@ -175,7 +175,7 @@ def _over_samples(figure: Chart, residuals: "Residuals") -> None:
     figure.update_xaxes(title="standstill" if residuals.step is None else "time [s]")
 
 
-def _unit(channels: Sequence[str]) -> str:
+def unit_of(channels: Sequence[str]) -> str:
     """`fx_N`, `mz_Nm`: the units that the names of the channels end in."""
     return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
 

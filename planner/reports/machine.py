@@ -17,7 +17,7 @@ from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
-from planner.reports.figures import COLOURS, GREY, identifiability_items
+from planner.reports.figures import COLOURS, GREY, identifiability_items, unit_of
 from planner.reports.page import Chart, Item, MachineItem, Note, Plot, Section, Table, plain, thinned
 
 AROUND = 16  # corners of a ring around a tool
@@ -157,7 +157,7 @@ def force_items(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     of = case.sensors.range_N
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
     columns = case.sensor_frame.channels
-    unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
+    unit = f"force [{unit_of(columns)}]"
     words = f"With {payload_words(payload)}, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
     shares = load_shares(motion, case)

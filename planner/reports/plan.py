@@ -102,18 +102,16 @@ def _ends(plan: Plan) -> str:
 
 def _headline(plan: Plan) -> Tiles:
     worth = plan.of_motion[1]
-    kind = "certified" if worth.bound.certified else "an estimate"
     tiles = [
         (f"{plan.motion.duration:.2f} s", "duration, from rest to rest"),
-        (f"{worth.d_efficiency:.3f}", f"D-efficiency against the box bound ({kind})"),
+        (f"{worth.d_efficiency:.3f}", f"D-efficiency against the box bound ({worth.bound.label})"),
         (f"{worth.condition:.3g}", "condition in reference scaling"),
         (f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
     ]
     if worth.d_efficiency_tight is not None and worth.bound_tight is not None:
-        kind = "certified" if worth.bound_tight.certified else "an estimate"
         tight = (
             f"{worth.d_efficiency_tight:.3f}",
-            f"D-efficiency against motions of limited jerk from rest to rest ({kind})",
+            f"D-efficiency against motions of limited jerk from rest to rest ({worth.bound_tight.label})",
         )
         tiles.insert(2, tight)
     return Tiles(tuple(tiles))

@@ -15,7 +15,8 @@ from cases.schema import Case
 from identification.limit import TOLERANCE, LimitKind
 from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Array, TimedPoints, Trajectory
-from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
+from planner.families.spline import in_pieces
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
 from planner.search.inside import MARGIN, remedy
 
@@ -143,7 +144,7 @@ def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
 
     count = max(8, int(np.ceil(motion.duration / step - 1e-9)))
     length = motion.duration / count
-    begins = np.arange(count) * length
+    begins: Array = np.asarray(np.arange(count) * length, dtype=np.float64)
     knots = np.concatenate([np.zeros(3), begins, np.full(4, motion.duration)])
     t = np.linspace(0.0, motion.duration, SAMPLES * count + 1)
     poses = motion.at(t).pose
@@ -152,7 +153,4 @@ def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
     inner, outer = basis[:, 3:-3], basis[:, [0, 1, 2, -3, -2, -1]]
     free = spsolve((inner.T @ inner).tocsc(), inner.T @ (poses - outer @ fixed))
     spline = BSpline(knots, np.concatenate([fixed[:3], free, fixed[3:]]), 3)
-    # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
-    taylor = [spline(begins, nu=order) / (1.0, 1.0, 2.0)[order] for order in range(3)]
-    taylor.append(spline(begins + length / 2, nu=3) / 6.0)
-    return PolynomialMotion(tuple(Piece(np.array([c[k] for c in taylor]), length) for k in range(count)))
+    return in_pieces(spline, begins, length)

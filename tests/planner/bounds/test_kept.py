@@ -162,7 +162,7 @@ def test_more_room_carries_more_information(found: Bound):
 def test_without_time_the_answer_calls_itself_an_estimate_and_says_what_is_proven(found: Bound):
     hasty = compute_bound(CASE, MODEL, time_limit=1e-9)
     assert not hasty.certified
-    assert hasty.label == "estimate"
+    assert hasty.label == "an estimate"
     assert "estimate" in hasty.method
     assert hasty.design_logdet <= hasty.logdet <= hasty.proven_logdet
     assert hasty.proven_logdet >= found.design_logdet  # a looser proof, and still one
