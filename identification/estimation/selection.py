@@ -65,7 +65,7 @@ def select(model: Model, known: Mapping[str, float], dropped: Iterable[str] = ()
 
     Raises:
         IdentificationError: a name that the model does not have, with those that it has; a value that is not finite;
-            a parameter given twice; nothing left to estimate.
+            a parameter given twice; a body without mass; nothing left to estimate.
     """
     form, dropped = [p.name for p in physical_form(model).parameters], tuple(dropped)
     require_names(known, list(dict.fromkeys([*model.names, *form])))
@@ -83,6 +83,8 @@ def select(model: Model, known: Mapping[str, float], dropped: Iterable[str] = ()
     names = tuple(linear for linear, physical in pairs if linear not in constants and physical not in constants)
     if not names:
         raise IdentificationError("all parameters are known; leave at least one to estimate")
+    if "m" in dropped:
+        raise IdentificationError("m cannot be left out: a body without mass has no centre of gravity; choose model 0")
     rows = _rows(pairs, constants, names)
     return Selection(names, rows[:, 0], rows[:, 1:])
 

@@ -41,6 +41,7 @@ LEAST = 60  # forces beyond the unknowns
 INSTANTS = 90  # that are tried of a hexapod, with hundreds of orders
 OF_CHAINS = 300  # that are tried of a chain
 NOTHING = 0.1  # of what the nominal body makes the readings change by; a sensor that shows less is compensated
+DULL = 1e-12  # of the larger of what forces and moments change by, squared: channels that read one value all the time
 TURNS = 0.05  # of a unit vector: how much gravity must turn in the sensor's axes, rms
 RECORD_RAW = "record the raw wrench in the sensor's axes (of Universal Robots ft_raw_wrench)"
 
@@ -119,7 +120,7 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
         return None
     mass = model.names.index("m") if "m" in model.names else None
     weighted, newtons = _left(data, data.regressors)
-    if not negative and weighted < SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
+    if not negative and weighted <= SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
         return None
     candidates = [(_left(data, data.regressors, order, mass), "force", order) for order in orders_of(turned=True)]
     if data.drives is not None and case.chain is None:  # the order of a chain's joints is not looked at
@@ -247,8 +248,8 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
 
 def _weights(forces: Array) -> Array:
     """For newtons beside newton metres: one over what forces and moments change by, squared, shape (6,)."""
-    spread = forces.var(axis=0)
-    return np.asarray(1.0 / np.maximum(np.repeat([spread[:3].mean(), spread[3:].mean()], 3), np.finfo(float).tiny))
+    spread = np.repeat(forces.var(axis=0).reshape(2, 3).mean(axis=1), 3)
+    return np.asarray(1.0 / np.maximum(spread, max(DULL * float(spread.max()), np.finfo(float).tiny)))
 
 
 def _compensated(data: Data, motion: Kinematics, case: Case, model: Model) -> str | None:

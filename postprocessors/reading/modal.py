@@ -140,7 +140,8 @@ class ModalState(ABC):
     def require_number(self, word: Word) -> None:
         """Refuses a coordinate or feed that no machine has."""
         if word.value is None or abs(word.value) > (LARGEST_FEED if word.name == "F" else LARGEST):
-            self.fail(word, f"{word.name.rstrip('=')} needs a plain number of a machine's size; correct it")
+            written = word.name.rstrip("=") + ("" if word.value is None else f"{word.value:g}")
+            self.fail(word, f"{written} is not a plain number of a machine's size; correct it")
 
     def require_alone(self, word: Word, seen: dict[str, Word]) -> None:
         """Refuses other words in the block of one that needs it for itself."""
@@ -150,7 +151,7 @@ class ModalState(ABC):
     def pause(self, word: Word, seconds: float | None, usual: str) -> None:
         """A dwell, which is usually written like that."""
         if seconds is None or not 0.0 <= seconds <= LARGEST:
-            self.fail(word, f"{word.name} needs a duration in seconds that is not negative; write {usual}")
+            self.fail(word, f"{word.name} needs a duration of 0 to {LARGEST:g} s; write {usual}")
         self.events.append(Pause(self.line, seconds))
         self.flowing = False
 

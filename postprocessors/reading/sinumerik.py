@@ -184,7 +184,8 @@ class _SinumerikInterpreter(ModalState):
             name = self.of_pose.transformation
             self.fail(word, f"a move before {name}; without it X, Y, Z are not coordinates of the platform, add it")
         if not self.active("G60", "G64", "G642"):
-            self.fail(word, "a move before G60 or G64; whether the machine stops after it is not known, add one")
+            stops = "G60" if self.own_axes else "G60 or G64"
+            self.fail(word, f"a move before {stops}; whether the machine stops after it is not known, add {stops}")
 
     def _line(self, block: dict[str, Word], first: Word) -> None:
         if not self.active("G0", "G1"):

@@ -102,6 +102,7 @@ REFUSED = {
         "a group that is not that of the move": ("FGROUP(X,Y,Z)", "FGROUP(A,C)", "FGROUP"),
         "a first move that counts lengths alone": ("FGROUP(X,Y,Z,A,C)", "FGROUP(X,Y,Z)", "FGROUP"),
         "a blend": ("G60", "G64", "G64"),
+        "no exact stop": ("G60", "", "add G60"),
         "a time": ("G94", "G93", "G93"),
         "no jerk limit": ("SOFT", "BRISK", "SOFT"),
         "an arc": ("G1 X", "G2 X", "G2"),

@@ -98,6 +98,12 @@ def test_nothing_is_blamed_on_a_sound_run(seed: int) -> None:
     assert other_wiring(run(seed), CASE, MODEL) is None
 
 
+def test_silent_sensors_are_not_blamed_on_their_cables() -> None:
+    whole = run(0)
+    with pytest.raises(IdentificationError, match="channel 1 reads 0 at every sample"):
+        identify(replace(whole, forces=np.zeros_like(whole.forces)), CASE)
+
+
 def test_exchanged_drives_are_mended_where_drives_are_named() -> None:
     """Struts that are computed from drives have no columns of their own."""
     drives = Drives(sign=(1.0,) * 6, offset_mm=(0.0,) * 6, order=(6, 5, 4, 3, 2, 1))
