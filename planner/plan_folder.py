@@ -2,12 +2,11 @@
 
 import hashlib
 from itertools import pairwise
-from operator import index
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from cases.basis import Artefact, plan_basis
 from cases.chain import MOST_JOINTS
@@ -61,10 +60,10 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     if data.get("schema_version", SCHEMA_VERSION) != SCHEMA_VERSION:
         raise FileProblem(file, f"schema_version {data['schema_version']!r}, expected {SCHEMA_VERSION}", "plan again")
     try:
-        for key in ("case_file", "case_hash", "family", "model"):
-            if key not in data:
-                raise KeyError(key)
+        entries = Entries.model_validate(data)
         motion = motion_of_entries(data)
+    except ValidationError as error:
+        raise _damaged(file, error) from error
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     of_poses = data["family"] == PoseRequest.name
@@ -75,18 +74,16 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     count = len(own.need_motion("a plan")[0])
     if motion.at([0.0]).pose.shape[1] != count:
         raise FileProblem(f"{file}: its motion does not have the {count} coordinates of case {own.name}; plan again")
-    payload = data.get("payload", 0)
-    now = plan_basis(own, payload if isinstance(payload, int) else 0, of_poses)
+    now = plan_basis(own, entries.payload, of_poses)
     remarks = artefact.require_unchanged(now, own, stale)
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     try:
-        parameters = len(identification_model(own, index(data["model"])).parameters)
+        parameters = len(identification_model(own, entries.model).parameters)
         request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
         worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
         limits = LimitReport.of_json(data["limits"])
-        predicted = {str(name): float(std) for name, std in data["predicted_std"].items()}
-        noise, rate = float(data["assumed_noise_N"]), float(data.get("assumed_rate_Hz", RATE_OF_0_1))
-        plan = Plan(own, request, motion, limits, predicted, noise, rate, worth, saved)
+        noise, rate = entries.assumed_noise_N, entries.assumed_rate_Hz
+        plan = Plan(own, request, motion, limits, entries.predicted_std, noise, rate, worth, saved)
         if not artefact.changes(now, own.hash):
             _require_own_figures(file, data, plan)
     except FileProblem:
@@ -94,11 +91,30 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     except HexciteError as error:
         raise FileProblem(file, error.typed, "plan again") from error
     except ValidationError as error:
-        place = ".".join(map(str, error.errors()[0]["loc"])).removeprefix("search.")
-        raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
+        raise _damaged(file, error) from error
     except DAMAGED as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     return plan
+
+
+class Entries(BaseModel, strict=True, frozen=True):
+    """Entries that every plan.json has, whatever its motion; what has a value here may be absent."""
+
+    case_file: str
+    case_hash: str
+    family: str
+    model: int
+    criterion: str
+    payload: int = 0  # poses have none
+    payload_from: int = 0
+    predicted_std: dict[str, float]  # [SI]
+    assumed_noise_N: float
+    assumed_rate_Hz: float = RATE_OF_0_1
+
+
+def _damaged(file: Path, error: ValidationError) -> FileProblem:
+    place = ".".join(map(str, error.errors()[0]["loc"])).removeprefix("search.")
+    return FileProblem(file, f"entry {place} is missing or damaged", "plan again")
 
 
 ALIKE = 1e-3  # of figures that are computed anew: another computer rounds otherwise, nobody reads further

@@ -66,8 +66,8 @@ class Worth:
     assumed_noise_of_channels: tuple[float, ...]
     noise_of_accelerations: bool  # whether noise of the accelerations is part of it
     weights: str  # weights of the identification that predictions assume
-    weaknesses: tuple[str, ...] = ()  # why another plan would carry more information
-    notes: tuple[str, ...] = ()  # what the user should know before running it
+    weaknesses: tuple[str, ...]  # why another plan would carry more information
+    notes: tuple[str, ...]  # what the user should know before running it
     # what the time law costs on a machine with a structural mode, as `planner.vibration` tells it
     vibration: Mapping[str, Any] | None = None
 

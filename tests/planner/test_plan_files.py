@@ -55,7 +55,7 @@ def rewrite(folder: Path, *path: str, **value: Any) -> None:
     (folder / "plan.json").write_text(json.dumps(data))
 
 
-@pytest.mark.parametrize("key", ["case_file", "case_hash", "fourier", "family", "model"])
+@pytest.mark.parametrize("key", ["case_file", "case_hash", "fourier", "family", "model", "notes", "weaknesses"])
 def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path):
     rewrite(copy, key)
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
@@ -82,12 +82,20 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
         (("fourier", "centre_m_rad"), [float("nan")] * 6),
         (("limits", "strut length", "bounds"), [0.4]),
         (("model",), 1e999),
+        (("model",), None),
+        (("model",), 6.0),
+        (("payload",), None),
+        (("payload",), "0"),
+        (("payload_from",), "abc"),
+        (("predicted_std", "xC"), None),
+        (("predicted_std", "xC"), "abc"),
     ],
 )
 def test_a_plan_with_a_damaged_entry_is_refused(path: tuple[str, ...], value: Any, copy: Path):
     rewrite(copy, *path, to=value)
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
     assert str(copy / "plan.json") in line
+    assert any(word in line for word in (path[0], "JSON")) or path[0] in ("fourier", "limits")  # which the motion tells
     assert not (copy.parent / "p.ngc").exists()
 
 

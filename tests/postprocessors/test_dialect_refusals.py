@@ -96,7 +96,7 @@ TWINCAT_WRONG: dict[str, tuple[int, str]] = {
     "#WAIT": (1, "not a command of an excitation"),
     "#": (1, "cannot read the command"),
     "G04": (1, "G04 stands in a block of its own"),
-    "G04 -1": (1, "needs a duration in seconds that is not negative"),
+    "G04 -1": (1, "needs a duration of 0 to"),
     "#TIME": (1, "needs a duration"),
     "M100 G01 G60 X1 F1": (1, "stands in a block of its own"),
     "M99": (1, "not the trigger's M function; write M100 and M101"),
