@@ -71,7 +71,7 @@ WRONG: dict[str, tuple[int, str]] = {
     "G1 X1 F10 Q1": (11, "Q without G64"),
     "G4": (1, "G4 needs a duration.*G4 P0.3"),
     "G4 X2": (1, "G4 needs a duration"),
-    "G4 P-1": (1, "G4 needs a duration.*not negative"),
+    "G4 P-1": (1, "G4 needs a duration of 0 to"),
     "M62": (1, "M62 needs P0"),
     "M62 P1": (1, "M62 needs P0"),
     "M65 P-1": (1, "M65 needs P0"),
