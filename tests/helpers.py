@@ -106,3 +106,16 @@ def few(*values: object, kept: int = 1) -> list[object]:
     """Values of a parametrisation of which `make test` takes the first ones and `make bench` the others."""
     others = (v if isinstance(v, tuple) else (v,) for v in values[kept:])
     return [*values[:kept], *(pytest.param(*v, marks=pytest.mark.slow) for v in others)]
+
+
+def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
+    """Shares of the limits of poses that a standstill uses, by kind, shapes (n, limits of the kind).
+
+    Args:
+        poses: coordinates, shape (n, k) [m or rad].
+    """
+    from planner.search.problem import state_limits
+    from planner.search.states import Peak, state_size
+
+    states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])
+    return {g.kind: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.peak is Peak.POSE}

@@ -185,16 +185,6 @@ def near_limits(case: Case) -> tuple[LimitGroup, ...]:
     return tuple(g for g in groups if g.most > NEAR)
 
 
-def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
-    """Shares of the limits of poses that a standstill uses, by kind, shapes (n, limits of the kind).
-
-    Args:
-        poses: coordinates, shape (n, k) [m or rad].
-    """
-    states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])
-    return {g.kind: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.peak is Peak.POSE}
-
-
 def standing_limits(case: Case) -> ca.Function:
     """Coordinates -> shares of the limits that a standstill uses, torques and sensor forces with each load among them.
 

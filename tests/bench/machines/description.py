@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.loading import CASE_FILE
 from cases.schema import Case
-from planner.search.problem import pose_shares
+from tests.helpers import pose_shares
 
 Range = tuple[float, float]
 Six = tuple[float, float, float, float, float, float]

@@ -9,8 +9,8 @@ from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.hexapod import Hexapod as Kinematics
 from planner.search.inside import require_rest
-from planner.search.problem import pose_shares
 from tests.bench.machines.description import Hexapod, Range, case_of, reachable
+from tests.helpers import pose_shares
 
 LARGEST_ANGLES = (40.0, 40.0, 60.0)  # [deg] of a, b and c, however far struts and joints let them go
 WIDEST_JOINT = 85.0  # [deg]

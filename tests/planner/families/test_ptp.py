@@ -13,9 +13,10 @@ from planner.families import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
 from planner.search.inside import MARGIN, keep_limits
-from planner.search.problem import Problem, build_problem, pose_shares
+from planner.search.problem import Problem, build_problem
 from planner.search.rows import StateRows
 from planner.search.solving import Start, Task, run_start
+from tests.helpers import pose_shares
 
 MOVES = 9
 

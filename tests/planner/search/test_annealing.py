@@ -14,9 +14,10 @@ from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
 from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Proposals, Walk, annealed_start
-from planner.search.problem import build_problem, pose_shares
+from planner.search.problem import build_problem
 from tests.bench.machines.description import case_of, reachable
 from tests.bench.machines.designed import DESIGNED
+from tests.helpers import pose_shares
 
 MOVES = 12
 DURATION = 4.0
