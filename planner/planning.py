@@ -88,15 +88,16 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     patience = Patience.of(request, len(identification_model(case, request.model).names))
     rival = _rival(request, case)
     # A single refinement leaves a core free for it.
-    at_once, later = ([], rival) if patience.refined == 1 else (rival, [])
-    results, interrupted = _explored(request, own, case, listener, run, patience.exploring(), at_once)
+    refined = request.family.refinements(request.criterion)
+    at_once, later = ([], rival) if refined == 1 else (rival, [])
+    results, interrupted = _explored(own, case, listener, run, patience.exploring(), at_once)
     explored, _ = _of_families(results, request)
     score = max((s.tried.criterion_value for s in explored if s.tried.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
     rough = [s for s in explored if not s.tried.refined and s.promise > score]
     best = [Task(own.case, request.model, s.family, request.criterion, s.tried.seed, request.payload, Step.REFINE,
                  s.begin)
-            for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
+            for s in sorted(rough, key=lambda s: -s.promise)[:refined]]  # fmt: skip
     if explored and (best or later) and not interrupted:
         second = run([*best, *later], listener, patience)
         results, interrupted = results + second.results, second.interrupted
@@ -149,26 +150,21 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
 
 
 def _explored(
-    request: Request,
-    own: Controlled,
-    case: Case,
-    listener: Listener,
-    run: Runner,
-    patience: Patience,
-    beside: Sequence[Task],
+    own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience, beside: Sequence[Task]
 ) -> Outcome:
     """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
 
     `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
     that follow go to the best of them.
     """
-    families = request.family.families(own.case, request.duration)
+    request = patience.request
+    families, idle = request.family.families(own.case, request.duration), request.family.idle(request.criterion)
     seeds, several = iter(seeds_of(request.seed, patience.most + len(families))), len(families) > 1
 
     def fresh(family: Family) -> Task:
         return Task(own.case, request.model, family, request.criterion, next(seeds), request.payload)
 
-    first = max(len(families), min(1 + patience.idle, patience.most))
+    first = max(len(families), min(1 + idle, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     everything: list[Start | Failed] = []
@@ -191,7 +187,7 @@ def seeds_of(seed: int, starts: int) -> list[int]:
     return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
 
 
-def _made_by_hand(request: Request, motion: Trajectory, file: Path, case: Case) -> Found:
+def _made_by_hand(motion: Trajectory, file: Path, case: Case) -> Found:
     if not motion.duration <= LONGEST:
         raise InfeasiblePlan(f"{file}: takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
     return Found(motion, {"sequence": str(file)}, prove(motion, case))
@@ -210,7 +206,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     require_plannable(request, case)
     start = perf_counter()
     fixed = request.family.motion(case)
-    result = search(request, case, listener, run) if fixed is None else _made_by_hand(request, *fixed, case)
+    result = search(request, case, listener, run) if fixed is None else _made_by_hand(*fixed, case)
     if request.may_be_smooth:
         request, result = _by_errors(replace(request, may_be_smooth=False), case, result, listener, run)
     seconds = perf_counter() - start

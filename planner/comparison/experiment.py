@@ -88,7 +88,7 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         load, budget, scatter = sum(w.mass_kg for w in weights), {}, {}
         if disturbances is not None:
             answer = linear_answer(case, recording, estimate)
-            budget = error_budget(case, answer, recording, parts, estimate, linear)
+            budget = error_budget(answer, recording, parts, estimate, linear)
             scatter = true_deviations(case, answer, estimate, disturbances, load)
         theory = _theory(bare, weights)
         yield MethodStep(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)

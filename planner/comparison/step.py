@@ -81,7 +81,7 @@ def cause_of(parts: Mapping[str, float]) -> str:
 
 
 def error_budget(
-    case: Case, answer: LinearAnswer, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array
+    answer: LinearAnswer, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array
 ) -> dict[str, dict[str, float]]:
     """Takes the error of an estimate, less truth, apart: what adds up to it of each parameter, by cause [SI].
 

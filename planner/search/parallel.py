@@ -37,28 +37,23 @@ ENDLESS = 1000
 class Patience:
     """How long a round of starts goes on."""
 
-    criterion: str  # letter of Table 4
+    request: Request
     parameters: int  # their number u
-    most: int  # starts
     until: float | None  # when to stop, on the monotonic clock [s]; None where time does not count
     exploring_until: float | None  # when to stop exploring
-    counts: bool  # whether the round ends when starts stop paying
-    idle: int  # starts in a row without a gain that end it then
-    refined: int  # how many of the explored motions are refined
 
     @classmethod
     def of(cls, request: Request, parameters: int) -> "Patience":
         """That of a request, from now on."""
-        now = time.monotonic()
-        most = request.starts or (MOST if request.seconds is None else ENDLESS)
-        until = exploring = None
-        refined = request.family.refinements(request.criterion)
-        if request.seconds is not None:
-            share = EXPLORING if refined else 1.0
-            until, exploring = now + request.seconds, now + share * request.seconds
-        counts = request.starts is None and request.seconds is None
-        idle = request.family.idle(request.criterion)
-        return cls(request.criterion, parameters, most, until, exploring, counts, idle, refined)
+        if request.seconds is None:
+            return cls(request, parameters, None, None)
+        now, share = time.monotonic(), EXPLORING if request.family.refinements(request.criterion) else 1.0
+        return cls(request, parameters, now + request.seconds, now + share * request.seconds)
+
+    @property
+    def most(self) -> int:
+        """Starts at most."""
+        return self.request.starts or (MOST if self.request.seconds is None else ENDLESS)
 
     def exploring(self) -> "Patience":
         """For the explorations."""
@@ -74,16 +69,17 @@ class Patience:
         Args:
             results: results of all starts until now, in the order of their seeds.
         """
-        if len(results) >= self.most:
-            return True
-        if not self.counts:
-            return False
-        best, since = -math.inf, 0
+        request, best, since = self.request, -math.inf, 0
+        if len(results) >= self.most or request.starts is not None or request.seconds is not None:
+            return len(results) >= self.most
         for result in results:
             since += 1
-            if isinstance(result, Start) and gain(self.criterion, self.parameters, best, result.promise) >= WORTHWHILE:
+            if (
+                isinstance(result, Start)
+                and gain(request.criterion, self.parameters, best, result.promise) >= WORTHWHILE
+            ):
                 best, since = result.promise, 0
-        return since >= (FAILURES if best == -math.inf else self.idle)
+        return since >= (FAILURES if best == -math.inf else request.family.idle(request.criterion))
 
 
 def gain(criterion: str, parameters: int, old: float, new: float) -> float:

@@ -42,14 +42,7 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
         memory_GB: memory that a worker may take.
     """
     import dask
-    from distributed import Client, LocalCluster, WorkerPlugin
-
-    class WithoutInterrupt(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
-        """Leaves Ctrl-C, which a terminal sends to every process, to the study."""
-
-        def setup(self, worker: Any) -> None:
-            if current_thread() is main_thread():
-                signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from distributed import Client, LocalCluster
 
     settings = {
         "distributed.scheduler.allowed-failures": 1,
@@ -72,8 +65,14 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
                 silence_logs=logging.CRITICAL,
             )
         with cluster, Client(cluster) as client:
-            client.register_plugin(WithoutInterrupt())
+            client.register_worker_callbacks(_without_interrupt)
             yield client
+
+
+def _without_interrupt() -> None:
+    """Leaves Ctrl-C, which a terminal sends to every process, to the study."""
+    if current_thread() is main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextmanager
