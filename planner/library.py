@@ -1,6 +1,5 @@
 """Plans from Python: what notebooks and the command line call."""
 
-import math
 import time
 from collections.abc import Callable
 from typing import TypedDict, Unpack
@@ -20,7 +19,7 @@ from planner.plans import Plan
 from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
 from planner.search.inside import require_plannable
-from planner.search.parallel import SILENT, WORTHWHILE, Listener, gain
+from planner.search.parallel import SILENT, Listener, without_gain
 from planner.search.solving import Start
 
 Told = Callable[[str], None]
@@ -214,45 +213,39 @@ class Progress:
     def begin(self, request: Request) -> None:
         """Another search begins."""
         self.request, self.began = request, time.monotonic()
-        self.best: Start | None = None
-        self.count = self.since = 0
+        self.results: list[Start | Failed] = []
 
-    def done(self, start: Start | Failed) -> None:
+    def done(self, result: Start | Failed) -> None:
         """A start has ended."""
-        if isinstance(start, Start) and start.family.name != self.request.family.name:
-            return
-        self.count, self.since = self.count + 1, self.since + 1
-        if isinstance(start, Start):
-            before = -math.inf if self.best is None else self.best.promise
-            if gain(self.request.criterion, self.size, before, start.promise) >= WORTHWHILE:
-                self.since = 0
-            if self.best is None or start.promise > self.best.promise:
-                self.best = start
-        self.show()
+        if isinstance(result, Failed) or result.family.name == self.request.family.name:
+            self.results.append(result)
+            self.show()
 
     def show(self) -> None:
         """Shows one line: a start is under way, or has ended."""
-        seconds = time.monotonic() - self.began
+        seconds, count = time.monotonic() - self.began, len(self.results)
         other = "" if self.request.family.name == self.asked.family.name else f"{self.request.family.name} instead: "
-        if self.best is None:
+        best = max((r for r in self.results if isinstance(r, Start)), key=lambda s: s.promise, default=None)
+        if best is None:
             self.remark(f"{other}first starts, {seconds:.0f} s")
             return
         if self.bound is not None:
-            text = f"{100 * self.bound.efficiency(self.best.tried.logdet):.1f} % of the limit of information"
+            text = f"{100 * self.bound.efficiency(best.tried.logdet):.1f} % of the limit of information"
         else:
-            text = f"criterion {self.request.criterion} {self.best.tried.criterion_value:.4g}"
-        starts = f"{self.count} start{'s' * (self.count > 1)}"
+            text = f"criterion {self.request.criterion} {best.tried.criterion_value:.4g}"
+        starts = f"{count} start{'s' * (count > 1)}"
         self.remark(f"{other}{text} after {starts}, {seconds:.0f} s, {self._left(seconds)}")
 
     def _left(self, seconds: float) -> str:
         if self.request.seconds is not None:
             return f"{max(0.0, self.request.seconds - seconds):.0f} s left"
         if self.request.starts is not None:
-            rest = self.request.starts - self.count
+            rest = self.request.starts - len(self.results)
         else:
-            rest = self.request.family.idle(self.request.criterion) - self.since
+            criterion = self.request.criterion
+            rest = self.request.family.idle(criterion) - without_gain(self.results, criterion, self.size)
         if rest <= 0:
             return "refining the best"
-        return f"about {seconds / self.count * rest:.0f} s left" + (
+        return f"about {seconds / len(self.results) * rest:.0f} s left" + (
             "" if self.request.starts else " unless more is found"
         )

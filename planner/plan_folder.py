@@ -1,6 +1,8 @@
 """A plan as a folder, and back: its motion as JSON, with SI units in the keys, and the checks of what is read."""
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -59,13 +61,9 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     data = read_json(file, "hexcite plan")
     if data.get("schema_version", SCHEMA_VERSION) != SCHEMA_VERSION:
         raise FileProblem(file, f"schema_version {data['schema_version']!r}, expected {SCHEMA_VERSION}", "plan again")
-    try:
+    with _refusing(file):
         entries = Entries.model_validate(data)
         motion = motion_of_entries(data)
-    except ValidationError as error:
-        raise _damaged(file, error) from error
-    except DAMAGED as error:
-        raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     of_poses = data["family"] == PoseRequest.name
     if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
         raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
@@ -77,7 +75,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     now = plan_basis(own, entries.payload, of_poses)
     remarks = artefact.require_unchanged(now, own, stale)
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
-    try:
+    with _refusing(file):
         parameters = len(identification_model(own, entries.model).parameters)
         request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
         worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
@@ -86,14 +84,6 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         plan = Plan(own, request, motion, limits, entries.predicted_std, noise, rate, worth, saved)
         if not artefact.changes(now, own.hash):
             _require_own_figures(file, data, plan)
-    except FileProblem:
-        raise
-    except HexciteError as error:
-        raise FileProblem(file, error.typed, "plan again") from error
-    except ValidationError as error:
-        raise _damaged(file, error) from error
-    except DAMAGED as error:
-        raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     return plan
 
 
@@ -112,9 +102,20 @@ class Entries(BaseModel, strict=True, frozen=True):
     assumed_rate_Hz: float = RATE_OF_0_1
 
 
-def _damaged(file: Path, error: ValidationError) -> FileProblem:
-    place = ".".join(map(str, error.errors()[0]["loc"])).removeprefix("search.")
-    return FileProblem(file, f"entry {place} is missing or damaged", "plan again")
+@contextmanager
+def _refusing(file: Path) -> Iterator[None]:
+    """Inside, an entry that something fails for is refused by its name."""
+    try:
+        yield
+    except FileProblem:
+        raise
+    except HexciteError as error:
+        raise FileProblem(file, error.typed, "plan again") from error
+    except (ValidationError, *DAMAGED) as error:
+        place: object = error
+        if isinstance(error, ValidationError):
+            place = ".".join(map(str, error.errors()[0]["loc"])).removeprefix("search.")
+        raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
 
 
 ALIKE = 1e-3  # of figures that are computed anew: another computer rounds otherwise, nobody reads further

@@ -69,17 +69,22 @@ class Patience:
         Args:
             results: results of all starts until now, in the order of their seeds.
         """
-        request, best, since = self.request, -math.inf, 0
+        request = self.request
         if len(results) >= self.most or request.starts is not None or request.seconds is not None:
             return len(results) >= self.most
-        for result in results:
-            since += 1
-            if (
-                isinstance(result, Start)
-                and gain(request.criterion, self.parameters, best, result.promise) >= WORTHWHILE
-            ):
-                best, since = result.promise, 0
-        return since >= (FAILURES if best == -math.inf else request.family.idle(request.criterion))
+        idle = without_gain(results, request.criterion, self.parameters)
+        failed = all(isinstance(result, Failed) for result in results)
+        return idle >= (FAILURES if failed else request.family.idle(request.criterion))
+
+
+def without_gain(results: Sequence[Start | Failed], criterion: str, parameters: int) -> int:
+    """How many of the last starts did not raise the best by `WORTHWHILE`; small gains add up."""
+    best, since = -math.inf, 0
+    for result in results:
+        since += 1
+        if isinstance(result, Start) and gain(criterion, parameters, best, result.promise) >= WORTHWHILE:
+            best, since = result.promise, 0
+    return since
 
 
 def gain(criterion: str, parameters: int, old: float, new: float) -> float:
