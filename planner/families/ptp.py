@@ -206,9 +206,7 @@ class PointToPointFamily:
             critical=states(CRITICAL_POINTS),
             peaks={peak: np.tile(where, (count, 1)) for peak, where in _PEAKS.items()},
             rows=(
-                LinearRows(
-                    csr_array(total[None, :]), np.zeros(1, dtype=int), np.ones(1, dtype=bool), np.ones(1), equal=1.0
-                ),
+                LinearRows.equation(csr_array(total[None, :]), 1.0),
                 StateRows(_plain_states(index), kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),
             ),
             lower=np.r_[-edge, lower.ravel()],

@@ -135,19 +135,11 @@ class Walk:
         self.moves, self.count, self.draw = moves, len(points) - 1, draw
         self.ways = moves.steps + SLACK
         self.points = points
-        self.rows = self._rows(points[:-1], points[1:])
-        self.passed = self._excess(points[:-1], points[1:])[:, 0]
+        self.rows = _in_blocks(moves.rows, points[:-1], points[1:])  # R of each move, shape (n, 12, u)
+        self.passed = _in_blocks(moves.excess, points[:-1], points[1:])[:, 0]
         self.batch = FEWEST
         self._take()
         self.best, self.best_points = self.value, self.points
-
-    def _rows(self, starts: Array, ends: Array) -> Array:
-        """R of each move, shape (n, 12, u)."""
-        return _in_blocks(self.moves.rows, starts, ends)
-
-    def _excess(self, starts: Array, ends: Array) -> Array:
-        """Excess over limits of rates and accelerations, and share of those of poses, shape (n, 2)."""
-        return _in_blocks(self.moves.excess, starts, ends)
 
     def _take(self) -> None:
         """What follows from the present moves."""
@@ -177,7 +169,7 @@ class Walk:
         origin = np.where(present, proposed.source[:, :-1], 0)
         number, place = np.nonzero(~present & proposed.valid[:, None])
         starts, ends = proposed.points[number, place], proposed.points[number, place + 1]
-        rows = self._rows(starts, ends)
+        rows = _in_blocks(self.moves.rows, starts, ends)
         size = self.moves.size
         traces = ((rows.reshape(-1, size) @ self.root) ** 2).reshape(len(rows), rows.shape[1] * size).sum(axis=1)
         gains = np.bincount(number, traces, count) + np.where(present, self.traces[origin], 0.0).sum(axis=1)
@@ -185,7 +177,7 @@ class Walk:
         bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * remainder
         for k in np.flatnonzero(proposed.valid & (bound >= chances)):
             own = number == k
-            excess = self._excess(starts[own], ends[own])
+            excess = _in_blocks(self.moves.excess, starts[own], ends[own])
             if excess[:, 1].max(initial=0.0) > POSE_REACHED:
                 continue
             all_rows = np.empty_like(self.rows)
