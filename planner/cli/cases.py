@@ -5,18 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import (
-    LIMIT_COLUMNS,
-    Json,
-    Overwrite,
-    argument,
-    limit_rows,
-    option,
-    out,
-    print_json,
-    print_table,
-    status,
-)
+from planner.cli import console
+from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
     from planner.motion_box import MotionBox
@@ -25,7 +15,7 @@ if TYPE_CHECKING:
 app = typer.Typer(help="Work with the description of a machine.", no_args_is_help=True, rich_markup_mode=None)
 
 
-def list_cases(json: Json = False) -> None:
+def list_cases(json: console.Json = False) -> None:
     """List the built-in cases."""
     from cases.loading import built_in_cases, load_case
 
@@ -35,9 +25,9 @@ def list_cases(json: Json = False) -> None:
         for c in [load_case(name)]
     ]
     if json:
-        print_json({"cases": rows})
+        console.print_json({"cases": rows})
     else:
-        print_table(
+        console.print_table(
             "Built-in cases",
             ("case", "setup", "what it is"),
             [[r["name"], r["setup"], r["title"]] for r in rows],
@@ -53,7 +43,7 @@ def list_cases(json: Json = False) -> None:
 def check(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     propose: Annotated[bool, option("Find the largest reachable motion box.", "--propose")] = False,
-    json: Json = False,
+    json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     from cases.errors import CaseError
@@ -78,7 +68,7 @@ def check(
         raise
     loaded = load_case(case)
     requirements, remarks = readiness(loaded), leftovers(loaded)
-    with status("searching the largest reachable box", json or not propose):
+    with console.status("searching the largest reachable box", json or not propose):
         try:
             proposal = largest_box(loaded) if propose else None
         except CaseError as error:
@@ -88,7 +78,7 @@ def check(
         parts = {"reach": reach, "proposal": proposal}
         ready = {command: list(missing) for command, missing in requirements.items()}
         answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
-        print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
+        console.print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
         return
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
@@ -98,10 +88,10 @@ def check(
         # what plans avoid by themselves: nothing is wrong with a case whose corners are out of reach
         worst = LimitReport.of_json(figures["limits_in_box"]).checks
         words = {"EXCEEDED": "not everywhere"}
-        rows = [[*row[:-1], words.get(row[-1], "everywhere")] for row in limit_rows(worst)]
-        print_table(
+        rows = [[*row[:-1], words.get(row[-1], "everywhere")] for row in console.limit_rows(worst)]
+        console.print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box",
-            (*LIMIT_COLUMNS[:-1], "satisfied"),
+            (*console.LIMIT_COLUMNS[:-1], "satisfied"),
             rows,
         )
     print(f"ready for: {'; '.join(c for c, missing in requirements.items() if not missing) or 'no command'}")
@@ -133,7 +123,7 @@ def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
     from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
 
     if reach.share < 1.0:
-        print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
+        console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
     print(share_sentences(reach))
     if advise and not reach.whole:
         print(f"Plans keep these limits too. `hexcite case check {case} --propose` finds the largest reachable box.")
@@ -157,8 +147,8 @@ def _print_proposal(box: "MotionBox") -> None:
 def show(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     output: Annotated[Path | None, out("Picture to write: .svg, .png or .pdf; SVG by default.")] = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Draw the machine at home, with the reach of its coordinates."""
     from cases.files import atomic_file, check_file, output_place
@@ -168,7 +158,7 @@ def show(
     loaded.need_motion("the picture of the machine")
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
-    with status("drawing", json):
+    with console.status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
         from planner.reports.plots import case_figure, chain_figure
@@ -178,7 +168,7 @@ def show(
         with atomic_file(file) as part:
             figure.savefig(part, format=file.suffix[1:].lower())
     if json:
-        print_json({"ok": True, "figure": str(file)})
+        console.print_json({"ok": True, "figure": str(file)})
     else:
         print(share_sentences(reach))
         print(f"picture written: {file}")
@@ -191,7 +181,7 @@ def new(
     urdf: Annotated[Path | None, option("Robot to begin from: a URDF file.", "--urdf")] = None,
     flange: Annotated[str | None, option("Link of the URDF that carries the sensor.", "--flange")] = None,
     output: Annotated[Path | None, out("Folder to make; NAME by default.")] = None,
-    json: Json = False,
+    json: console.Json = False,
 ) -> None:
     """Begin the description of one's own machine.
 
@@ -206,7 +196,7 @@ def new(
     folder = output if output is not None else Path(name)
     file = new_case(name, like or "hexapod", folder) if urdf is None else new_arm(name, urdf, flange, folder)
     if json:
-        print_json({"ok": True, "case": str(file)})
+        console.print_json({"ok": True, "case": str(file)})
         return
     print(f"case written: {file}")
     if urdf is not None:

@@ -3,19 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from planner.cli.console import (
-    Criterion,
-    Json,
-    Overwrite,
-    argument,
-    option,
-    out,
-    print_answer,
-    print_table,
-    progress,
-    save_with_page,
-    status,
-)
+from planner.cli import console
+from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -23,7 +12,7 @@ if TYPE_CHECKING:
 
 def poses(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
-    criterion: Criterion = "D",
+    criterion: console.Criterion = "D",
     count: Annotated[int | None, option("Poses; by default 30.")] = None,
     at: Annotated[Path | None, option("CSV of poses of one's own: what they are worth beside chosen ones.")] = None,
     method: Annotated[str, option("backward (Algorithm 1), backward-change, refine, or all.")] = "refine",
@@ -36,8 +25,8 @@ def poses(
         float | None, option("Scatter of an averaged force in N; by default that of the sensors' noise.")
     ] = None,
     output: Annotated[Path | None, out("Folder to write; named after the case by default.")] = None,
-    overwrite: Overwrite = False,
-    json: Json = False,
+    overwrite: console.Overwrite = False,
+    json: console.Json = False,
 ) -> None:
     """Choose the most informative poses to stand still at.
 
@@ -59,13 +48,13 @@ def poses(
     check_folder(folder, PLAN, [find_case(case)], overwrite)
     grid = loaded.poses if isinstance(loaded.poses, Poses) else None
     steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
-    with progress("choosing poses", steps, json) as report:
+    with console.progress("choosing poses", steps, json) as report:
         plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses", 1), own)
-    with status("writing", json):
-        save_with_page(plan, PLAN, folder, overwrite)
+    with console.status("writing", json):
+        console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    print_answer(answer, json, lambda: _show(answer, plan))
+    console.print_answer(answer, json, lambda: _show(answer, plan))
 
 
 def _show(answer: dict[str, Any], plan: "Plan") -> None:
@@ -73,7 +62,7 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
 
     print(f"{METHODS[PoseMethod(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
     title = f"Predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N)"
-    print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
+    console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
     print(
         f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"

@@ -1,6 +1,7 @@
 """What every family of excitations offers to the optimiser: unknowns -> motion, with CasADi's exact derivatives.
 
-Families whose coordinates are linear in their unknowns (Fourier series, B-splines) are a `LinearFamily`.
+Families whose coordinates are linear in their unknowns (Fourier series, B-splines) are a `LinearFamily`. `controlled`
+says which limits count for the controller that moves are planned for.
 """
 
 from collections.abc import Callable, Mapping
