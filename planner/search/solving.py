@@ -86,7 +86,7 @@ class _Stage(NamedTuple):
 
     letter: str  # letter of the criterion
     halvings: int  # see `planner.search.objective`
-    convex: bool  # see `planner.search.program.Program`
+    convex: bool  # see `planner.search.program.NonlinearProgram`
     iterations: int  # at most
     options: dict[str, object]  # options of the solver
 
