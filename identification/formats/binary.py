@@ -21,8 +21,9 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
-from identification.formats.delimited import select, unknown_columns
 from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
+from identification.formats.text import select
+from identification.formats.text_errors import unknown_columns
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from cases.errors import RecordingError
-from identification.formats.table import unreadable
-from identification.formats.text import SIZE, TextFormat, is_number, read_head
+from identification.formats.table import TextFormat, is_number, unreadable
+from identification.formats.text import SIZE, read_head
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SAMPLE = 200  # lines that tell the fields

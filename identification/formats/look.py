@@ -25,7 +25,7 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
-from identification.formats.checks import switched
+from identification.formats.assembly import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches

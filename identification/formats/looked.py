@@ -10,6 +10,7 @@ import numpy as np
 from cases.recording_format import CLOCK, DRIVES, STRUTS, TICKS, TRIGGER, WRENCH, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
+from identification.formats.assembly import switched
 from identification.formats.binary import (
     AXES,
     KINDS,
@@ -21,7 +22,6 @@ from identification.formats.binary import (
     topics_of,
     wrench_rows,
 )
-from identification.formats.checks import switched
 from identification.formats.layout import TextLayout
 from identification.formats.naming import matched
 from identification.formats.table import Array, Stamps, listed, lost_samples, shown

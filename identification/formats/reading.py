@@ -15,21 +15,20 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import binary, delimited, scope
-from identification.formats.assembly import start_of, stream_of
-from identification.formats.checks import require_stamps
-from identification.formats.delimited import without
+from identification.formats import binary, text, traces
+from identification.formats.assembly import require_clock, start_of, stream_of
 from identification.formats.table import ColumnTable, require_file, unreadable
+from identification.formats.text_errors import without
 from identification.recording import Recording, Rows, Stream
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
 
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[ColumnTable]]] = {
-    "csv": delimited.tables,
-    "halsampler": delimited.halsampler_tables,
-    "twincat-scope": scope.tables,
-    "sinumerik-trace": delimited.tables,
+    "csv": text.tables,
+    "halsampler": traces.halsampler_tables,
+    "twincat-scope": traces.scope_tables,
+    "sinumerik-trace": text.tables,
 }
 
 
@@ -123,7 +122,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         cells = sum(table.rows * len(table.values) for table, _ in tables)
         tables += [(table, form) for table in read_tables(file, form, cells)]
     for table, form in tables:
-        require_stamps(table, form)  # before the first of them is taken for the run's beginning
+        require_clock(table, form)  # before the first of them is taken for the run's beginning
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
     origin = min(starts, default=Fraction(0))
     streams = [stream_of(table, case, form, origin) for table, form in tables]

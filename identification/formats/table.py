@@ -1,5 +1,10 @@
-"""What a reader makes of a file: columns of numbers that share their rows, and where in the file each row stands."""
+"""What readers share: how text writes numbers, and columns that share their rows, with the place of each in its file.
 
+Clocks are here too: where samples were lost, and what the step between the others is.
+"""
+
+import csv
+import re
 import stat
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
@@ -44,6 +49,56 @@ class Lines:
                 break
             line += 1
         return f"{self.word} {line}"
+
+
+_NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)
+
+
+@dataclass(frozen=True, slots=True)
+class TextFormat:
+    """How a text file writes its numbers."""
+
+    delimiter: str  # delimiter between the fields of a line
+    decimal: str = "."  # sign, point or comma
+    missing: tuple[str, ...] = ()  # fields that stand for no value; without them an empty field is an error
+    encoding: str = "utf-8"  # encoding of the text
+
+    def split(self, line: str) -> list[str]:
+        """The fields of a line."""
+        try:
+            return next(csv.reader([line], delimiter=self.delimiter), [])
+        except csv.Error:
+            return line.split(self.delimiter)
+
+    def is_number(self, text: str) -> bool:
+        """Whether a field can be read."""
+        if text in self.missing:
+            return True
+        if self.decimal == ",":
+            return "." not in text and is_number(text.replace(",", ".", 1))
+        return is_number(text)
+
+
+def is_number(text: str) -> bool:
+    """Whether text is a number with a decimal point."""
+    return _NUMBER.fullmatch(text) is not None
+
+
+@dataclass(frozen=True, slots=True)
+class TextBlock:
+    """Whole lines of a file."""
+
+    first_line: int  # number of the first of them, counted from 1
+    data: bytes  # the lines; only the very last of the file may lack its line break
+
+
+def lines_of(block: TextBlock, rows: int) -> Lines:
+    """Where the rows of a block stand: pyarrow leaves blank lines out."""
+    count = block.data.count(b"\n") + (not block.data.endswith(b"\n"))
+    if count == rows:
+        return Lines(block.first_line)
+    blank = [k for k, line in enumerate(block.data.split(b"\n")[:count]) if not line.rstrip(b"\r")]
+    return Lines(block.first_line, tuple(block.first_line + k for k in blank))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,19 +1,33 @@
-"""A text file in blocks of whole lines, so that memory does not grow with its length, and these as columns of numbers.
+"""Tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
 
-pyarrow reads the numbers; what it cannot read is told by one message with line, column, value and remedy.
+The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. A file is read
+in blocks of whole lines, so that memory does not grow with its length; pyarrow reads the numbers, and what it cannot
+read is reported by one message with line, column, value and remedy.
+
+SINUMERIK traces exported as text are read so too, with every property that differs between exports stated by the case.
+No export of our own was at hand and no manual that describes the file was found. What public programs that read such
+files show (searched November 2026): SINUMERIK Operate saves a trace session as XML (`traceSession/traceData/dataFrame`
+with `dataSignal` and `rec`, three programs agree), which is not read here: export it as text. One group of programs
+reads CSV with commas and points, one line of names, a first column `time` in seconds and names such as
+`+/Nck/!SD/nckServoDataActPos1stEnc32 [u1; 1]`; another reads files whose names stand above the numbers, one line a
+signal, so that there are more header lines than signals. Delimiter, decimal sign, header rows and the clock's unit
+therefore have no default here; header rows, times in ms from the first sample and trailing rows are read as the case
+says, and `column_names` names the columns where the header has no single line of names. Unverified: whether any export
+repeats the time for each signal, or leaves fields empty where signals have different cycles; empty fields are
+refused with their line.
 """
 
-import csv
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from identification.formats.table import Lines, require_file, shown, unreadable
+from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
+from identification.formats.table import ColumnTable, TextBlock, TextFormat, lines_of, require_file, shown, unreadable
+from identification.formats.text_errors import explain, not_text, require_known
 
 SIZE = 1 << 22  # bytes read at a time
 # What is kept back for the end of the file, so that its trailing rows are never handed out: a hundred long lines.
@@ -26,48 +40,6 @@ _NOT_TEXT = {
     b"PK\x03\x04": "a ZIP archive or a workbook of a spreadsheet; unpack it, or save it as CSV",
     b"\x1f\x8b": "compressed; unpack it",
 }
-
-
-_NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)
-_DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
-
-
-@dataclass(frozen=True, slots=True)
-class TextFormat:
-    """How a text file writes its numbers."""
-
-    delimiter: str  # delimiter between the fields of a line
-    decimal: str = "."  # sign, point or comma
-    missing: tuple[str, ...] = ()  # fields that stand for no value; without them an empty field is an error
-    encoding: str = "utf-8"  # encoding of the text
-
-    def split(self, line: str) -> list[str]:
-        """The fields of a line."""
-        try:
-            return next(csv.reader([line], delimiter=self.delimiter), [])
-        except csv.Error:
-            return line.split(self.delimiter)
-
-    def is_number(self, text: str) -> bool:
-        """Whether a field can be read."""
-        if text in self.missing:
-            return True
-        if self.decimal == ",":
-            return "." not in text and is_number(text.replace(",", ".", 1))
-        return is_number(text)
-
-
-def is_number(text: str) -> bool:
-    """Whether text is a number with a decimal point."""
-    return _NUMBER.fullmatch(text) is not None
-
-
-@dataclass(frozen=True, slots=True)
-class TextBlock:
-    """Whole lines of a file."""
-
-    first_line: int  # number of the first of them, counted from 1
-    data: bytes  # the lines; only the very last of the file may lack its line break
 
 
 def read_head(file: Path) -> list[bytes]:
@@ -196,74 +168,122 @@ def parse(
     return columns
 
 
-def lines_of(block: TextBlock, rows: int) -> Lines:
-    """Where the rows of a block stand: pyarrow leaves blank lines out."""
-    count = block.data.count(b"\n") + (not block.data.endswith(b"\n"))
-    if count == rows:
-        return Lines(block.first_line)
-    blank = [k for k, line in enumerate(block.data.split(b"\n")[:count]) if not line.rstrip(b"\r")]
-    return Lines(block.first_line, tuple(block.first_line + k for k in blank))
+def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str]:
+    """Header lines as text.
+
+    Raises:
+        RecordingError: a line is not text in the file's encoding, or ends in a way that nobody expects.
+    """
+    texts = []
+    for k, line in enumerate(lines, 1):
+        if b"\r" in line:
+            raise RecordingError(f"{file}, line {k}", "has a carriage return inside", "save the file with LF or CR LF")
+        if b"\0" in line:
+            raise RecordingError(
+                f"{file}, line {k}", "is not a CSV table but binary data", "export the recording as text"
+            )
+        try:
+            texts.append(line.decode(dialect.encoding))
+        except UnicodeDecodeError:
+            raise not_text(f"{file}, line {k}", dialect) from None
+    return texts
 
 
-def explain(
-    file: Path, block: TextBlock, names: Sequence[str], wanted: Sequence[int], dialect: TextFormat, cause: str
-) -> RecordingError:
-    """The error for a block that could not be read: its first line that is to blame.
+def cells(line: str, dialect: TextFormat) -> list[str]:
+    """Fields of a header line."""
+    return [name.strip() for name in dialect.split(line)]
+
+
+def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
+    """Our columns among those of a file, each with its position.
+
+    Raises:
+        RecordingError: one of ours is there twice.
+    """
+    positions = {}
+    for ours in COLUMNS:
+        if ours in VELOCITIES:
+            continue
+        theirs = form.file_name(ours)
+        if names.count(theirs) > 1:
+            raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")
+        if theirs in names:
+            positions[ours] = names.index(theirs)
+    return positions
+
+
+NOTHING = ("", " ")  # fields of what was not measured
+
+
+def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a file batch by batch.
+
+    Raises:
+        RecordingError: it cannot be read, with the place and the remedy.
+    """
+    dialect = TextFormat(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
+    header_rows, names = _header(file, form, dialect)
+    chosen = select(file, names, form)
+    tick = form.tick if CLOCK in chosen else form.clock.period
+    blocks = read_blocks(file, header_rows, form.trailing_rows)
+    yield from rows_of(file, blocks, names, chosen, dialect, tick)
+
+
+def rows_of(
+    file: Path,
+    blocks: Iterable[TextBlock],
+    names: Sequence[str],
+    chosen: Mapping[str, int],
+    dialect: TextFormat,
+    tick: float | None,
+) -> Iterator[ColumnTable]:
+    """Turns lines of numbers into tables.
 
     Args:
-        file: file that the block is from.
-        wanted: positions of the fields that must be numbers.
-        cause: what the parser said, for damage that is not understood here.
+        chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
+        tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
+
+    Raises:
+        RecordingError: a line cannot be read, or there is none.
     """
-    for number, raw, ends in _lines(block):
-        place = f"{file}, line {number}"
-        if not raw.strip(b"\0"):
-            return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
-        try:
-            text = raw.decode(dialect.encoding)
-        except UnicodeDecodeError:
-            return not_text(place, dialect)
-        fields = dialect.split(text)
-        if len(fields) != len(names):
-            return RecordingError(
-                place, f"expected {len(names)} columns, got {len(fields)}", _why(fields, names, dialect, text, ends)
-            )
-        for k in wanted:
-            if not dialect.is_number(fields[k]):
-                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(fields[k], dialect))
-    reason = shown(cause.splitlines()[0] if cause else "", 120)
-    return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
+    positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
+    at = chosen.get(CLOCK)
+    count = 0
+    for block in blocks:
+        columns = parse(file, block, dialect, names, positions.values(), [] if at is None else [at])
+        rows = len(next(iter(columns.values())))
+        values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
+        stamps = None
+        if tick is not None:
+            stamps = np.arange(count, count + rows)
+            if at is not None:
+                clock = columns[at]
+                if clock.null_count:
+                    place = lines_of(block, rows).place(int(np.argmin(clock.is_valid().to_numpy())))
+                    raise RecordingError(
+                        f"{file}, {place}, {shown(names[at])}",
+                        "is empty where a time stamp is needed",
+                        "remove the row",
+                    )
+                stamps = clock.to_numpy()
+        yield ColumnTable(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
+        count += rows
+    if not count:
+        raise RecordingError(file, "has a header but no rows", "record again")
 
 
-def not_text(place: str, dialect: TextFormat) -> RecordingError:
-    """The error for bytes that the file's encoding does not know."""
-    return RecordingError(place, f"is not {dialect.encoding.upper()} text", "save the file as UTF-8")
-
-
-def _lines(block: TextBlock) -> Iterator[tuple[int, bytes, bool]]:
-    """Number, text and whether it ends with a line break, of each line that is not blank."""
-    lines = block.data.split(b"\n")
-    for k, line in enumerate(lines):
-        if line.rstrip(b"\r"):
-            yield block.first_line + k, line.rstrip(b"\r"), k < len(lines) - 1
-
-
-def _why(fields: Sequence[str], names: Sequence[str], dialect: TextFormat, text: str, ends: bool) -> str:
-    if len(fields) < len(names) and not ends:
-        return "the file is cut off in its last line: remove that line"
-    if len(fields) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
-        return "does it have decimal commas? export with semicolons and set recording.delimiter and recording.decimal"
-    if len(fields) > len(names) and dialect.delimiter == " " and "  " in text:
-        return "there are several blanks between numbers: export with one character between them"
-    return "correct or remove the row"
-
-
-def _not_a_number(text: str, dialect: TextFormat) -> str:
-    if not text.strip():
-        return "is empty where a number is needed; correct or remove the row"
-    value = f"{shown(text)!r} is not a number"
-    if dialect.decimal == "." and text.count(",") == 1 and is_number(text.replace(",", ".")):
-        return f"{value}: it has a decimal comma; set recording.decimal = ',' in the case, or export with points"
-    if dialect.decimal == "," and is_number(text):
-        return f"{value}: it has a decimal point; set recording.decimal = '.' in the case, or export with commas"
-    return f"{value}; correct or remove the row"
+def _header(file: Path, form: RecordingFormat, dialect: TextFormat) -> tuple[int, list[str]]:
+    """Number of header lines, and names of the columns."""
+    rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
+    lines = read_head(file)
+    if len(lines) < rows:
+        raise RecordingError(file, f"has {len(lines)} lines, no more than recording.header_rows = {rows}")
+    header = decoded(file, lines[:rows], dialect)
+    if form.column_names is not None:
+        return rows, list(form.column_names)
+    row = form.names_row or rows
+    if row == 0:
+        raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
+    names = cells(header[row - 1], dialect)
+    require_known(file, names, lines, form, row)
+    return rows, names

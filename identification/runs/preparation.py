@@ -9,7 +9,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.findings import Finding, Kind, warning
 from identification.findings.sample_checks import Scan, bridged
-from identification.formats.checks import MOST_PUT_BACK
+from identification.formats.assembly import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose
 from identification.machines import machine_of
 from identification.model import Model, regressors

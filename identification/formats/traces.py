@@ -1,4 +1,6 @@
-"""CSV exports of the TwinCAT 3 Scope: a header of channels, then columns of values, each group with its own clock.
+"""Traces that controllers write as text: CSV exports of the TwinCAT 3 Scope, and files of LinuxCNC's halsampler.
+
+TwinCAT: a header of channels, then columns of values, each group with its own clock.
 
 Verified with genuine exports of Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description
 (infosys.beckhoff.com, TE13xx, "Export to csv"): line 1 is `Name`, the separator and the scope's name; `Starttime of
@@ -20,9 +22,9 @@ import pyarrow as pa
 
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
-from identification.formats.delimited import cells, decoded, select, unknown_columns
-from identification.formats.table import ColumnTable, Stamps
-from identification.formats.text import TextBlock, TextFormat, is_number, lines_of, parse, read_blocks, read_head
+from identification.formats.table import ColumnTable, Stamps, TextBlock, TextFormat, is_number, lines_of
+from identification.formats.text import cells, decoded, parse, read_blocks, read_head, rows_of, select
+from identification.formats.text_errors import unknown_columns
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
 _MISSING = ("", " ")
@@ -31,7 +33,7 @@ _LATE = 2  # samples by which the last of channels with one clock may differ
 _LEAST_FILETIME = 1.26e17
 
 
-def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch: one table for each clock and batch.
 
     Raises:
@@ -170,3 +172,58 @@ def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
             f"its time stamps, such as {stamps[0]}, are not in {form.clock_unit}",
             f"set recording.clock.unit = {right!r} in the case",
         )
+
+
+_OVERRUN = b"overrun"
+_NUMBER_OF_SAMPLE = "sample number"
+
+
+def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a file of LinuxCNC's halsampler batch by batch; errors as `tables`."""
+    assert form.column_names is not None  # the case is checked
+    dialect = TextFormat(form.delimiter or " ", form.decimal or ".")
+    names, numbered = _columns(file, list(form.column_names), dialect)
+    chosen = select(file, names, form)
+    tick = form.tick if CLOCK in chosen else form.clock.period
+    if numbered:
+        chosen.setdefault(CLOCK, 0)
+    lines = read_blocks(file, form.header_rows or 0, form.trailing_rows)
+    blocks = (_without_overruns(file, block, CLOCK in chosen) for block in lines)
+    yield from rows_of(file, (b for b in blocks if b.data.strip()), names, chosen, dialect, tick)
+
+
+def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[str], bool]:
+    """Names of all fields of a line, and whether the first is the number of the sample."""
+    lines = (line for line in read_head(file) if line.strip() and not line.startswith(_OVERRUN))
+    text = next(lines, b"").decode(errors="replace")
+    end = [""] if text.endswith(dialect.delimiter) else []
+    values = dialect.split(text)
+    count = len(values) - len(end)
+    if count == len(names):
+        return [*names, *end], False
+    if count == len(names) + 1 and values[0].isdecimal():
+        return [_NUMBER_OF_SAMPLE, *names, *end], True
+    raise RecordingError(
+        file,
+        f"has {count} values in a line, where recording.column_names lists {len(names)}",
+        "list one name for each pin of the sampler",
+    )
+
+
+def _without_overruns(file: Path, block: TextBlock, counted: bool) -> TextBlock:
+    """The block with its lines `overrun` blanked; the first line of a file may be one without a loss."""
+    if _OVERRUN not in block.data:
+        return block
+    lines = block.data.split(b"\n")
+    for k, line in enumerate(lines):
+        if line.strip() != _OVERRUN:
+            continue
+        number = block.first_line + k
+        if number > 1 and not counted:
+            raise RecordingError(
+                f"{file}, line {number}",
+                "LinuxCNC lost samples here and does not say how many",
+                "record with halsampler -t and a longer queue (depth of the sampler)",
+            )
+        lines[k] = b""
+    return TextBlock(block.first_line, b"\n".join(lines))

@@ -1,0 +1,122 @@
+"""What is wrong with a text file that cannot be read: its first line that is to blame, the value and the remedy."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from cases.errors import RecordingError
+from cases.recording_format import COLUMNS, RecordingFormat
+from identification.formats.table import TextBlock, TextFormat, is_number, listed, shown
+
+_DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
+_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
+_SEARCHED_LINES = 50  # no export known to us has a longer header
+_TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
+
+
+def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form: RecordingFormat, row: int) -> None:
+    """Raises RecordingError unless some of the names are ours; looks for ours elsewhere in the header.
+
+    Args:
+        row: line in which the names were sought, counted from 1.
+    """
+    ours = {form.file_name(c) for c in COLUMNS}
+    if ours & set(names):
+        return
+    expected = form.delimiter or ","
+    for k, line in enumerate(lines[:_SEARCHED_LINES], 1):
+        for separator, word in _SEPARATORS.items():
+            fields = {c.strip() for c in TextFormat(separator).split(line.decode(form.encoding, "replace"))}
+            if not (fields & ours) or len(fields) < 2:
+                continue
+            if separator != expected:
+                raise RecordingError(
+                    f"{file}, line {k}",
+                    f"its columns are separated by {word}, where the case expects them separated by "
+                    f"{_SEPARATORS.get(expected, repr(expected))}",
+                    f"set recording.delimiter = {separator!r} in the case",
+                )
+            raise RecordingError(
+                file,
+                f"the names of its columns are in line {k}, not in line {row}",
+                f"set recording.names_row = {k} in the case, and recording.header_rows to the number of lines "
+                "above the numbers",
+            )
+    raise RecordingError(file, unknown_columns(names, form))
+
+
+def unknown_columns(names: Iterable[str], form: RecordingFormat) -> str:
+    """What to say of a file that has none of our columns."""
+    return without([form.file_name(c) for c in _TYPICAL], names)
+
+
+def without(wanted: Iterable[str], names: Iterable[str]) -> str:
+    """What to say of a file that lacks columns that are wanted."""
+    return (
+        f"none of the columns {listed(wanted)}; it has {listed(names)}: name them so or map them in "
+        "[recording.columns] of the case"
+    )
+
+
+def explain(
+    file: Path, block: TextBlock, names: Sequence[str], wanted: Sequence[int], dialect: TextFormat, cause: str
+) -> RecordingError:
+    """The error for a block that could not be read: its first line that is to blame.
+
+    Args:
+        file: file that the block is from.
+        wanted: positions of the fields that must be numbers.
+        cause: what the parser said, for damage that is not understood here.
+    """
+    for number, raw, ends in _lines(block):
+        place = f"{file}, line {number}"
+        if not raw.strip(b"\0"):
+            return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
+        try:
+            text = raw.decode(dialect.encoding)
+        except UnicodeDecodeError:
+            return not_text(place, dialect)
+        fields = dialect.split(text)
+        if len(fields) != len(names):
+            return RecordingError(
+                place, f"expected {len(names)} columns, got {len(fields)}", _why(fields, names, dialect, text, ends)
+            )
+        for k in wanted:
+            if not dialect.is_number(fields[k]):
+                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(fields[k], dialect))
+    reason = shown(cause.splitlines()[0] if cause else "", 120)
+    return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
+
+
+def not_text(place: str, dialect: TextFormat) -> RecordingError:
+    """The error for bytes that the file's encoding does not know."""
+    return RecordingError(place, f"is not {dialect.encoding.upper()} text", "save the file as UTF-8")
+
+
+def _lines(block: TextBlock) -> Iterator[tuple[int, bytes, bool]]:
+    """Number, text and whether it ends with a line break, of each line that is not blank."""
+    lines = block.data.split(b"\n")
+    for k, line in enumerate(lines):
+        if line.rstrip(b"\r"):
+            yield block.first_line + k, line.rstrip(b"\r"), k < len(lines) - 1
+
+
+def _why(fields: Sequence[str], names: Sequence[str], dialect: TextFormat, text: str, ends: bool) -> str:
+    if len(fields) < len(names) and not ends:
+        return "the file is cut off in its last line: remove that line"
+    if len(fields) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
+        return "does it have decimal commas? export with semicolons and set recording.delimiter and recording.decimal"
+    if len(fields) > len(names) and dialect.delimiter == " " and "  " in text:
+        return "there are several blanks between numbers: export with one character between them"
+    return "correct or remove the row"
+
+
+def _not_a_number(text: str, dialect: TextFormat) -> str:
+    if not text.strip():
+        return "is empty where a number is needed; correct or remove the row"
+    value = f"{shown(text)!r} is not a number"
+    if dialect.decimal == "." and text.count(",") == 1 and is_number(text.replace(",", ".")):
+        return f"{value}: it has a decimal comma; set recording.decimal = ',' in the case, or export with points"
+    if dialect.decimal == "," and is_number(text):
+        return f"{value}: it has a decimal point; set recording.decimal = '.' in the case, or export with commas"
+    return f"{value}; correct or remove the row"
