@@ -92,6 +92,8 @@ def free_memory() -> int:
 def _whole(parts: Sequence[ColumnTable]) -> ColumnTable:
     """Batches of one clock, one after the other."""
     first = parts[0]
+    if len(parts) == 1:
+        return first
     stamps: list[Any] = [part.stamps for part in parts if part.stamps is not None]
     return replace(
         first,

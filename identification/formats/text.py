@@ -27,7 +27,7 @@ import pyarrow.csv as pacsv
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
 from identification.formats.table import ColumnTable, TextBlock, TextFormat, lines_of, require_file, shown, unreadable
-from identification.formats.text_errors import explain, not_text, require_known
+from identification.formats.text_errors import explain, not_text, unnamed
 
 SIZE = 1 << 22  # bytes read at a time
 # What is kept back for the end of the file, so that its trailing rows are never handed out: a hundred long lines.
@@ -285,5 +285,6 @@ def _header(file: Path, form: RecordingFormat, dialect: TextFormat) -> tuple[int
     if row == 0:
         raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
     names = cells(header[row - 1], dialect)
-    require_known(file, names, lines, form, row)
+    if not any(form.file_name(ours) in names for ours in COLUMNS):
+        raise unnamed(file, names, lines, form, row)
     return rows, names

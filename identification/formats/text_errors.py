@@ -14,15 +14,15 @@ _SEARCHED_LINES = 50  # no export known to us has a longer header
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 
-def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form: RecordingFormat, row: int) -> None:
-    """Raises RecordingError unless some of the names are ours; looks for ours elsewhere in the header.
+def unnamed(
+    file: Path, names: Sequence[str], lines: Sequence[bytes], form: RecordingFormat, row: int
+) -> RecordingError:
+    """The error for a line of names that has none of ours; looks for ours elsewhere in the header.
 
     Args:
         row: line in which the names were sought, counted from 1.
     """
     ours = {form.file_name(c) for c in COLUMNS}
-    if ours & set(names):
-        return
     expected = form.delimiter or ","
     for k, line in enumerate(lines[:_SEARCHED_LINES], 1):
         for separator, word in _SEPARATORS.items():
@@ -30,19 +30,19 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
             if not (fields & ours) or len(fields) < 2:
                 continue
             if separator != expected:
-                raise RecordingError(
+                return RecordingError(
                     f"{file}, line {k}",
                     f"its columns are separated by {word}, where the case expects them separated by "
                     f"{_SEPARATORS.get(expected, repr(expected))}",
                     f"set recording.delimiter = {separator!r} in the case",
                 )
-            raise RecordingError(
+            return RecordingError(
                 file,
                 f"the names of its columns are in line {k}, not in line {row}",
                 f"set recording.names_row = {k} in the case, and recording.header_rows to the number of lines "
                 "above the numbers",
             )
-    raise RecordingError(file, unknown_columns(names, form))
+    return RecordingError(file, unknown_columns(names, form))
 
 
 def unknown_columns(names: Iterable[str], form: RecordingFormat) -> str:

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pyarrow.csv as pacsv
+import pyarrow.parquet as pq
 
 from cases.loading import load_case
 from identification.hexapod import Hexapod
@@ -77,8 +79,12 @@ def long_recording(rows: int) -> Recording:
 
 
 def write_long(file: Path, rows: int) -> None:
-    """Writes such a recording."""
-    write_recording(file, long_recording(rows), load_case("hexapod"))
+    """Writes such a recording as CSV or, by the file's ending, as Parquet."""
+    table = file.with_suffix(".csv")
+    write_recording(table, long_recording(rows), load_case("hexapod"))
+    if file != table:
+        pq.write_table(pacsv.read_csv(table), file)
+        table.unlink()
 
 
 def hour_figures(folder: Path) -> list[list[str]]:
