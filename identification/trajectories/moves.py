@@ -97,8 +97,7 @@ class CircularMove:
     @property
     def radius(self) -> float:
         """Radius [m]."""
-        first, second, _ = self.plane.axes
-        return float(np.hypot(self.start[first] - self.centre[0], self.start[second] - self.centre[1]))
+        return float(np.hypot(*_arm(self.start, self.plane, self.centre)))
 
     @property
     def length(self) -> float:
@@ -120,8 +119,7 @@ class CircularMove:
         return pose
 
     def _place(self, share: Array) -> Array:
-        first, second, _ = self.plane.axes
-        arm = np.array([self.start[first] - self.centre[0], self.start[second] - self.centre[1]])
+        arm = _arm(self.start, self.plane, self.centre)
         cosine, sine = np.cos(share * self.angle), np.sin(share * self.angle)
         coordinates = [cosine * arm[0] - sine * arm[1], sine * arm[0] + cosine * arm[1]]
         return np.asarray(self.centre + np.column_stack(coordinates))
@@ -192,5 +190,6 @@ def fastest_circle(
 
 
 def _arm(pose: Array, plane: Plane, centre: Array) -> Array:
+    """From the centre of an arc to a pose, along the plane's axes, shape (2,) [m]."""
     first, second, _ = plane.axes
     return np.array([pose[first] - centre[0], pose[second] - centre[1]])
