@@ -13,16 +13,15 @@ from scipy.special import chdtri
 
 from cases.basis import KEPT
 from cases.errors import IdentificationError
-from cases.schema import Case
 from identification.findings import Severity, sentences
 from identification.findings.readings import drifted_since, shifted_all_along
 from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
+from identification.outcome import Result
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block
 from identification.recording import Recording
 from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, standstills
-from identification.saved_result import SavedResult
 
 Array = NDArray[np.float64]
 
@@ -46,7 +45,7 @@ class ExternalForce(NamedTuple):
         return np.asarray(np.abs(self.wrench).max(axis=0))
 
 
-def external_force(recording: Recording, case: Case, result: SavedResult, whole: bool = True) -> ExternalForce:
+def external_force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
     """External force over a recording; moving runs behind the filter of the case.
 
     Args:
@@ -57,7 +56,7 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
         FileProblem: parameters of another case.
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
-    model = result.model_of(case)
+    model, case = result.model, result.case
     checks = unmeasured(recording)
     warnings = checks.warnings
     if recording.t is None or case.setup == "1a":
@@ -96,19 +95,18 @@ class Tare(NamedTuple):
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
 
 
-def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
+def tare(recording: Recording, result: Result) -> Tare:
     """Identifies f_q0 (11) anew from a standstill and leaves all other parameters.
 
     Args:
         recording: recording of a standstill without contact: one pose, any number of samples.
-        case: case of the same machine as the parameters.
         result: identified parameters.
 
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
         FileProblem: parameters of another case.
     """
-    model = result.model_of(case)
+    model, case = result.model, result.case
     checks = unmeasured(recording)
     count = int(np.sum(~checks.bad))
     if count < 2:
@@ -147,19 +145,18 @@ Payload = tuple[dict[str, Value], tuple[str, ...]]
 """Mass, centre of gravity in {P} and inertia about it (where both results have it), by name; warnings."""
 
 
-def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> Payload:
+def payload_on_table(before: Result, after: Result) -> Payload:
     """What was put on a frame that does not move, from the offsets without and with it (setup 1a).
 
     Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
     all of xC, yC, zC that have a share in it; the warnings name them.
 
-    Args:
-        model: model of both; offsets only.
+    Both models are of offsets only.
 
     Raises:
         IdentificationError: the difference in mass is not significant.
     """
-    body = replace(model, blocks=(MASS, FIRST_MOMENT))
+    body = replace(after.model, blocks=(MASS, FIRST_MOMENT))
     still = np.zeros((1, 6))
     matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
     white = np.diag(before.covariance + after.covariance)
@@ -196,7 +193,7 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     return parameters, tuple(warnings)
 
 
-def require_two(before: SavedResult, after: SavedResult) -> None:
+def require_two(before: Result, after: Result) -> None:
     """Refuses one recording as both.
 
     Raises:
@@ -211,25 +208,27 @@ def require_two(before: SavedResult, after: SavedResult) -> None:
         )
 
 
-def _no_payload(before: SavedResult, after: SavedResult, mass: float, std: float) -> IdentificationError:
+def _no_payload(before: Result, after: Result, mass: float, std: float) -> IdentificationError:
     return IdentificationError(
         f"{after.source}: mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
         "results without and with payload, in this order"
     )
 
 
-def _about(before: SavedResult, after: SavedResult, mass: float) -> list[str]:
+def _about(before: Result, after: Result, mass: float) -> list[str]:
     warnings = []
-    if before.model != after.model:
-        warnings.append(f"models {before.model} and {after.model} differ: masses of different models do not compare")
-    if before.about.get(KEPT) != after.about.get(KEPT):
+    if before.model.number != after.model.number:
+        warnings.append(
+            f"models {before.model.number} and {after.model.number} differ: masses of different models do not compare"
+        )
+    if before.record.get(KEPT) != after.record.get(KEPT):
         warnings.append("the case was changed between the two identifications")
     if mass < 0.0:
         warnings.append("the mass became smaller: this is what was taken off, as a negative payload")
     return warnings
 
 
-def payload_between(before: SavedResult, after: SavedResult, model_before: Model, model_after: Model) -> Payload:
+def payload_between(before: Result, after: Result) -> Payload:
     """The body that has to be added to `before` to get `after`; the two runs are independent.
 
     Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
@@ -238,10 +237,11 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
     Raises:
         IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.
     """
+    model_before, model_after = before.model, after.model
     shared: tuple[Block, ...] = (MASS, FIRST_MOMENT)
     if INERTIA in model_before.blocks and INERTIA in model_after.blocks:
         shared = (*shared, INERTIA)
-    body = Model(after.model, shared, model_after.structure, model_after.gravity)
+    body = Model(model_after.number, shared, model_after.structure, model_after.gravity)
     old = [model_before.names.index(name) for name in body.names]
     new = [model_after.names.index(name) for name in body.names]
     difference = after.values[new] - before.values[old]

@@ -1,24 +1,34 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.basis import KEPT, Artefact, recording_basis, result_basis
+from cases.errors import FileProblem, HexciteError
+from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import as_html
 from identification.criteria import Identifiability
+from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
+from identification.model import Model, identification_model
 from identification.recording import Recording
-from identification.result import Estimate, Residuals, Value
-from identification.saved_result import SavedResult, load_result, solution_of, with_tare
+from identification.result import Estimate, Residuals, Value, physical_values
+from identification.saved_result import AGAIN, read_record, require_agreement
 
 if TYPE_CHECKING:
     from identification.external import ExternalForce
 
+Array = NDArray[np.float64]
+
 # Of what recording.json says of a run, what a result keeps.
 TOLD_OF_RUNS = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
+_OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -31,6 +41,8 @@ class Result:
         identifiability: what the run determined; None where nothing says.
         estimate: estimate with everything that is not saved; None where it was loaded.
         residuals: residuals of the recorded forces; None where it was loaded.
+        file: file that it was loaded from.
+        remarks: what has changed in the case since, where it was loaded nevertheless.
     """
 
     case: Case
@@ -38,6 +50,8 @@ class Result:
     identifiability: Identifiability | None = None
     estimate: Estimate | None = None
     residuals: Residuals | None = None
+    file: Path | None = None
+    remarks: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
@@ -59,9 +73,56 @@ class Result:
         return tuple(self.record["notes"])
 
     @property
-    def solution(self) -> SavedResult:
-        """The linear parameters with their covariance, for predictions."""
-        return solution_of(self.record, str(self.record["recording"]))
+    def source(self) -> str:
+        """What messages name it by: its file, or the recording that it is of."""
+        return str(self.record["recording"] if self.file is None else self.file)
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Forms of the error compensation other than the model's."""
+        return tuple(self.record["error_terms"])
+
+    @property
+    def model(self) -> Model:
+        """The model of the parameters.
+
+        Raises:
+            FileProblem: they belong to another case, or no model of it has that number and these terms.
+        """
+        name = self.record["case"]
+        if self.case.name != name:
+            problem = f"parameters of case {name}, not {self.case.name}"
+            raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
+        try:
+            return identification_model(self.case, self.record["model"], self.terms)
+        except HexciteError as error:
+            raise FileProblem(self.source, error.typed, AGAIN) from error
+
+    @property
+    def values(self) -> Array:
+        """The linear parameters u, shape (u,) [SI]."""
+        return np.array(self.record["linear"]["values"], dtype=float)
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of u by (28), shape (u, u)."""
+        return np.array(self.record["covariance"], dtype=float)
+
+    @property
+    def covariance_robust(self) -> Array:
+        """Covariance of u that allows for noise with memory, shape (u, u)."""
+        return np.array(self.record["covariance_robust"], dtype=float)
+
+    @property
+    def delay(self) -> float:
+        """Delay of the forces [s]; 0 where none was estimated."""
+        delay = self.record["delay_s"]
+        return 0.0 if delay is None else float(delay["value"])
+
+    @property
+    def recordings(self) -> frozenset[str]:
+        """SHA-256 of the files that it was made of; empty where it does not say."""
+        return frozenset(entry["sha256"] for entry in self.record.get("inputs", ()))
 
     def write(self, folder: Path) -> None:
         """Writes result.json and identifiability.json into a folder that is there."""
@@ -92,15 +153,54 @@ class Result:
         Raises:
             FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
-        place = Path(folder)
-        saved = load_result(place)
-        own = saved.artefact.case() if case is None else case
-        if case is None:
-            saved.remarks(own, stale)
-        saved.require_own_parameters(own)
-        file = place / "identifiability.json"
-        identifiability = Identifiability.of_json(read_json(file, "hexcite identify")) if file.is_file() else None
-        return cls(own, saved.about, identifiability)
+        file, record = read_record(Path(folder))
+        artefact = Artefact(file, record, AGAIN)
+        own = artefact.case() if case is None else case
+        result = cls(own, record, file=file)
+        result.require_agreement()
+        remarks = artefact.require_unchanged(result_basis(own), own, stale)
+        beside = file.parent / "identifiability.json"
+        if not beside.is_file():
+            return replace(result, remarks=remarks)
+        try:
+            told = Identifiability.of_json(read_json(beside, "hexcite identify"))
+        except DAMAGED as error:
+            raise FileProblem(beside, f"entry {error} is missing or damaged", AGAIN) from error
+        return replace(result, identifiability=told, remarks=remarks)
+
+    def require_agreement(self) -> None:
+        """Refuses entries that are not what they are by others.
+
+        Raises:
+            FileProblem: one was changed by hand, or the parameters belong to another case.
+        """
+        require_agreement(self.source, self.record, self.model, self.case.sensor_frame.has_moments)
+
+    def tared(self, values: Array, covariance: Array, source: str, notes: Sequence[str] = ()) -> "Result":
+        """The result with other offsets: physical parameters and deviations follow from them.
+
+        Args:
+            values: new u, shape (u,).
+            covariance: covariance of u, shape (u, u).
+            source: the recording that they come from.
+            notes: what else there is to say.
+        """
+        robust, names = self.covariance_robust, self.record["linear"]["names"]
+        offsets = [k for k, name in enumerate(names) if name.startswith("f_q0")]
+        robust[offsets, :] = robust[:, offsets] = 0.0
+        robust[offsets, offsets] = np.diag(covariance)[offsets]
+        physical = physical_values(self.model, values, covariance, robust)
+        freedom = self.record["degrees_of_freedom"]
+        record = dict(self.record) | {
+            "parameters": {name: value._asdict() for name, value in physical.items()},
+            "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
+            "linear": {"names": names, "values": values.tolist()},
+            "covariance": covariance.tolist(),
+            "covariance_robust": robust.tolist(),
+            "notes": [*self.notes, *notes],
+            "tared_with": source,
+        }
+        return Result(self.case, record)
 
     def __repr__(self) -> str:
         """A few lines: model, the body, s0, and warnings."""
@@ -132,7 +232,7 @@ def force(recording: Recording, result: Result, whole: bool = True) -> "External
     from identification.external import external_force
     from identification.runs.rates import on_one_clock
 
-    return external_force(on_one_clock(recording, result.case), result.case, result.solution, whole)
+    return external_force(on_one_clock(recording, result.case), result, whole)
 
 
 def tare(recording: Recording, result: Result) -> Result:
@@ -148,9 +248,44 @@ def tare(recording: Recording, result: Result) -> Result:
     from identification.external import tare as new_offsets
     from identification.runs.rates import on_one_clock
 
-    solution = result.solution
-    offsets = new_offsets(on_one_clock(recording, result.case), result.case, solution)
-    return Result(
-        result.case,
-        with_tare(solution, result.case, offsets.values, offsets.covariance, recording.source, offsets.notes),
-    )
+    offsets = new_offsets(on_one_clock(recording, result.case), result)
+    return result.tared(offsets.values, offsets.covariance, recording.source, offsets.notes)
+
+
+def case_of_result(path: Path) -> Case:
+    """The case that a saved result names.
+
+    Raises:
+        FileProblem: no such result, or it names no case.
+        CaseError: its case cannot be read.
+    """
+    return Artefact(*read_record(path), AGAIN).case()
+
+
+def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
+    """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
+
+    How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
+
+    Args:
+        stale: go on although the machine has changed since.
+
+    Raises:
+        FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
+    """
+    file, record = read_record(path)
+    now, then = recording_basis(case), record.get(KEPT)
+    about = dict(record)
+    if isinstance(then, Mapping):
+        about[KEPT] = {key: value for key, value in then.items() if key in now or not key.startswith(_OF_A_RECORDING)}
+    remarks = Artefact(file, about, "identify the standstills again").require_unchanged(now, case, stale)
+    result = Result(case, record, file=file)
+    result.require_agreement()
+    offsets = [result.model.names.index(name) for name in OFFSET_NAMES]
+    white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
+    std = np.sqrt(np.diag(white))
+    larger = np.maximum(std, np.sqrt(np.diag(robust)))
+    growth = larger / np.where(std > 0.0, std, 1.0)
+    bias = record["accelerometer"]
+    bias = None if bias is None else AccelerometerBias.of_json(bias)
+    return Biases(str(path), result.values[offsets], white * np.outer(growth, growth), bias, remarks)

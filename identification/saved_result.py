@@ -1,199 +1,160 @@
-"""A result that was saved, as other commands use it: parameters to predict forces with."""
+"""What is read from `result.json`: each entry as it was written, and whether the entries agree with one another."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, BeforeValidator, Field, NonNegativeFloat, PositiveInt, ValidationError
 
-from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem
-from cases.files import DAMAGED, read_json
-from cases.schema import Case
-from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
-from identification.model import Model, identification_model
-from identification.parameters import physical_form
-from identification.result import SCHEMA_VERSION, physical_values
+from cases.files import read_json
+from identification.estimation.fit import Uncertain
+from identification.model import Model
+from identification.result import SCHEMA_VERSION, Value, physical_values
 
 Array = NDArray[np.float64]
 
-ALIKE = 1e-9  # of parameters that are computed anew: another computer rounds otherwise
-_OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
+AGAIN = "identify again"
+ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
 
 
-@dataclass(frozen=True, slots=True)
-class SavedResult:
-    """Identified parameters."""
-
-    source: str  # the file
-    case_name: str  # name of the case they belong to
-    model: int  # number in Table 2
-    values: Array  # u, shape (u,)
-    covariance: Array  # covariance of u by (28), shape (u, u)
-    covariance_robust: Array  # covariance of u, autocorrelation-robust, shape (u, u)
-    terms: tuple[str, ...]  # forms of the error compensation other than the model's
-    delay: float  # delay of the forces [s]; 0 where none was estimated
-    accelerometer: AccelerometerBias | None = None  # its biases, where standstills told them
-    recordings: frozenset[str] = frozenset()  # SHA-256 of the files that it was made of; empty where it does not say
-    about: Mapping[str, Any] = field(default_factory=dict)  # all of result.json
-
-    @property
-    def artefact(self) -> Artefact:
-        """What it says of its case."""
-        return Artefact(Path(self.source), self.about, "identify again")
-
-    def remarks(self, case: Case, stale: bool) -> tuple[str, ...]:
-        """What to write into everything that is made of it, where the case has changed since and `stale` is set.
-
-        Raises:
-            FileProblem: the case has changed and `stale` is not set, or a number was changed by hand.
-        """
-        self.require_own_parameters(case)
-        return self.artefact.require_unchanged(result_basis(case), case, stale)
-
-    def model_of(self, case: Case) -> Model:
-        """The model of the parameters, for a case of the same machine.
-
-        Raises:
-            FileProblem: the parameters belong to another case.
-        """
-        if case.name != self.case_name:
-            raise FileProblem(
-                self.source, f"parameters of case {self.case_name}, not {case.name}", f"identify them for {case.name}"
-            )
-        return identification_model(case, self.model, self.terms)
-
-    def require_own_parameters(self, case: Case) -> None:
-        """Computes the physical parameters anew from the linear ones, so that nobody reads the wrong one of two.
-
-        Raises:
-            FileProblem: they were changed by hand, or belong to another case.
-        """
-        model = self.model_of(case)
-        form, keys = physical_form(model), ("value", "std")
-        try:
-            names, told = list(self.about["linear"]["names"]), self.about["parameters"]
-            physical = {p.name for p in form.parameters}
-            if names != model.names or len(self.values) != len(names) or not physical <= set(told):
-                message = f"its parameters are not those of model {self.model}"
-                raise FileProblem(self.source, message, "identify again")
-            told = np.array([[float(told[p.name][key]) for key in keys] for p in form.parameters])
-        except DAMAGED as error:
-            raise FileProblem(self.source, f"entry {error} is missing or damaged", "identify again") from error
-        values, covariance = form.of(self.values, self.covariance)
-        found = np.column_stack([values, np.sqrt(np.diag(covariance).clip(0.0))])
-        alike = np.abs(told - found) <= ALIKE * np.abs(found).max(axis=1, keepdims=True)
-        for row, column in np.argwhere(~alike):
-            entry = f"{keys[column]} of {form.parameters[row].name}"
-            words = f"{entry} is {told[row, column]:.6g}, but {found[row, column]:.6g} by the linear parameters"
-            raise FileProblem(self.source, f"{words}: changed by hand", "identify again")
+def _named(entry: Any) -> Any:
+    if not isinstance(entry, Mapping):  # a list would do for pydantic
+        raise ValueError("is no object")
+    return entry
 
 
-def load_result(path: Path) -> SavedResult:
-    """Reads `result.json`, or the folder that holds it.
+Numbers = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class AccelerometerEntry(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
+    """Biases of an accelerometer."""
+
+    bias_m_s2: Numbers
+    std_m_s2: Numbers
+    covariance_m2_s4: Annotated[list[Numbers], Field(min_length=3, max_length=3)]
+    turn_rad: Numbers
+    rms_m_s2: NonNegativeFloat
+
+
+class Linear(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
+    """Linear parameters."""
+
+    names: list[str]
+    values: list[float]
+
+
+class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
+    """What a result was made of, and how; what has a value here may be absent."""
+
+    case: str
+    case_hash: str
+    recording: str
+    inputs: list[Annotated[dict[Literal["file", "sha256"], str], Field(min_length=2)]]
+    versions: dict[str, str]
+    model: int
+    error_terms: list[str]
+    estimator: str
+    weights: str
+    measuring_s: NonNegativeFloat | None = None
+    plan_hash: str | None = None
+    run: dict[str, Any] = {}
+    stale: list[str] = []
+
+
+class Parameters(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
+    """Parameters in both forms [SI]."""
+
+    parameters: dict[str, Annotated[Value, BeforeValidator(_named)]]
+    intervals_95: dict[str, Annotated[list[float], Field(min_length=2, max_length=2)]]
+    linear: Linear
+    covariance: list[list[float]]  # covariance of the linear ones by (28)
+    covariance_robust: list[list[float]]
+    delay_s: Annotated[Uncertain, BeforeValidator(_named)] | None
+    accelerometer: AccelerometerEntry | None
+
+
+class ResultEntries(Origin, Parameters):
+    """Entries of `result.json` that something is made of again; the others are only shown where they arose."""
+
+    s0: NonNegativeFloat
+    s0_N: NonNegativeFloat
+    residual_rms: Annotated[list[NonNegativeFloat], Field(min_length=6, max_length=6)]
+    samples: PositiveInt
+    degrees_of_freedom: float
+    rank: PositiveInt
+    condition: NonNegativeFloat
+    notes: list[str]
+    warnings: list[str]
+
+
+def read_record(path: Path) -> tuple[Path, dict[str, Any]]:
+    """Reads `result.json`, or that of the folder that holds it: the file, and what it says.
 
     Raises:
         FileProblem: missing, damaged or of another version.
     """
     file = path / "result.json" if path.is_dir() else path
-    return solution_of(read_json(file, "hexcite identify"), str(file))
-
-
-def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
-    """What `result.json` says of the parameters; errors as `load_result`."""
-    if data.get("schema_version") != SCHEMA_VERSION:
-        raise FileProblem(
-            file, f"schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}", "identify again"
-        )
+    record = read_json(file, "hexcite identify")
+    version = record.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
     try:
-        delay, bias = data["delay_s"], data.get("accelerometer")
-        result = SavedResult(
-            source=file,
-            case_name=str(data["case"]),
-            model=int(data["model"]),
-            values=np.array(data["linear"]["values"], dtype=float),
-            covariance=np.array(data["covariance"], dtype=float),
-            covariance_robust=np.array(data.get("covariance_robust", data["covariance"]), dtype=float),
-            terms=tuple(str(t) for t in data.get("error_terms", ())),
-            delay=0.0 if delay is None else float(delay["value"]),
-            accelerometer=None if bias is None else _accelerometer(bias),
-            recordings=frozenset(str(i["sha256"]) for i in data.get("inputs", ())),
-            about=data,
-        )
-    except DAMAGED as error:
-        raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
-    count = len(result.values)
-    arrays = (result.values, result.covariance, result.covariance_robust)
-    whole = result.values.ndim == 1 and all(a.shape == (count, count) for a in arrays[1:])
-    if not whole or not all(np.isfinite(a).all() for a in arrays):
-        raise FileProblem(file, "values and covariance do not belong together", "identify again")
-    return result
+        entries = ResultEntries.model_validate(record)
+    except ValidationError as error:
+        place = ".".join(map(str, error.errors()[0]["loc"]))
+        raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error
+    count = len(entries.linear.values)
+    for square in (entries.covariance, entries.covariance_robust):
+        if len(square) != count or any(len(row) != count for row in square):
+            raise FileProblem(file, "values and covariance do not belong together", AGAIN)
+    return file, record
 
 
-def _accelerometer(data: Any) -> AccelerometerBias:
-    """From JSON; raises KeyError, TypeError or ValueError where it is damaged."""
-    values, covariance = (np.array(data[k], dtype=float) for k in ("bias_m_s2", "covariance_m2_s4"))
-    turn, rms = np.array(data["turn_rad"], dtype=float), float(data["rms_m_s2"])
-    if values.shape != (3,) or covariance.shape != (3, 3) or not np.isfinite([*values, *covariance.ravel()]).all():
-        raise ValueError("accelerometer")
-    return AccelerometerBias(values, covariance, turn, rms)
-
-
-def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
-    """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
-
-    How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
+def require_agreement(file: str, record: Mapping[str, Any], model: Model, wrench: bool) -> None:
+    """Computes anew what follows from other entries, so that nobody reads the wrong one of two.
 
     Args:
-        stale: go on although the machine has changed since.
+        model: the model that the entries name.
+        wrench: whether the channels are three forces and three moments.
 
     Raises:
-        FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
+        FileProblem: an entry was changed by hand, or the parameters are those of another model.
     """
-    result = load_result(path)
-    now, then = recording_basis(case), result.about.get(KEPT)
-    about = dict(result.about)
-    if isinstance(then, Mapping):
-        about[KEPT] = {key: value for key, value in then.items() if key in now or not key.startswith(_OF_A_RECORDING)}
-    remarks = Artefact(Path(result.source), about, "identify the standstills again").require_unchanged(now, case, stale)
-    result.require_own_parameters(case)
-    names = result.model_of(case).names
-    offsets = [names.index(name) for name in OFFSET_NAMES]
-    white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
-    std = np.sqrt(np.diag(white))
-    larger = np.maximum(std, np.sqrt(np.diag(robust)))
-    growth = larger / np.where(std > 0.0, std, 1.0)
-    covariance = white * np.outer(growth, growth)
-    return Biases(str(path), result.values[offsets], covariance, result.accelerometer, remarks)
+    entries = ResultEntries.model_validate(record)
+    white, robust = np.array(entries.covariance), np.array(entries.covariance_robust)
+    if entries.linear.names != list(model.names) or len(entries.linear.values) != len(model.names):
+        raise FileProblem(file, f"its parameters are not those of model {model.number}", AGAIN)
+    physical = physical_values(model, np.array(entries.linear.values), white, robust)
+    if not physical.keys() == entries.parameters.keys() == entries.intervals_95.keys():
+        raise FileProblem(file, f"its parameters are not those of model {model.number}", AGAIN)
 
+    def require(entry: str, told: float, found: float, size: float, by: str) -> None:
+        if not abs(told - found) <= ALIKE * size:
+            raise FileProblem(file, f"{entry} is {told:.6g}, but {found:.6g} by {by}: changed by hand", AGAIN)
 
-def with_tare(
-    result: SavedResult, case: Case, values: Array, covariance: Array, source: str, notes: Sequence[str] = ()
-) -> dict[str, Any]:
-    """What `result.json` holds with other linear values: physical parameters and deviations follow from them.
-
-    Args:
-        result: result that is changed.
-        values: new u, shape (u,).
-        covariance: covariance of u, shape (u, u).
-        source: the recording that they come from.
-        notes: what else there is to say.
-    """
-    data = dict(result.about)
-    robust_covariance = result.covariance_robust.copy()
-    offsets = [k for k, name in enumerate(data["linear"]["names"]) if name.startswith("f_q0")]
-    robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
-    robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
-    physical = physical_values(result.model_of(case), values, covariance, robust_covariance)
-    freedom = float(data.get("degrees_of_freedom", np.inf))
-    return data | {
-        "parameters": {name: value._asdict() for name, value in physical.items()},
-        "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
-        "linear": {"names": data["linear"]["names"], "values": values.tolist()},
-        "covariance": covariance.tolist(),
-        "covariance_robust": robust_covariance.tolist(),
-        "notes": [*data.get("notes", ()), *notes],
-        "tared_with": source,
-    }
+    for name, found in physical.items():
+        told = entries.parameters[name]
+        size = max(abs(found.value), found.reported)
+        require(f"value of {name}", told.value, found.value, size, "the linear parameters")
+        require(f"std of {name}", told.std, found.std, size, "the linear parameters")
+        require(f"std_robust of {name}", told.std_robust, found.std_robust, size, "the linear parameters")
+        if told.unit != found.unit:
+            raise FileProblem(file, f"unit of {name} is {told.unit}, not {found.unit}: changed by hand", AGAIN)
+        of_interval = found.interval(entries.degrees_of_freedom)
+        for end, value, computed in zip(("lower", "upper"), entries.intervals_95[name], of_interval, strict=True):
+            require(f"{end} end of intervals_95 of {name}", value, computed, size, "its deviation")
+    for key, square in (("covariance", white), ("covariance_robust", robust)):
+        unequal = np.abs(square - square.T) > ALIKE * np.sqrt(np.outer(np.diag(square), np.diag(square)).clip(0.0))
+        if unequal.any():
+            row, column = np.argwhere(unequal)[0]
+            place = f"{key} of {model.names[row]} and {model.names[column]}"
+            require(place, square[row, column], square[column, row], 0.0, "the opposite entry")
+    left = float(np.sqrt(np.mean(np.square(entries.residual_rms[: 3 if wrench else 6]))))
+    require("s0_N", entries.s0_N, left, left, "residual_rms")
+    if entries.accelerometer is not None:
+        deviations = np.sqrt(np.diag(entries.accelerometer.covariance_m2_s4).clip(0.0))
+        for told_std, std in zip(entries.accelerometer.std_m_s2, deviations, strict=True):
+            require("std_m_s2 of the accelerometer", told_std, std, std, "its covariance")

@@ -5,6 +5,7 @@ Errors of what is not estimated reach the estimate through its own normal equati
 -(A^T W A)^-1 A^T W C db.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -48,6 +49,12 @@ class AccelerometerBias:
             "turn_rad": self.turn.tolist(),
             "rms_m_s2": self.rms,
         }
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Any]) -> "AccelerometerBias":
+        """From what `to_json` made, checked before."""
+        values, covariance, turn = (np.array(data[key]) for key in ("bias_m_s2", "covariance_m2_s4", "turn_rad"))
+        return cls(values, covariance, turn, data["rms_m_s2"])
 
 
 def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array) -> AccelerometerBias | None:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from planner.cli.console import Json, Overwrite, OwnCase, Stale, argument, option, out, print_json, print_table
 
 if TYPE_CHECKING:
-    from cases.schema import Case
+    from identification.outcome import Result
     from identification.recording import Recording
-    from identification.saved_result import SavedResult
 
 
 def export(
@@ -74,8 +73,8 @@ def force(
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
-    run, loaded, saved, remarks = _read(recording, parameters, case, stale)
-    result = external_force(run, loaded, saved)
+    run, saved, remarks = _read(recording, parameters, case, stale)
+    result = external_force(run, saved)
     with atomic_file(file) as part:
         _write(part, result, remarks)
     answer: dict[str, Any] = {
@@ -99,16 +98,16 @@ def force(
 
 def _read(
     recording: Path, parameters: Path, case: str | None, stale: bool
-) -> "tuple[Recording, Case, SavedResult, tuple[str, ...]]":
-    """The run on one clock, its case, the result whose parameters are used, and what has changed in the case since."""
+) -> "tuple[Recording, Result, tuple[str, ...]]":
+    """The run on one clock, the result whose parameters are used, and what has changed in the case since."""
+    from identification.outcome import Result
     from identification.recording import read
     from identification.runs.rates import on_one_clock
-    from identification.saved_result import load_result
     from planner.runs.identifying import case_of
 
     loaded, remarks = case_of(recording, case, stale, parameters)
-    saved = load_result(parameters)
-    return on_one_clock(read(recording, loaded), loaded), loaded, saved, remarks + saved.remarks(loaded, stale)
+    saved = Result.load(parameters, loaded, stale)
+    return on_one_clock(read(recording, loaded), loaded), saved, remarks + saved.remarks
 
 
 def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
@@ -140,13 +139,12 @@ def tare(
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
     from identification.external import tare as new_offsets
-    from identification.saved_result import with_tare
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
-    run, loaded, saved, remarks = _read(recording, parameters, case, stale)
-    offsets = new_offsets(run, loaded, saved)
-    content = with_tare(saved, loaded, offsets.values, offsets.covariance, str(recording), offsets.notes)
+    run, saved, remarks = _read(recording, parameters, case, stale)
+    offsets = new_offsets(run, saved)
+    content = dict(saved.tared(offsets.values, offsets.covariance, str(recording), offsets.notes).record)
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
     with atomic_folder(folder, RESULT, overwrite) as part:
@@ -174,21 +172,18 @@ def payload(
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
+    from cases.loading import load_case
     from identification.external import payload_between, payload_on_table, require_two
-    from identification.saved_result import load_result
+    from identification.outcome import Result
     from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows
 
-    old, new = load_result(before), load_result(after)
-    loaded = old.artefact.case(case)
-    remarks = (*old.remarks(loaded, stale), *new.remarks(loaded, stale))
-    models = old.model_of(loaded), new.model_of(loaded)
+    old = Result.load(before, None if case is None else load_case(case), stale)
+    new = Result.load(after, old.case, stale)
     require_two(old, new)
-    parameters, warnings = (
-        payload_on_table(old, new, models[0]) if loaded.setup == "1a" else payload_between(old, new, *models)
-    )
+    parameters, warnings = (payload_on_table if old.case.setup == "1a" else payload_between)(old, new)
     answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in parameters.items()},
-        "warnings": [*warnings, *remarks],
+        "warnings": [*warnings, *old.remarks, *new.remarks],
     }
     if json:
         print_json(answer)

@@ -12,13 +12,12 @@ from identification.estimation.priors import Prior
 from identification.estimation.selection import symmetric_platform
 from identification.external import external_force
 from identification.model import Model
-from identification.outcome import Result
+from identification.outcome import Result, biases_of
 from identification.parameters import physical_form
 from identification.recording import read
 from identification.result import Value
 from identification.runs.rates import on_one_clock
 from identification.samples import Conditioning
-from identification.saved_result import biases_of, load_result
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
 from planner.request import read_value
@@ -116,9 +115,9 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
 
 
-def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:
+def verify_result(path: Path, result: Result, quiet: bool) -> dict[str, Any]:
     """How well the parameters predict another run: what is left of force and moment, and of each channel."""
-    forces = external_force(on_one_clock(read(path, case), case), case, load_result(result), whole=False)
+    forces = external_force(on_one_clock(read(path, result.case), result.case), result, whole=False)
     deviation = forces.wrench.std(axis=0)
     answer = {
         "recording": str(path),

@@ -102,7 +102,7 @@ def identify(
     if not json:
         show_result(answer)
     if verify is not None:
-        answer["verify"] = verify_result(verify, loaded, folder, quiet=json)
+        answer["verify"] = verify_result(verify, result, quiet=json)
     if json:
         console.print_json(answer)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
-from cases.files import DAMAGED, another_kind, read_json, sha256_of
+from cases.files import another_kind, read_json, sha256_of
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
@@ -18,12 +18,11 @@ from identification.formats.reading import files_of
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.motion import Array
+from identification.outcome import Result
 from identification.parameters import physical_form
 from identification.recording import Recording, read
-from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
-from identification.saved_result import load_result
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
@@ -227,25 +226,13 @@ def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Ar
 
 
 def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
-    saved = load_result(path)
-    file = path / "result.json"
-    data = read_json(file, "hexcite identify")
-    case = saved.artefact.case() if user_case is None else user_case
-    stale_in = saved.remarks(case, stale)
-    model = saved.model_of(case)
-    try:
-        samples, s0, measured = int(data["samples"]), float(data["s0"]), float(data["s0_N"])
-        weights, seconds = str(data["weights"]), None if data.get("measuring_s") is None else float(data["measuring_s"])
-        deviations = {
-            n: Told(v.value, v.reported, v.unit)
-            for n, p in data["parameters"].items()
-            for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
-        }
-    except DAMAGED as error:
-        raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
+    saved = Result.load(path, user_case, stale)
+    case, model, data = saved.case, saved.model, saved.record
+    samples, s0, seconds = data["samples"], data["s0"], data.get("measuring_s")
+    deviations = {n: Told(v.value, v.reported, v.unit) for n, v in saved.parameters.items()}
     conditions = Conditions(case, recordings=saved.recordings, plan=data.get("plan_hash"))
     criteria: dict[str, float] = {}
-    if weights == "equal" and saved.covariance.shape[0] == len(model.names):
+    if data["weights"] == "equal":
         try:  # (28) turned round: the information that the run held of these parameters
             mean = s0**2 * np.linalg.inv(saved.covariance) / samples
             scaling = reference_scaling(case, model)
@@ -253,7 +240,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
         except (np.linalg.LinAlgError, IdentificationError):
             pass
     return Entry(
-        str(path), Level.IDENTIFIED, conditions, saved.model,
-        str(data.get("estimator", "")), seconds, samples, criteria, deviations, measured, {},
-        tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
+        str(path), Level.IDENTIFIED, conditions, model.number,
+        data["estimator"], seconds, samples, criteria, deviations, data["s0_N"], {},
+        tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
     )  # fmt: skip

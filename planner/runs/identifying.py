@@ -21,7 +21,7 @@ from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.motion import Array
-from identification.outcome import TOLD_OF_RUNS, Result
+from identification.outcome import TOLD_OF_RUNS, Result, case_of_result
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
 from identification.result import residuals_of
@@ -29,7 +29,6 @@ from identification.runs.preparation import delimited, stands_only
 from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
 from identification.samples import USUAL, Conditioning
-from identification.saved_result import load_result
 from planner.plan_folder import load_plan
 from planner.plans import Plan
 
@@ -141,7 +140,7 @@ def case_of(
     about = about_recording(path)
     if not about:
         if result is not None:
-            return load_result(result).artefact.case(), ()
+            return case_of_result(result), ()
         raise RecordingError(path, "does not say which machine it is from", "name it with --case")
     artefact = Artefact(path / "recording.json", about, "run the program again")
     loaded = artefact.case()

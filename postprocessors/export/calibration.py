@@ -13,14 +13,13 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from cases.errors import FileProblem
-from cases.files import DAMAGED, json_text
+from cases.files import json_text
+from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.outcome import Result
-from identification.parameters import physical_form
 from identification.result import Value
-from identification.saved_result import SavedResult, load_result
 
 Array = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ Array = NDArray[np.float64]
 class Calibration:
     """The calibrated measurement model."""
 
-    result: SavedResult
+    result: Result
     case: Case  # the machine that they belong to, unchanged since
     model: Model
     hexapod: Hexapod | None  # kinematics, None where the case has no machine
@@ -72,28 +71,15 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
         FileProblem: the result is damaged, belongs to another case, or carries warnings and `force` is not set.
         CaseError: no such case.
     """
-    result = load_result(path)
-    case = result.artefact.case(case_name)
-    remarks = result.remarks(case, stale)
-    return _calibration(result, case, Path(result.source).read_bytes(), force, remarks)
+    return calibration_of(Result.load(path, None if case_name is None else load_case(case_name), stale), force)
 
 
 def calibration_of(result: Result, force: bool = False) -> Calibration:
     """A result for export; errors as `load_calibration`."""
-    return _calibration(result.solution, result.case, json_text(dict(result.record)).encode(), force, ())
-
-
-def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, remarks: tuple[str, ...]) -> Calibration:
-    model, file, data = result.model_of(case), result.source, result.about
-    try:
-        warnings = tuple(str(w) for w in data["warnings"])
-        recording, samples, s0 = str(data["recording"]), int(data["samples"]), float(data["s0"])
-        if "tared_with" in data:
-            recording += f", tared with {data['tared_with']}"
-        robust = {name: float(entry["std_robust"]) for name, entry in data["parameters"].items()}
-    except DAMAGED as error:
-        raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
-    form = physical_form(model)
+    model, file, data = result.model, result.source, result.record
+    warnings, recording = result.warnings, data["recording"]
+    if "tared_with" in data:
+        recording += f", tared with {data['tared_with']}"
     if not result.values[0] > 0.0:
         raise FileProblem(file, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
     if warnings and not force:
@@ -103,22 +89,18 @@ def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, r
             f"carries a warning{more}: {warnings[0]}",
             "identify from a better run, or export with --force, which writes the warning into the file",
         )
-    values, covariance = form.of(result.values, result.covariance)
-    physical = {
-        p.name: Value(float(values[k]), float(np.sqrt(max(covariance[k, k], 0.0))), robust[p.name], p.unit)
-        for k, p in enumerate(form.parameters)
-    }
+    content = json_text(dict(data)).encode() if result.file is None else result.file.read_bytes()
     return Calibration(
         result=result,
-        case=case,
+        case=result.case,
         model=model,
-        hexapod=Hexapod.of(case) if case.hexapod is not None else None,
-        physical=physical,
+        hexapod=Hexapod.of(result.case) if result.case.hexapod is not None else None,
+        physical=result.parameters,
         recording=recording,
-        samples=samples,
-        s0=s0,
+        samples=data["samples"],
+        s0=data["s0"],
         result_hash=hashlib.sha256(content).hexdigest()[:16],
-        warnings=(*warnings, *remarks),
+        warnings=(*warnings, *result.remarks),
     )
 
 

@@ -12,8 +12,8 @@ from cases.loading import load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import identify
+from identification.outcome import biases_of
 from identification.recording import Recording, read
-from identification.saved_result import biases_of
 from identification.simulate import simulate_recording
 from tests.bench.coverage import coloured_coverage
 from tests.bench.hour import hour_figures

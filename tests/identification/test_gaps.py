@@ -14,10 +14,10 @@ from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
+from identification.outcome import Result
 from identification.recording import read, write_recording
 from identification.result import Estimate
 from identification.runs.preparation import moving_run
-from identification.saved_result import SavedResult
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, few, one_line
 from tests.simulated_machine import PoseExecution
@@ -161,11 +161,9 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
 
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
-    assert sound.delay is not None
-    covariances = sound.fit.covariance, sound.fit.covariance_robust
-    result = SavedResult("here", CASE.name, 9, sound.fit.values, *covariances, (), sound.delay.value)
-    before = external_force(read(damaged(lines, tmp_path), CASE), CASE, result)
-    force = external_force(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
+    result = Result(CASE, sound.to_json())
+    before = external_force(read(damaged(lines, tmp_path), CASE), result)
+    force = external_force(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))
     assert np.abs(force.wrench).max() <= np.abs(before.wrench).max() * (1.0 + 1e-6)
     assert any("80 samples are missing" in w for w in force.warnings)

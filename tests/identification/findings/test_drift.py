@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from cases.files import json_text
 from cases.schema import Case
 from identification.external import external_force, tare
 from identification.findings import Kind
 from identification.identify import identify
+from identification.outcome import Result
 from identification.recording import Recording, read, write_recording
-from identification.result import Estimate
-from identification.saved_result import SavedResult, load_result
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few
 
@@ -92,24 +90,21 @@ def test_standstills_drift_in_their_order() -> None:
 
 
 @pytest.fixture(scope="module")
-def saved(tmp_path_factory: pytest.TempPathFactory) -> SavedResult:
-    file = tmp_path_factory.mktemp("result") / "result.json"
-    estimate: Estimate = identify(recorded(7), ROBOT)
-    file.write_text(json_text(estimate.to_json()))
-    return load_result(file)
+def saved() -> Result:
+    return Result(ROBOT, identify(recorded(7), ROBOT).to_json())
 
 
-def test_readings_that_are_off_all_along_are_named(saved: SavedResult) -> None:
-    (told,) = external_force(recorded(8, of_channel(1, np.full(len(T), -0.8))), ROBOT, saved).warnings
+def test_readings_that_are_off_all_along_are_named(saved: Result) -> None:
+    (told,) = external_force(recorded(8, of_channel(1, np.full(len(T), -0.8))), saved).warnings
     assert "fy_N reads -0.7" in told
     assert "presses" in told
     for seed in (9, 10):
-        assert not external_force(recorded(seed), ROBOT, saved).warnings
+        assert not external_force(recorded(seed), saved).warnings
 
 
-def test_a_push_is_not_a_drift(saved: SavedResult) -> None:
+def test_a_push_is_not_a_drift(saved: Result) -> None:
     pushed = recorded(8, of_channel(1, np.where((T > 2.0) & (T < 5.0), -20.0, 0.0)))
-    assert not external_force(pushed, ROBOT, saved).warnings
+    assert not external_force(pushed, saved).warnings
 
 
 def resting(seed: int, shift: float) -> Recording:
@@ -118,9 +113,9 @@ def resting(seed: int, shift: float) -> Recording:
     return replace(whole, t=T[rest], struts=whole.struts[rest], forces=whole.forces[rest])
 
 
-def test_a_tare_says_what_has_drifted_since_the_result(saved: SavedResult) -> None:
-    (told,) = tare(resting(20, 0.05), ROBOT, saved).notes
+def test_a_tare_says_what_has_drifted_since_the_result(saved: Result) -> None:
+    (told,) = tare(resting(20, 0.05), saved).notes
     assert "mz_Nm has drifted by +0.0" in told
     assert "N m" in told
     assert saved.source in told
-    assert not [note for seed in range(21, 31) for note in tare(resting(seed, 0.0), ROBOT, saved).notes]
+    assert not [note for seed in range(21, 31) for note in tare(resting(seed, 0.0), saved).notes]

@@ -12,7 +12,8 @@ from cases.loading import load_case
 from cases.recording_format import Drives
 from cases.schema import Case
 from identification.model import Model, identification_model
-from identification.parameters import body_parameters, physical_form
+from identification.parameters import body_parameters
+from identification.result import physical_values
 from postprocessors.export.calibration import Calibration, load_calibration
 
 Array = NDArray[np.float64]
@@ -31,24 +32,33 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
     model = identification_model(machine, number, changes.get("error_terms", ()))
     u = plausible(machine, model) if values is None else values
     covariance = np.diag((1e-3 * np.abs(u) + 1e-3) ** 2)
-    form = physical_form(model)
-    physical, spread = form.of(u, covariance)
-    deviations = np.sqrt(np.diag(spread))
+    physical = physical_values(model, u, covariance, 4.0 * covariance)
     data = {
         "schema_version": 1,
         "case": machine.name,
         "case_hash": machine.hash,
         "recording": "run.csv",
+        "inputs": [],
+        "versions": {},
         "model": number,
+        "error_terms": [],
+        "estimator": "gauss-markov",
+        "accelerometer": None,
         "s0": 1.0,
+        "s0_N": 1.0,
+        "residual_rms": [1.0] * 6,
         "samples": 3400,
+        "degrees_of_freedom": 3380,
+        "rank": len(u),
+        "condition": 60.0,
+        "weights": "equal",
         "delay_s": {"value": 2.5e-3, "std": 1e-4},
-        "parameters": {
-            p.name: {"value": float(v), "std": float(s), "std_robust": float(2 * s), "unit": p.unit}
-            for p, v, s in zip(form.parameters, physical, deviations, strict=True)
-        },
+        "parameters": {name: value._asdict() for name, value in physical.items()},
+        "intervals_95": {name: value.interval(3380) for name, value in physical.items()},
         "linear": {"names": model.names, "values": u.tolist()},
         "covariance": covariance.tolist(),
+        "covariance_robust": (4.0 * covariance).tolist(),
+        "notes": [],
         "warnings": [],
     }
     folder.mkdir(parents=True, exist_ok=True)

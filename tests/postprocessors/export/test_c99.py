@@ -136,7 +136,7 @@ def test_a_tare_does_what_hexcite_tare_does(tmp_path: Path) -> None:
     compiled = Compiled(made, tmp_path)
     execution = PoseExecution(Hexapod.of(CASE), Standstill(np.add(HOME, [0.05, 0.1, 0.0, 0.1, -0.1, 0.05]), 0.4))
     recording = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")
-    expected = tare(recording, CASE, made.result)
+    expected = tare(recording, made.result)
     zero = np.zeros(6)
     compiled("tare_begin")
     assert recording.struts is not None

@@ -122,7 +122,7 @@ def test_bad_inputs_and_open_struts_keep_the_outputs(block: Callable[[], Block])
 def test_a_tare_does_what_hexcite_tare_does(made: Calibration, block: Callable[[], Block]) -> None:
     execution = PoseExecution(Hexapod.of(CASE), Standstill(np.add(HOME, [0.05, 0.1, 0.0, 0.1, -0.1, 0.05]), 0.05))
     recording = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")
-    expected = tare(recording, CASE, made.result)
+    expected = tare(recording, made.result)
     one = block()
     assert recording.struts is not None
     for struts, forces in zip(recording.struts, recording.forces, strict=True):
