@@ -169,16 +169,13 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
             raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
-    no_folder = FileProblem(path, "exists and is not a folder", "choose another place with -o")
     entries = set[str]()
     try:  # one look: another command may be writing here
         entries = {entry.name for entry in path.iterdir()}
-    except NotADirectoryError as error:
-        if os.path.lexists(path):  # not where a file stands above it, which is told below
-            raise no_folder from error
-    except FileNotFoundError as error:
-        if path.is_symlink():
-            raise no_folder from error
+    except (NotADirectoryError, FileNotFoundError) as error:
+        # where a file stands above it, this is told below
+        if path.is_symlink() or (isinstance(error, NotADirectoryError) and os.path.lexists(path)):
+            raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
     except OSError as error:
         raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
     if entries and not entries <= kind.contents:
