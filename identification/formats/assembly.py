@@ -112,7 +112,7 @@ def _nothing(table: ColumnTable, forces: tuple[str, ...], form: RecordingFormat)
     """What to say of a file in which nothing serves the case."""
     if ACCELEROMETER[0] in table.values:
         return "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
-    return without([form.file_name(c) for c in (STRUTS[0], POSE[0], ROTATION[0], forces[0])], table.names)
+    return without(table.names, form, (STRUTS[0], POSE[0], ROTATION[0], forces[0]))
 
 
 def _group(table: ColumnTable, form: RecordingFormat, channels: tuple[str, ...]) -> Array | None:

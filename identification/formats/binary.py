@@ -23,7 +23,7 @@ from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
 from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
 from identification.formats.text import select
-from identification.formats.text_errors import unknown_columns
+from identification.formats.text_errors import without
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -217,7 +217,7 @@ def _row_groups(file: Path, parquet: "pq.ParquetFile", form: RecordingFormat) ->
     chosen = select(file, names, form)
     clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
     if not chosen:
-        raise RecordingError(file, unknown_columns(names, form))
+        raise RecordingError(file, without(names, form))
     columns = [*(names[k] for k in chosen.values()), *clock]
     count = 0
     for group in range(parquet.num_row_groups):

@@ -29,9 +29,9 @@ from identification.formats.assembly import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
-from identification.formats.reading import bag_of, is_bag, read_run, read_tables
-from identification.formats.table import Array, require_file
-from identification.formats.text import parse, read_blocks
+from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables, whole
+from identification.formats.table import Array
+from identification.formats.text import read_blocks, rows_of
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 _USUAL_RATE = 1000.0
@@ -53,10 +53,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     file = bag_of(Path(file))
     if is_bag(file):
         return _bag(file, case)
-    require_file(file)
-    with file.open("rb") as stream:
-        parquet = stream.read(4) == b"PAR1"
-    layout = None if parquet else layout_of(file)
+    layout = None if is_parquet(file) else layout_of(file)
     names, columns = _parquet(file) if layout is None else _numbers(file, layout)
     chain = None if case is None else case.chain
     joints = None if chain is None else dict(zip((j.name for j in chain.joints), chain.columns, strict=True))
@@ -106,13 +103,12 @@ def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int,
     ]
     last_blank = layout.format == "halsampler" and not layout.numeric[-1]
     names = layout.names[:-1] if last_blank else layout.names
-    piles: dict[int, list[Array]] = {k: [] for k in positions}
-    for block in read_blocks(file, layout.header_rows, layout.trailing_rows):
-        table = parse(file, block, layout.dialect, layout.names, positions, [])
-        for k in positions:
-            piles[k].append(table[k].to_numpy())
-    arrays = {k: np.concatenate(parts) for k, parts in piles.items() if parts}
-    return names, {k: values for k, values in arrays.items() if np.isfinite(values).any()}
+    blocks = read_blocks(file, layout.header_rows, layout.trailing_rows)
+    chosen = {str(k): k for k in positions}
+    if not chosen:
+        return names, {}
+    columns = whole(list(rows_of(file, blocks, layout.names, chosen, layout.dialect, None))).values
+    return names, {k: columns[str(k)] for k in positions if np.isfinite(columns[str(k)]).any()}
 
 
 def _parquet(file: Path) -> tuple[tuple[str, ...], dict[int, Array]]:

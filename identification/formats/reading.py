@@ -50,30 +50,31 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
         numbers += table.rows * len(table.values)
         if numbers > most:
             others = " and the files before it" if held else ""
+            size = sum(part.stat().st_size for part in _files(file))
             raise RecordingError(
                 f"{file}{others}",
-                f"{_size(file) / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
+                f"{size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
                 f"to evaluate these takes more than half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
                 f"cut the run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or "
                 "free memory",
             )
-    return tuple(_whole(parts) for parts in batches.values())
+    return tuple(whole(parts) for parts in batches.values())
 
 
 def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
     if is_bag(file):
         return binary.bag_tables
+    return binary.parquet_tables if is_parquet(file) else _READERS[form.format]
+
+
+def is_parquet(file: Path) -> bool:
+    """Whether a file is Parquet; raises RecordingError where it cannot be read."""
     require_file(file)
     try:
         with file.open("rb") as stream:
-            start = stream.read(len(_PARQUET))
+            return stream.read(len(_PARQUET)) == _PARQUET
     except OSError as error:
         raise unreadable(file, error) from error
-    return binary.parquet_tables if start == _PARQUET else _READERS[form.format]
-
-
-def _size(file: Path) -> int:
-    return sum(part.stat().st_size for part in _files(file))
 
 
 def _files(place: Path) -> list[Path]:
@@ -89,7 +90,7 @@ def free_memory() -> int:
         return 1 << 60
 
 
-def _whole(parts: Sequence[ColumnTable]) -> ColumnTable:
+def whole(parts: Sequence[ColumnTable]) -> ColumnTable:
     """Batches of one clock, one after the other."""
     first = parts[0]
     if len(parts) == 1:
@@ -189,11 +190,10 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
-        columns = [form.file_name(c) for c in case.sensor_frame.channels]
-        raise RecordingError(sources, f"no forces: {without(columns, names)}")
+        raise RecordingError(sources, f"no forces: {without(names, form, case.sensor_frame.channels)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
-        columns = [form.file_name(c) for c in (case.drive_columns if case.machine is not None else (*ROTATION, *POSE))]
-        raise RecordingError(sources, f"no pose: {without(columns, names)}")
+        columns = case.drive_columns if case.machine is not None else (*ROTATION, *POSE)
+        raise RecordingError(sources, f"no pose: {without(names, form, columns)}")
 
 
 def _joined(streams: Sequence[Stream]) -> list[Stream]:

@@ -253,20 +253,15 @@ def rows_of(
         columns = parse(file, block, dialect, names, positions.values(), [] if at is None else [at])
         rows = len(next(iter(columns.values())))
         values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
-        stamps = None
-        if tick is not None:
-            stamps = np.arange(count, count + rows)
-            if at is not None:
-                clock = columns[at]
-                if clock.null_count:
-                    place = lines_of(block, rows).place(int(np.argmin(clock.is_valid().to_numpy())))
-                    raise RecordingError(
-                        f"{file}, {place}, {shown(names[at])}",
-                        "is empty where a time stamp is needed",
-                        "remove the row",
-                    )
-                stamps = clock.to_numpy()
-        yield ColumnTable(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
+        stamps, lines = None if tick is None else np.arange(count, count + rows), lines_of(block, rows)
+        if at is not None:
+            clock = columns[at]
+            if clock.null_count:
+                row = int(np.argmin(clock.is_valid().to_numpy()))
+                place = f"{file}, {lines.place(row)}, {shown(names[at])}"
+                raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
+            stamps = clock.to_numpy()
+        yield ColumnTable(str(file), tuple(names), values, stamps, tick or 0.0, lines)
         count += rows
     if not count:
         raise RecordingError(file, "has a header but no rows", "record again")

@@ -42,20 +42,14 @@ def unnamed(
                 f"set recording.names_row = {k} in the case, and recording.header_rows to the number of lines "
                 "above the numbers",
             )
-    return RecordingError(file, unknown_columns(names, form))
+    return RecordingError(file, without(names, form))
 
 
-def unknown_columns(names: Iterable[str], form: RecordingFormat) -> str:
-    """What to say of a file that has none of our columns."""
-    return without([form.file_name(c) for c in _TYPICAL], names)
-
-
-def without(wanted: Iterable[str], names: Iterable[str]) -> str:
-    """What to say of a file that lacks columns that are wanted."""
-    return (
-        f"none of the columns {listed(wanted)}; it has {listed(names)}: name them so or map them in "
-        "[recording.columns] of the case"
-    )
+def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:
+    """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
+    columns = listed(map(form.file_name, wanted))
+    remedy = "name them so or map them in [recording.columns] of the case"
+    return f"none of the columns {columns}; it has {listed(names)}: {remedy}"
 
 
 def explain(

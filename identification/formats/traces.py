@@ -24,7 +24,7 @@ from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.table import ColumnTable, Stamps, TextBlock, TextFormat, is_number, lines_of
 from identification.formats.text import cells, decoded, parse, read_blocks, read_head, rows_of, select
-from identification.formats.text_errors import unknown_columns
+from identification.formats.text_errors import without
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
 _MISSING = ("", " ")
@@ -107,7 +107,7 @@ def _layout(
     positions.pop(CLOCK, None)
     channels = tuple(name for name in own if name)
     if not positions:
-        raise RecordingError(file, unknown_columns(channels, form))
+        raise RecordingError(file, without(channels, form))
     labels = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
     return first, labels, channels, positions, {ours: above[k] for ours, k in positions.items()}
 
