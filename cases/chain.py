@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Tag, field_validator, model_validator
 
-from cases.machine import KeepOut, MotionLimits, Tool
-from cases.parts import Array, Part, Positive, Range, Vector, frozen, kind_of
-from cases.parts import Number as Real
+from cases.machine import Array, KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of
+from cases.machine import Number as Real
 from cases.sensors import RigidBody
 from cases.units import DEG, MM
 

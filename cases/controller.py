@@ -6,7 +6,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import AfterValidator, Field, Tag, model_validator
 
 from cases.errors import CaseError
-from cases.parts import Part, Positive, kind_of
+from cases.machine import Part, Positive, kind_of
 from cases.units import DEG, MINUTE, MM, MS
 
 Kept = Literal["velocity", "acceleration", "jerk", "strut velocity", "strut acceleration"]

@@ -15,8 +15,7 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
-from cases.parts import Array, Grid, Number, Part, Positive, Range, frozen
-from cases.recording_format import POSE
+from cases.machine import POSE, Array, Grid, Number, Part, Positive, Range, frozen
 from cases.units import DEG, MM
 
 

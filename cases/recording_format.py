@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from cases.parts import Array, Number, Part, Positive, Six, Vector, frozen
+from cases.machine import POSE, Array, Number, Part, Positive, Six, Vector, frozen
 from cases.units import DEG, MM, MS, UM
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
@@ -21,7 +21,6 @@ DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
 JOINT_ANGLES = tuple(f"q{k}_deg" for k in range(1, 13))
 JOINT_WAYS = tuple(f"q{k}_mm" for k in range(7, 13))  # of a chain; those before are the names of drives too
 DRIVE_VELOCITIES = tuple(f"qd{k}_mm_s" for k in range(1, 7))
-POSE = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 ROTATION = tuple(f"r{i}{j}" for i in range(1, 4) for j in range(1, 4))
 ACCELEROMETER = ("ax", "ay", "az")
 BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))

@@ -15,7 +15,7 @@ from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import write_text
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
-from cases.parts import Part
+from cases.machine import Part
 from cases.poses import Poses
 from cases.schema import Case
 from cases.units import DEG, MM

@@ -16,8 +16,7 @@ from pydantic import Field, PrivateAttr, Tag, field_validator, model_validator
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.machine import HexapodMachine, MotionLimits, Workspace
-from cases.parts import Array, Part, Vector, frozen, kind_of
+from cases.machine import Array, HexapodMachine, MotionLimits, Part, Vector, Workspace, frozen, kind_of
 from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together

@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.machine import Joints
-from cases.parts import (
+from cases.machine import (
     WORST_CONDITION,
     Array,
+    Joints,
     NonNegative,
     Number,
     Part,

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from cases.chain import LEAST_AXIS
 from cases.errors import CaseError
-from cases.parts import Array, turned
+from cases.machine import Array, turned
 from cases.sensors import RigidBody, together
 from cases.units import MM
 

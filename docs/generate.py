@@ -9,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 import typer
 
 import hexcite
-from cases.parts import LARGEST, Part
+from cases.machine import LARGEST, Part
 from cases.scaffold import explanations
 from cases.schema import Case
 from planner.cli import app

@@ -4,7 +4,6 @@ Strut k joins base joint b_k (in {B}) to platform joint p_k (in {P}): s_k = o + 
 as CasADi functions; NumPy arrays go through them sample by sample.
 """
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import ClassVar
 
@@ -14,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.machine_limits import Share, hexapod_shares
-from identification.symbolic import FrameMotion, over_samples, rotation, rpy, twist, twist_rate
+from identification.machine_limits import hexapod_shares
+from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rotation, rpy, twist, twist_rate
 
 Array = NDArray[np.float64]
 
@@ -25,15 +24,6 @@ STRUT_TOLERANCE = 1e-12  # [m]
 MOST_STEPS = 25
 CLOSE = 2e-3  # [m, rad] between cubic and linear interpolation, where the cubic one is trusted: a motion, no jump
 COARSE = 8  # every 8th sample is solved from home, the ones between start from their interpolation
-
-
-@dataclass(frozen=True, slots=True)
-class Kinematics:
-    """Motion of the platform, one row a sample."""
-
-    pose: Array  # (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad]
-    twist: Array  # velocity of the origin of {P} and angular velocity in {B}, shape (n, 6) [m/s, rad/s]
-    twist_rate: Array  # its time derivative, shape (n, 6) [m/s^2, rad/s^2]
 
 
 class StrutsDoNotClose(IdentificationError):
@@ -285,6 +275,30 @@ class Hexapod:
         drift = over_samples(self.jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (accelerations - drift)[:, :, None])[:, :, 0]
         return Kinematics(pose, np.asarray(twist_, dtype=np.float64), np.asarray(rate, dtype=np.float64))
+
+
+def kinetic(
+    case: Case, pose: Array, rates: Array, accelerations: Array
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Motion of what has limits of rates and accelerations beside the coordinates, along a motion in these.
+
+    Args:
+        pose: coordinates, shape (n, c); `rates` and `accelerations` are their derivatives.
+
+    Returns:
+        Velocities [m/s] and accelerations [m/s^2] of the k = 6 struts of a hexapod, shapes (n, k), and the limits of
+        both, shapes (k,); a chain has none, k = 0.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    if case.chain is not None:
+        none = np.zeros((len(pose), 0))
+        return (none, none), (none[:0].ravel(), none[:0].ravel())
+    limits = case.need_machine("the motion of struts")[2]
+    _, velocities, second = over_samples(Hexapod.of(case).strut_motion, pose, rates, accelerations)
+    six = np.ones(6)
+    return (velocities, second), (limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six)
 
 
 @lru_cache(maxsize=32)

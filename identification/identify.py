@@ -16,7 +16,7 @@ from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
 from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
-from identification.estimation.estimator import require_alive
+from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
 from identification.estimation.fit import Uncertain
 from identification.estimation.noise_sources import NoiseSources, noise_sources
@@ -26,8 +26,8 @@ from identification.findings.fit_checks import doubtful_body, fit_findings, leav
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, excerpt, fit_samples
-from identification.model import RIGID, Model, full_model, identification_model
-from identification.parameters import MASS
+from identification.model import Model, full_model, identification_model
+from identification.parameters import MASS, RIGID
 from identification.recording import Recording
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run

@@ -9,7 +9,7 @@ distances, and to drawing back.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -20,7 +20,7 @@ from cases.machine import Tool
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import LimitKind
-from identification.symbolic import rotation
+from identification.symbolic import Share, rotation
 
 if TYPE_CHECKING:
     from identification.hexapod import Hexapod
@@ -35,14 +35,6 @@ BALL_ROUNDING = 0.001  # [m] by about which least distances of bodies are rounde
 CLEARANCE = 0.02  # [m] from boxes, for what comes near them between two points or instants; less where home is nearer
 BALL_CLEARANCE = 0.01  # [m] the same between two balls; less where the middle of the box is nearer
 VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the ways of motions
-
-
-class Share(NamedTuple):
-    """A limit beside those of the coordinates."""
-
-    kind: LimitKind
-    order: int  # order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations
-    value: ca.SX  # shares that are used; the limit is satisfied between -1 and 1
 
 
 def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:

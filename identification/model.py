@@ -11,51 +11,27 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cases.errors import IdentificationError
+from cases.errors import CaseError, IdentificationError
 from cases.schema import Case
-from identification.hexapod import Hexapod, Kinematics
-from identification.machines import Machine, machine_if_any
+from identification.hexapod import Hexapod
 from identification.parameters import (
-    FIRST_MOMENT,
+    ERROR_TERMS,
     INERTIA,
     K1,
     K2,
-    K3,
-    K4,
-    K5,
-    MASS,
+    MODELS,
     OFFSETS,
+    RIGID,
     WRENCH_OFFSETS,
     Block,
     Parameter,
     State,
 )
+from identification.serial_chain import SerialChain
 from identification.strut_sensors import StrutLayout, rods, structure
-from identification.symbolic import gibbs, over_samples, rotation
+from identification.symbolic import Kinematics, Machine, gibbs, over_samples, rotation
 
 Array = NDArray[np.float64]
-
-RIGID = 6  # the model of a rigid body and offsets
-
-_STATIC = (MASS, FIRST_MOMENT, OFFSETS)
-_DYNAMIC = (MASS, FIRST_MOMENT, INERTIA, OFFSETS)
-
-# Table 2; models 4 and 8 have 18 orientation factors (K4), as their counts say
-MODELS: dict[int, tuple[Block, ...]] = {
-    0: _STATIC,
-    1: (*_STATIC, K1),
-    2: (*_STATIC, K2),
-    3: (*_STATIC, K2, K3),
-    4: (*_STATIC, K2, K4),
-    5: (*_STATIC, K2, K5),
-    6: _DYNAMIC,
-    7: (*_DYNAMIC, K2),
-    8: (*_DYNAMIC, K2, K4),
-    9: (*_DYNAMIC, K2, K5),
-}
-
-ERROR_TERMS: dict[str, Block] = {"K1": K1, "K2": K2, "K3": K3, "K4": K4, "K5": K5}
-"""Forms of the error compensation, (10) to (15), that may be combined freely."""
 
 
 @dataclass(frozen=True)
@@ -211,6 +187,23 @@ class Model:
         """
         columns = np.asarray(rotations, dtype=float).transpose(0, 2, 1).reshape(-1, 9)
         return over_samples(self.regressor, positions, columns, twists, rates)[0]
+
+
+def machine_of(case: Case) -> Machine:
+    """The machine of a case.
+
+    Raises:
+        CaseError: the case has no machine, or one that does not move the sensors.
+    """
+    return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
+
+
+def machine_if_any(case: Case) -> Machine | None:
+    """The machine of a case; None where it has none that can be planned for."""
+    try:
+        return machine_of(case)
+    except CaseError:
+        return None
 
 
 def regressors(model: Model, kinematics: Kinematics) -> Array:

@@ -15,8 +15,8 @@ from identification.estimation.fit import Fit, Uncertain
 from identification.estimation.noise_sources import NoiseSources, attenuation_of
 from identification.findings import Finding, Severity, quantities, sentences
 from identification.fitting import Fitted
-from identification.model import ERROR_TERMS, Model, expected_forces, identification_model
-from identification.parameters import physical_form
+from identification.model import Model, expected_forces, identification_model
+from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 from identification.runs.wrist import WristRun

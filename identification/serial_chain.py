@@ -17,11 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from cases.chain import Chain
 from cases.schema import Case
 from cases.sensors import RigidBody
-from identification.hexapod import Kinematics
 from identification.limit import LimitKind
-from identification.machine_limits import Share, clearance_shares
+from identification.machine_limits import clearance_shares
 from identification.overload import SHARE
-from identification.symbolic import FrameMotion, over_samples, rpy
+from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rpy
 
 Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only

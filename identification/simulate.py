@@ -16,13 +16,11 @@ from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
 from cases.units import DEG, MM
-from identification.estimation.fit import squared_distances
-from identification.estimation.stated_noise import acceleration_to_force
-from identification.hexapod import Kinematics
-from identification.machines import machine_of
-from identification.model import expected_forces, full_model, identification_model
+from identification.estimation.fit import acceleration_to_force, squared_distances
+from identification.model import expected_forces, full_model, identification_model, machine_of
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
+from identification.symbolic import Kinematics
 from identification.trajectories.executed import Execution, rippled, vibrating
 
 if TYPE_CHECKING:

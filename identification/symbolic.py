@@ -1,4 +1,4 @@
-"""CasADi at work: orientations as its expressions, and its functions over many samples at once, into NumPy memory.
+"""CasADi at work: its functions over many samples at once, orientations as its expressions, and machines made of both.
 
 Equation numbers are those of Friedrich & Ihlenfeldt, Sensors 21 (2021) 3537. R = Rz(yaw) Ry(pitch) Rx(roll) turns
 vectors of {P} into {B}.
@@ -7,15 +7,24 @@ Few samples go through CasADi's own interpreter: `Function.map` with `.full()` c
 FunctionBuffer costs nothing on top. Of many samples each instruction of the function is one NumPy operation on a few
 thousand of them, which is three to eight times as fast: the interpreter's overhead is paid once for all of them.
 CasADi is column-major: one column a sample, so that memory order equals NumPy's rows.
+
+A machine leads from its coordinates to the frame that carries the load. Coordinates are what motions are planned in,
+drives what encoders measure: the pose and the struts of a hexapod, for a chain both the positions of its joints. Who
+asks for less than a hexapod's struts takes a machine from `model.machine_of`, and so knows no kind of machine; a new
+kind is a class with the members of `Machine`, and a line there.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from cases.schema import Case
+from identification.limit import LimitKind
 
 Array = NDArray[np.float64]
 FrameMotion = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
@@ -177,3 +186,73 @@ def rpy(turn: ca.SX) -> ca.SX:
         ca.atan2(-turn[2, 0], ca.sqrt(turn[2, 1] ** 2 + turn[2, 2] ** 2)),
         ca.atan2(turn[1, 0], turn[0, 0]),
     )
+
+
+class Share(NamedTuple):
+    """A limit beside those of the coordinates."""
+
+    kind: LimitKind
+    order: int  # order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations
+    value: ca.SX  # shares that are used; the limit is satisfied between -1 and 1
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematics:
+    """Motion of the platform, one row a sample."""
+
+    pose: Array  # (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad]
+    twist: Array  # velocity of the origin of {P} and angular velocity in {B}, shape (n, 6) [m/s, rad/s]
+    twist_rate: Array  # its time derivative, shape (n, 6) [m/s^2, rad/s^2]
+
+
+class Machine(Protocol):
+    """A machine that moves the frame of the load."""
+
+    @property
+    def count(self) -> int:
+        """Number of coordinates n."""
+
+    @property
+    def of_pose(self) -> bool:
+        """Whether its coordinates are the pose (x, y, z, roll, pitch, yaw) of the load's frame."""
+
+    @property
+    def elastic(self) -> bool:
+        """Whether its sensors err with the pose as the error terms K1 to K5 say."""
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which drives measure angles, shape (n,)."""
+
+    def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX, /) -> FrameMotion:
+        """Motion of the load's frame from coordinates and their derivatives, shapes (n,)."""
+
+    def shares(self, case: Case, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX, /) -> list[Share]:
+        """Limits of the case beside those of the coordinates, for the search; the proof has its own."""
+
+    def positions(self, coordinates: Array) -> Array:
+        """Where the origin of the load's frame is, shape (k, 3) [m]."""
+
+    def drives(self, coordinates: ArrayLike, /) -> Array:
+        """What encoders measure at coordinates, shape (k, n) [m or rad]."""
+
+    def coordinates(self, drives: ArrayLike, /) -> Array:
+        """The coordinates that belong to measured drives, shape (k, n) [m or rad].
+
+        Raises:
+            IdentificationError: no coordinates do.
+        """
+
+    def kinematics(
+        self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None, /
+    ) -> Kinematics:
+        """Motion of the load's frame from that of the drives, shapes (k, n) [m or rad].
+
+        From poses near by, where they are known, shape (k, 6).
+
+        Raises:
+            IdentificationError: no coordinates belong to the drives.
+        """
+
+    def earlier(self, motion: Kinematics, time: float) -> Array | None:
+        """Poses about a short time [s] before, for `start`, shape (k, 6); None where they are of no use."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from cases.chain import JointLimit
 from cases.errors import CaseError
-from cases.recording_format import POSE
+from cases.machine import POSE
 from cases.schema import Case
 from identification.limit import TOLERANCE, LimitCheck
 from identification.limit_proof import prove

@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases.schema import Case
-from identification.estimation.fit import PoseField, matern, squared_distances
-from identification.estimation.stated_noise import StatedNoise, whitening_of
+from identification.estimation.fit import PoseField, StatedNoise, matern, squared_distances, whitening_of
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory

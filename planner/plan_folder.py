@@ -14,7 +14,7 @@ from cases.basis import Artefact, plan_basis
 from cases.chain import MOST_JOINTS
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, json_text, read_json
-from cases.parts import LARGEST
+from cases.machine import LARGEST
 from cases.schema import Case
 from identification.criteria import reference_scaling, singular_values
 from identification.limit import LimitReport

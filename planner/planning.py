@@ -15,8 +15,7 @@ from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
-from identification.machines import machine_of
-from identification.model import identification_model
+from identification.model import identification_model, machine_of
 from identification.motion import Array, Trajectory
 from planner.families import Controlled, Family
 from planner.families.settings import Spline

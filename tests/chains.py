@@ -4,8 +4,7 @@ import numpy as np
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.machines import machine_of
-from identification.model import expected_forces, full_model, identification_model
+from identification.model import expected_forces, full_model, identification_model, machine_of
 from identification.parameters import linear_parameters
 
 ROBOT = load_case("ur10_wrist")

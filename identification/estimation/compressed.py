@@ -1,4 +1,6 @@
-"""A regression in as many rows as it has unknowns: one QR, after which its size no longer matters.
+"""Gauss-Markov estimation (23) to (28) of a regression in as many rows as it has unknowns.
+
+One QR, after which the size of the regression no longer matters, with rank said aloud:
 
 W^1/2 (A f) = Q (R c; 0 d) turns chi^2 of (27) into |c - R u|^2 + d^2 (Golub & Van Loan 2013, section 5.3).
 """
@@ -11,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
-from identification.estimation.fit import UNFILTERED, Filtered, Fit, long_run_covariance
+from identification.estimation.fit import UNFILTERED, Filtered, Fit
+from identification.findings import Finding, Kind, warning
 
 Array = NDArray[np.float64]
 
@@ -143,6 +146,33 @@ def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
     return independent - used
 
 
+def long_run_covariance(scores: Array) -> Array:
+    """Sum over all lags of the autocovariance of a series times its length, by Bartlett's kernel (Newey and West 1987).
+
+    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column.
+
+    Args:
+        scores: shape (n, u).
+    """
+    count = len(scores)
+    variance = np.maximum(np.sum(scores[1:] ** 2, axis=0), np.finfo(float).tiny)
+    rho = np.clip(np.sum(scores[1:] * scores[:-1], axis=0) / variance, -0.97, 0.97)
+    alpha = float(np.mean(4 * rho**2 / ((1 - rho) ** 2 * (1 + rho) ** 2)))
+    width = int(np.clip(np.ceil(1.1447 * (alpha * count) ** (1 / 3)), 1, max(1, count // 4)))
+    # A Bartlett-weighted sum of lagged products is the mean product of moving sums over the bandwidth.
+    padded = np.vstack([np.zeros((1, scores.shape[1])), np.cumsum(np.pad(scores, ((0, width - 1), (0, 0))), axis=0)])
+    upper = np.arange(1, count + width)
+    moving = padded[upper] - padded[np.maximum(upper - width, 0)]
+    return np.asarray(moving.T @ moving / width)
+
+
+def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
+    """What to say of an estimator that finds its weights in turns."""
+    if converged:
+        return ()
+    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
+
+
 def scores(regressors: Array, residuals: Array, weights: Array) -> Array:
     """A_j^T W r_j of each sample, shape (n, u); their spread tells how sure an estimate is."""
     return np.asarray(np.einsum("nku,nk->nu", regressors, weights * residuals))
@@ -191,3 +221,56 @@ def with_kernel(fit: Fit, regressors: Array, filtered: Filtered = UNFILTERED) ->
     # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
     long_run = long_run_covariance(scores(regressors, fit.residuals, fit.weights))
     return replace(fit, covariance_robust=inverse @ long_run @ inverse)
+
+
+def gauss_markov(
+    regressors: Array,
+    forces: Array,
+    names: Sequence[str],
+    weights: Array,
+    nuisance: int = 0,
+    filtered: Filtered = UNFILTERED,
+) -> Fit:
+    """Weighted least squares with W the same diagonal at every sample.
+
+    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
+    the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
+    variance gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
+    stride F^-1 is the covariance, F being that of the kept samples.
+
+    Args:
+        regressors: A_j, shape (n, 6, u).
+        forces: shape (n, 6) [N, or N and N m].
+        weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
+        nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
+            certainty, but rank and condition are told without them.
+
+    Raises:
+        IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
+    """
+    compressed = compress(regressors, forces, weights)
+    determined(compressed.root, names, compressed.rows, nuisance)
+    norms = np.linalg.norm(compressed.root, axis=0)
+    remainders = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
+    unseen = np.flatnonzero(remainders <= compressed.rows * np.finfo(float).eps * norms)
+    if len(unseen):
+        raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
+    half = inverse_root(compressed.root)
+    values = np.asarray(half @ ((compressed.root @ half).T @ compressed.right))  # (24)
+    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
+
+
+def require_alive(forces: Array) -> None:
+    """Refuses channels that read one and the same value: a cable came off, or an amplifier is at its end.
+
+    Args:
+        forces: recorded forces, shape (n, 6), n >= 2.
+
+    Raises:
+        IdentificationError: names the first such channel.
+    """
+    stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
+    if len(stuck):
+        raise IdentificationError(
+            f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample; check its cable and amplifier"
+        )

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, Biases
-from identification.estimation.estimator import full_weights, gauss_markov, per_channel
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
+from identification.estimation.channel_weights import full_weights, per_channel
+from identification.estimation.compressed import gauss_markov
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, StatedNoise
+from identification.estimation.nonlinear import estimate_selected, nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import consistent, huber
-from identification.estimation.selection import Selection, estimate_selected, nonlinear, select
-from identification.estimation.stated_noise import StatedNoise
 from identification.findings import Kind, note, warning
 from identification.model import Model
-from identification.parameters import physical_form
+from identification.parameters import Selection, physical_form, select
 
 Array = NDArray[np.float64]
 

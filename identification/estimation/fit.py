@@ -1,21 +1,26 @@
-"""What every estimator gives back, and what is said about errors that are not white; W of (24) as its root.
+"""What every estimator gives back, and noise as a case states it: of the pose, of sensors and of accelerations.
 
-Errors that depend on the pose: encoders, joints, frame and geometry err in the same way wherever a motion comes back to
-a place. As in kriging (Cressie 1993, Statistics for Spatial Data), the error of a channel is a random function of the
-place: its correlation is of Matern's form with smoothness 3/2 (Stein 1999, Interpolation of Spatial Data), and channels
-are independent of each other. Struts are one unit for places and turns.
+Errors that depend on the pose are a random function of the place in each channel, as `pose_noise` says.
+
+A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = df/d(twist rate) holds the moved body:
+what vibrates is felt in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
+accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body. Errors of
+strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that at the few
+hertz of a motion they are below a hundredth of what is left near the cut-off, and W is about the former.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import MM
-from identification.findings import Finding, Kind, warning
+from identification.findings import Finding, Kind, note
+from identification.model import Model
+from identification.parameters import Selection
 
 Array = NDArray[np.float64]
 
@@ -113,37 +118,6 @@ class Fit:
     field: PoseField | None = None  # errors that depend on the pose, where the run shows them
 
 
-def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
-    """What to say of an estimator that finds its weights in turns."""
-    if converged:
-        return ()
-    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
-
-
-Estimator = Callable[[Array, Array, Sequence[str]], Fit]
-"""Regressors (n, 6, u), forces (n, 6) and names -> Fit; bind weights and the like with functools.partial."""
-
-
-def long_run_covariance(scores: Array) -> Array:
-    """Sum over all lags of the autocovariance of a series times its length, by Bartlett's kernel (Newey and West 1987).
-
-    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column.
-
-    Args:
-        scores: shape (n, u).
-    """
-    count = len(scores)
-    variance = np.maximum(np.sum(scores[1:] ** 2, axis=0), np.finfo(float).tiny)
-    rho = np.clip(np.sum(scores[1:] * scores[:-1], axis=0) / variance, -0.97, 0.97)
-    alpha = float(np.mean(4 * rho**2 / ((1 - rho) ** 2 * (1 + rho) ** 2)))
-    width = int(np.clip(np.ceil(1.1447 * (alpha * count) ** (1 / 3)), 1, max(1, count // 4)))
-    # A Bartlett-weighted sum of lagged products is the mean product of moving sums over the bandwidth.
-    padded = np.vstack([np.zeros((1, scores.shape[1])), np.cumsum(np.pad(scores, ((0, width - 1), (0, 0))), axis=0)])
-    upper = np.arange(1, count + width)
-    moving = padded[upper] - padded[np.maximum(upper - width, 0)]
-    return np.asarray(moving.T @ moving / width)
-
-
 def whitened(whitening: Array | None, matrices: Array, forces: Array) -> tuple[Array, Array]:
     """Both multiplied with the root of W, shapes (6, 6), (n, 6, u) and (n, 6); as they are where it is None."""
     return (matrices, forces) if whitening is None else (whitening @ matrices, forces @ whitening.T)
@@ -165,3 +139,142 @@ def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array)
 def w_of(whitening: Array | None, fit: Fit) -> Array:
     """W for one sample, shape (6, 6)."""
     return np.diag(fit.weights) if whitening is None else whitening.T @ whitening
+
+
+@dataclass(frozen=True, slots=True)
+class StatedNoise:
+    """White noise of one recorded sample."""
+
+    model: Model  # model that turns accelerations into forces
+    force: Array  # standard deviation of each channel, shape (6,) [N, or N and N m]
+    acceleration: Array  # acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]
+
+    @classmethod
+    def of(cls, model: Model, sensors: Sensors) -> "StatedNoise":
+        """What a case states.
+
+        Raises:
+            IdentificationError: it states no noise of forces.
+        """
+        if sensors.force_noise is None:
+            raise IdentificationError(
+                "weights stated: the case states no noise; give sensors.force_noise_N and acceleration_noise_m_s2, or "
+                "choose the weights equal or per_channel"
+            )
+        acceleration = sensors.acceleration_noise
+        return cls(model, sensors.force_noise, np.zeros(6) if acceleration is None else acceleration)
+
+    def covariance(self, values: Array) -> Array:
+        """Covariance of a force sample, shape (6, 6) [N^2, N^2 m ..].
+
+        Args:
+            values: u, shape (u,).
+        """
+        effects = acceleration_to_force(self.model, values) * self.acceleration
+        return np.asarray(np.diag(self.force**2) + effects @ effects.T)
+
+    def whitening(self, values: Array) -> Array:
+        """What makes the noise of a force sample white and of variance 1, shape (6, 6): W is its square, (24)."""
+        return whitening_of(self.covariance(values))
+
+    def whitening_from(self, regressors: Array, forces: Array, selection: Selection) -> Array:
+        """The same with u from the data themselves, in turns.
+
+        Args:
+            regressors: A_j, shape (n, 6, u).
+            forces: shape (n, 6) [N, or N and N m].
+        """
+        whitening = np.diag(1.0 / self.force)
+        for _ in range(TURNS):
+            target = (forces - regressors @ selection.offset) @ whitening.T
+            reduced = (whitening @ regressors @ selection.basis).reshape(-1, selection.basis.shape[1])
+            free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
+            whitening = self.whitening(selection.offset + selection.basis @ free)
+        return whitening
+
+
+def acceleration_to_force(model: Model, values: Array) -> Array:
+    """G = df/d(twist rate) where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in the twist rate.
+
+    Args:
+        values: u, shape (u,).
+    """
+    still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
+    matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
+    forces = matrices @ values
+    return np.asarray((forces[1:] - forces[0]).T)
+
+
+def whitening_of(covariance: Array) -> Array:
+    """C with C covariance C^T = 1, shape (6, 6), lower triangular; newtons and newton metres are scaled apart."""
+    std = np.sqrt(np.diag(covariance))
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance / np.outer(std, std))) / std)
+
+
+TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
+ROUNDS = 10  # of covariance and metric
+LEAST = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
+TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
+
+
+def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, weights: str) -> list[Finding]:
+    """Takes the residuals of a run apart: noise that would leave such ones; nothing where they are too few.
+
+    Args:
+        fit: its values begin with u; its residuals are those of the forces behind the filter.
+        wrench: whether the channels are three forces and three moments.
+        weights: weights of the identification.
+    """
+    freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
+    if freedom < LEAST:
+        return []
+    covariance = fit.residuals.T @ fit.residuals * filtered.stride / freedom
+    if np.linalg.matrix_rank(covariance) < len(covariance):
+        return []
+    (force, *moment, acceleration, angular), share = components_of(
+        covariance, model, fit.values[: len(model.parameters)], wrench
+    )
+    moments = f" and {moment[0]:.3g} N m" if wrench else ""
+    sentence = (
+        f"the residuals look like noise of {force:.3g} N{moments} in the channels and of {acceleration:.3g} m/s^2 and "
+        f"{angular:.3g} rad/s^2 in the accelerations: if that is the machine's, state it in [sensors] of the case "
+        "(force_noise_N, acceleration_noise_m_s2, angular_acceleration_noise_rad_s2), for smaller deviations with "
+        "--weights stated; the vibration of a structure looks alike, and identify --flexible estimates its mode"
+    )
+    entries = {
+        "force_noise_N": force,
+        **({"moment_noise_Nm": moment[0]} if wrench else {}),
+        "acceleration_noise_m_s2": acceleration,
+        "angular_acceleration_noise_rad_s2": angular,
+        "share_of_accelerations": share,
+    }
+    silent = share < TELLING or weights == "stated"
+    return [note(Kind.NOISE, "" if silent else sentence, noise_components=entries)]
+
+
+def components_of(total: Array, model: Model, values: Array, wrench: bool) -> tuple[list[float], float]:
+    """White noise of one recorded sample that makes a covariance of the channels, shape (6, 6).
+
+    Returns:
+        Standard deviations of a force channel [N], of a moment channel where there are such [N m], of the acceleration
+        of the origin of {P} in each direction [m/s^2] and of the angular acceleration [rad/s^2]; and the share of the
+        variance, in units of the channels' own, that the accelerations explain.
+    """
+    from scipy.optimize import nnls  # half a second, which those that simulate or weigh can do without
+
+    effects = acceleration_to_force(model, values)
+    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
+    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
+    covariance = total
+    theta = np.zeros(len(parts))
+    for _ in range(ROUNDS):
+        root = whitening_of(covariance)
+        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
+        size = np.linalg.norm(columns, axis=0)
+        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
+        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
+        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
+    remainder = np.diag(
+        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
+    )
+    return np.sqrt(theta).tolist(), float(np.mean(remainder / np.diag(covariance)))

@@ -26,13 +26,12 @@ from scipy.fft import fft
 from cases.sensors import Sensors
 from identification.estimation.fit import Fit
 from identification.findings import Finding, Kind, warning
-from identification.hexapod import Hexapod, Kinematics
-from identification.machines import Machine
+from identification.hexapod import Hexapod
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 from identification.runs.averaging import FINER, PeriodicRun
 from identification.runs.evaluation import Run
-from identification.symbolic import over_samples
+from identification.symbolic import Kinematics, Machine, over_samples
 
 Array = NDArray[np.float64]
 

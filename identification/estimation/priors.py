@@ -19,12 +19,13 @@ from identification.estimation.compressed import (
     degrees_of_freedom,
     determined,
     inverse_root,
+    long_run_covariance,
     scores,
 )
-from identification.estimation.fit import UNFILTERED, Filtered, Fit, long_run_covariance
-from identification.estimation.selection import gauss_newton, require_names
+from identification.estimation.fit import UNFILTERED, Filtered, Fit
+from identification.estimation.nonlinear import gauss_newton
 from identification.model import Model
-from identification.parameters import PhysicalForm, physical_form
+from identification.parameters import PhysicalForm, physical_form, require_names
 
 Array = NDArray[np.float64]
 

@@ -22,9 +22,8 @@ from scipy.linalg import solve_triangular
 from scipy.special import fdtrc
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import column_scale
-from identification.estimation.estimator import gauss_markov
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, long_run_covariance, settled
+from identification.estimation.compressed import column_scale, gauss_markov, long_run_covariance, settled
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
 from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS
 
 Array = NDArray[np.float64]

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.estimators import Method
-from identification.estimation.fit import Fit
-from identification.estimation.stated_noise import noise_components
+from identification.estimation.fit import Fit, noise_components
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.readings import drifting
 from identification.findings.sample_checks import cut_off

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cases.chain import Chain
 from cases.errors import RecordingError
+from cases.machine import POSE
 from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
@@ -21,7 +22,6 @@ from cases.recording_format import (
     JOINT_ANGLES,
     JOINT_WAYS,
     OVERRIDE,
-    POSE,
     ROTATION,
     STRUTS,
     TEMPERATURE,

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.errors import RecordingError
+from cases.machine import POSE
 from cases.recording_format import (
     BAR_FORCES,
     CLOCK,
@@ -15,7 +16,6 @@ from cases.recording_format import (
     DRIVES,
     GROUP_OF,
     GROUP_UNITS,
-    POSE,
     ROTATION,
     STRUTS,
     TICKS,

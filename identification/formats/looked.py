@@ -147,7 +147,7 @@ def strut_range(case: Case | None) -> tuple[float, float] | None:
     if case.workspace is not None:
         low, high = case.workspace.strut_length
         return float(low), float(high)
-    from identification.hexapod import Hexapod  # CasADi, which few looks need
+    from identification.hexapod import Hexapod
 
     usual = float(Hexapod.of(case).strut_lengths(case.hexapod.home.vector[None]).mean())
     return usual / AROUND_HOME, usual * AROUND_HOME

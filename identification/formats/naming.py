@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
+from cases.machine import POSE
 from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
@@ -11,7 +12,6 @@ from cases.recording_format import (
     DRIVE_VELOCITIES,
     DRIVES,
     OVERRIDE,
-    POSE,
     ROTATION,
     STRUT_VELOCITIES,
     STRUTS,

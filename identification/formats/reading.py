@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import POSE, ROTATION, RecordingFormat
+from cases.machine import POSE
+from cases.recording_format import ROTATION, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of

@@ -22,7 +22,7 @@ from identification.estimation.compressed import orthonormal
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.sample_checks import Scan, bridged
-from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
@@ -37,6 +37,7 @@ from identification.runs.periods import (
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 from identification.runs.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
 from identification.samples import Conditioning
+from identification.symbolic import Kinematics
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

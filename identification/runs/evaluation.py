@@ -29,11 +29,11 @@ from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust, Uncertain
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.findings import Finding, Kind, note
-from identification.hexapod import Kinematics, StrutsDoNotClose
-from identification.machines import Machine
+from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording
 from identification.signals import Filter, decimated, fair_part
+from identification.symbolic import Kinematics, Machine
 
 Array = NDArray[np.float64]
 

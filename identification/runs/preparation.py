@@ -11,8 +11,7 @@ from identification.findings import Finding, Kind, warning
 from identification.findings.sample_checks import Scan, bridged
 from identification.formats.assembly import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose
-from identification.machines import machine_of
-from identification.model import Model, regressors
+from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
 from identification.samples import Standstills

@@ -11,7 +11,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
-from identification.machines import machine_of
+from identification.model import machine_of
 from identification.recording import Recording
 from identification.runs.preparation import MOVING, delimited
 from identification.signals import stretches

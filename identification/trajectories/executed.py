@@ -14,13 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.sensors import Disturbances
-from identification.hexapod import Kinematics
 from identification.limit import LimitKind
-from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
 from identification.signals import Filter
-from identification.symbolic import over_samples, rate_matrix, twist_rate
+from identification.symbolic import Kinematics, Machine, over_samples, rate_matrix, twist_rate
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

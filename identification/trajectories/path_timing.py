@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.machines import kinetic
+from identification.hexapod import kinetic
 from identification.motion import Motion, Trajectory
 from identification.trajectories.profile import Untimed
 

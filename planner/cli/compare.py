@@ -89,7 +89,8 @@ def validate(
     from cases.errors import CaseError, HexciteError
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
-    from identification.model import RIGID, full_model
+    from identification.model import full_model
+    from identification.parameters import RIGID
     from planner.comparison.carrying_out import ValidationSettings, unfinished
     from planner.comparison.experiment import METHODS, mounted_weights, require_methods
     from planner.comparison.validation import disturbances_of, validate_recordings

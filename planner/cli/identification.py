@@ -9,11 +9,10 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.estimation.estimators import Method, method
 from identification.estimation.priors import Prior
-from identification.estimation.selection import symmetric_platform
 from identification.external import external_force
 from identification.model import Model
 from identification.outcome import Result, biases_of
-from identification.parameters import physical_form
+from identification.parameters import physical_form, symmetric_platform
 from identification.recording import read
 from identification.result import Value
 from identification.runs.rates import on_one_clock

@@ -16,9 +16,9 @@ from identification.hexapod import Hexapod
 from identification.keep_out import distances
 from identification.limit import TOLERANCE
 from identification.limit_proof import everything, shares_at
-from identification.machines import Machine, machine_of
+from identification.model import machine_of
 from identification.motion import Array, StandingPoses
-from identification.symbolic import over_samples, rotation, rpy
+from identification.symbolic import Machine, over_samples, rotation, rpy
 from planner.search.problem import standing_limits
 
 SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model depends on it

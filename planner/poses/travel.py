@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
+from identification.hexapod import kinetic
 from identification.limit_proof import MARGIN, slowed_for_forces
-from identification.machines import kinetic
 from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.moves import StraightMove

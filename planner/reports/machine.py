@@ -12,10 +12,10 @@ from cases.units import MM
 from identification.criteria import analyse, reference_scaling
 from identification.limit_proof import load_shares
 from identification.limited_quantities import strut_motion
-from identification.model import RIGID, Model, identification_model
+from identification.model import Model, identification_model
 from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
-from identification.parameters import nominal_parameters
+from identification.parameters import RIGID, nominal_parameters
 from identification.symbolic import over_samples
 from planner.reports.figures import COLOURS, GREY, identifiability_items, unit_of
 from planner.reports.page import Chart, Item, MachineItem, Note, Plot, Section, Table, plain, thinned

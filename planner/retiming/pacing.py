@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.schema import Case
-from identification.machines import kinetic
+from identification.hexapod import kinetic
 from identification.motion import Array, Motion, Trajectory
 from planner.precision import solver_text
 

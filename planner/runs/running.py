@@ -13,8 +13,7 @@ from cases.schema import Case
 from cases.units import MM
 from identification.criteria import reference_scaling
 from identification.limit import LimitKind
-from identification.machines import machine_of
-from identification.model import full_model, identification_model
+from identification.model import full_model, identification_model, machine_of
 from identification.motion import Joined, Trajectory
 from identification.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording

@@ -14,8 +14,7 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values, uniform_states
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
-from identification.machines import machine_of
-from identification.model import Model, identification_model
+from identification.model import Model, identification_model, machine_of
 from identification.motion import Standstill
 from identification.symbolic import over_samples
 from planner.families import Family, box_middle

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.limit import LimitKind
 from identification.limited_quantities import Box
-from identification.machines import machine_of
-from identification.model import Model, identification_model
+from identification.model import Model, identification_model, machine_of
 from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters

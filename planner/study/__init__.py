@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, Field, ValidationError
 from cases.basis import KEPT, Artefact
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
-from cases.parts import Part, Positive
+from cases.machine import Part, Positive
 from planner.families.settings import family_class
 from planner.request import Request
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
 from cases.schema import Case
-from identification.machines import machine_of
+from identification.model import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
 from identification.trajectories.path_timing import keeps_pace, retime

@@ -22,9 +22,9 @@ import hexcite as hx
 from cases.loading import load_case
 from cases.schema import Case
 from cases.sensors import SensorFrame, Transducer, together
-from identification.model import RIGID, identification_model
+from identification.model import identification_model
 from identification.motion import sample
-from identification.parameters import body_parameters, physical_form
+from identification.parameters import RIGID, body_parameters, physical_form
 from identification.symbolic import over_samples
 from planner.cli.console import print_table
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.parts import Part
+from cases.machine import Part
 from cases.scaffold import explanations
 from cases.schema import Case
 

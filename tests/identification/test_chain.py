@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 from cases.chain import Chain
 from cases.sensors import RigidBody
 from identification.limited_chain import joint_efforts
-from identification.model import MODELS, WRENCH_OFFSETS, Model
+from identification.model import WRENCH_OFFSETS, Model
 from identification.motion import Motion
-from identification.parameters import body_parameters
+from identification.parameters import MODELS, body_parameters
 from identification.serial_chain import SerialChain
 from identification.symbolic import over_samples
 from tests.helpers import taylor_slope

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from identification.estimation.compressed import with_kernel
-from identification.estimation.estimator import gauss_markov
-from identification.estimation.fit import long_run_covariance
+from identification.estimation.compressed import gauss_markov, long_run_covariance, with_kernel
 
 
 def auto_regressive(phi: float, count: int, seed: int, columns: int = 1) -> np.ndarray:

@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
-from identification.model import MODELS, identification_model
+from identification.model import identification_model
+from identification.parameters import MODELS
 from tests.helpers import one_line, paper_poses
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 

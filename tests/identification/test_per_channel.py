@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation.estimator import channel_leverage, gauss_markov, independent_poses, per_channel
+from identification.estimation.channel_weights import channel_leverage, independent_poses, per_channel
+from identification.estimation.compressed import gauss_markov
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)

@@ -7,7 +7,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import method
-from identification.estimation.stated_noise import StatedNoise, acceleration_to_force, components_of
+from identification.estimation.fit import StatedNoise, acceleration_to_force, components_of
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model

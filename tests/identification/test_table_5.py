@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.estimation.estimator import gauss_markov
+from identification.estimation.compressed import gauss_markov
 from identification.model import identification_model
 from identification.parameters import physical_form
 from tests.helpers import paper_poses

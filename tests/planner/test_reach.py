@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import CaseError
 from cases.loading import load_case
-from cases.recording_format import POSE
+from cases.machine import POSE
 from cases.schema import Case
 from identification.limit_proof import prove
 from identification.motion import StandingPoses

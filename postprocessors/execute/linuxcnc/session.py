@@ -16,7 +16,7 @@ import numpy as np
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
-from identification.machines import machine_of
+from identification.model import machine_of
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout

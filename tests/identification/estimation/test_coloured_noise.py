@@ -8,8 +8,7 @@ from scipy.signal import lfilter
 
 from cases.loading import load_case
 from identification.estimation.coloured_noise import coloured_covariance, turned
-from identification.estimation.compressed import with_kernel
-from identification.estimation.estimator import gauss_markov
+from identification.estimation.compressed import gauss_markov, with_kernel
 from identification.estimation.fit import Fit
 from identification.hexapod import Hexapod
 from tests.bench.coverage import coloured_coverage

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import compress, degrees_of_freedom, determined, fit_along, inverse_root
-from identification.estimation.estimator import gauss_markov
+from identification.estimation.compressed import (
+    compress,
+    degrees_of_freedom,
+    determined,
+    fit_along,
+    gauss_markov,
+    inverse_root,
+)
 from identification.estimation.fit import Filtered
 from tests.helpers import one_line
 from tests.identification.moving_run import NAMES, A, U, forces

@@ -10,10 +10,12 @@ from scipy.optimize import least_squares
 
 from cases.errors import IdentificationError
 from identification.estimation import robust as module
-from identification.estimation.estimator import gauss_markov, per_channel
+from identification.estimation.channel_weights import per_channel
+from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Filtered, Fit
+from identification.estimation.nonlinear import estimate_selected
 from identification.estimation.robust import consistent, pseudo_inertia
-from identification.estimation.selection import estimate_selected, select
+from identification.parameters import select
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, ONES, A, U, forces, truth_with
 from tests.identification.point_masses import PointMasses

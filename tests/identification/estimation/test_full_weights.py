@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import estimator as module
-from identification.estimation.estimator import full_weights, gauss_markov, per_channel
+from identification.estimation import channel_weights as module
+from identification.estimation.channel_weights import full_weights, per_channel
+from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Filtered
 from tests.helpers import few, one_line
 from tests.identification.moving_run import NAMES, SAMPLES, A, U, coverage, forces

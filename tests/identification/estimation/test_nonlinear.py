@@ -5,13 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from identification.estimation import selection as solver
-from identification.estimation.compressed import with_kernel
-from identification.estimation.estimator import gauss_markov
+from identification.estimation import nonlinear as solver
+from identification.estimation.compressed import gauss_markov, with_kernel
 from identification.estimation.fit import Filtered
-from identification.estimation.selection import estimate_selected, linear_map, nonlinear, select
+from identification.estimation.nonlinear import estimate_selected, linear_map, nonlinear
 from identification.model import identification_model
-from identification.parameters import physical_form
+from identification.parameters import physical_form, select
 from tests.helpers import one_line, paper_poses, taylor_slope
 from tests.identification.moving_run import CASE, FORM, MODEL, NAMES, ONES, PHYSICAL, A, U, coverage, forces
 

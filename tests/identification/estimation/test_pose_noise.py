@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from cases.loading import load_case
 from identification.estimation.coloured_noise import Turned, coloured_covariance, turned
-from identification.estimation.estimator import gauss_markov
+from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import matern
 from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.hexapod import Hexapod

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import selection as solver
-from identification.estimation.compressed import with_kernel
-from identification.estimation.estimator import gauss_markov
+from identification.estimation import nonlinear as solver
+from identification.estimation.compressed import gauss_markov, with_kernel
 from identification.estimation.fit import Filtered, Fit
 from identification.estimation.priors import Prior, PriorEffect, PseudoMeasurements, with_priors
 from tests.helpers import few, one_line, paper_poses, taylor_slope

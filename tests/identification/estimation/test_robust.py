@@ -5,7 +5,7 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification.estimation import robust
-from identification.estimation.estimator import gauss_markov
+from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Filtered
 from identification.estimation.robust import huber
 from tests.helpers import few, one_line

@@ -7,11 +7,12 @@ import pytest
 
 from cases.errors import IdentificationError
 from cases.loading import load_case
-from identification.estimation.estimator import gauss_markov, per_channel
+from identification.estimation.channel_weights import per_channel
+from identification.estimation.compressed import gauss_markov
+from identification.estimation.nonlinear import estimate_selected
 from identification.estimation.robust import huber
-from identification.estimation.selection import estimate_selected, select, symmetric_platform
 from identification.model import identification_model
-from identification.parameters import physical_form
+from identification.parameters import physical_form, select, symmetric_platform
 from tests.helpers import one_line
 from tests.identification.moving_run import CASE, FORM, MODEL, NAMES, ONES, PHYSICAL, A, coverage, forces, truth_with
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from identification.identify import identify
-from identification.machines import machine_of
+from identification.model import machine_of
 from identification.recording import Recording
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 

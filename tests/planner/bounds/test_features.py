@@ -5,7 +5,8 @@ import pytest
 
 from cases.loading import load_case
 from identification.criteria import reference_scaling
-from identification.model import MODELS, identification_model
+from identification.model import identification_model
+from identification.parameters import MODELS
 from identification.symbolic import over_samples
 from planner.bounds.branch import NODES, enclose
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features

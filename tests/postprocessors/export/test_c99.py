@@ -9,10 +9,11 @@ from scipy.spatial.transform import Rotation
 from cases.loading import load_case
 from cases.schema import Case
 from identification.external import tare
-from identification.hexapod import Hexapod, Kinematics
+from identification.hexapod import Hexapod
 from identification.model import expected_forces
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
+from identification.symbolic import Kinematics
 from postprocessors.export.calibration import MOST_STEPS
 from postprocessors.export.code import RING, c_sources, half_window
 from tests.helpers import HOME, Harmonic, few, simulated

@@ -1,4 +1,4 @@
-"""Gauss-Markov estimation of the linear parameters: (23) to (28), with weights and rank said aloud."""
+"""Weights of the channels: W (24) from the residuals of each or from their covariance; poses that err alone."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,68 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import compress, determined, fit_along, inverse_root, orthonormal, with_kernel
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, settled
-from identification.estimation.stated_noise import whitening_of
+from identification.estimation.compressed import gauss_markov, orthonormal, require_alive, settled, with_kernel
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, whitening_of
 
 Array = NDArray[np.float64]
 
 WEIGHT_ROUNDS = 20
 WEIGHT_TOLERANCE = 1e-6
 LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to judge its variance by
-
-
-def gauss_markov(
-    regressors: Array,
-    forces: Array,
-    names: Sequence[str],
-    weights: Array,
-    nuisance: int = 0,
-    filtered: Filtered = UNFILTERED,
-) -> Fit:
-    """Weighted least squares with W the same diagonal at every sample.
-
-    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
-    the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
-    variance gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
-    stride F^-1 is the covariance, F being that of the kept samples.
-
-    Args:
-        regressors: A_j, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
-        weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
-        nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
-            certainty, but rank and condition are told without them.
-
-    Raises:
-        IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
-    """
-    compressed = compress(regressors, forces, weights)
-    determined(compressed.root, names, compressed.rows, nuisance)
-    norms = np.linalg.norm(compressed.root, axis=0)
-    remainders = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
-    unseen = np.flatnonzero(remainders <= compressed.rows * np.finfo(float).eps * norms)
-    if len(unseen):
-        raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
-    half = inverse_root(compressed.root)
-    values = np.asarray(half @ ((compressed.root @ half).T @ compressed.right))  # (24)
-    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
-
-
-def require_alive(forces: Array) -> None:
-    """Refuses channels that read one and the same value: a cable came off, or an amplifier is at its end.
-
-    Args:
-        forces: recorded forces, shape (n, 6), n >= 2.
-
-    Raises:
-        IdentificationError: names the first such channel.
-    """
-    stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
-    if len(stuck):
-        raise IdentificationError(
-            f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample; check its cable and amplifier"
-        )
 
 
 def per_channel(
