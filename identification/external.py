@@ -13,8 +13,8 @@ from scipy.special import chdtri
 
 from cases.basis import KEPT
 from cases.errors import IdentificationError
+from identification.estimation.biases import drifted_since, shifted_all_along
 from identification.findings import Severity, sentences
-from identification.findings.readings import drifted_since, shifted_all_along
 from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
 from identification.outcome import Result

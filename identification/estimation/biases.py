@@ -3,6 +3,8 @@
 Errors of what is not estimated reach the estimate through its own normal equations (Schmidt 1966, Adv. Control Syst.
 3:293, the "consider" covariance): with u = u0(b) + B v, v = (A^T W A)^-1 A^T W (f - C b), an error db moves v by
 -(A^T W A)^-1 A^T W C db.
+
+Afterwards a channel that reads too much all along has drifted, or something presses on it all along.
 """
 
 from collections.abc import Mapping
@@ -13,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
 from identification.findings import Finding, Kind, note, warning
@@ -203,3 +206,53 @@ def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
         f"or the two runs err differently; the other parameters carry it{mass}"
     )
     return [warning(Kind.OFFSETS, sentence)]
+
+
+STRETCHES = 10  # of a recording, in each of which a channel reads too much
+WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readings count"
+
+
+def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[str]:
+    """What to say where a channel reads more, or less, than a result expects in every part of a recording.
+
+    Args:
+        residuals: measured less expected, in the order of time, shape (n, 6) [N, or N and N m].
+        variance: variance of the result's offsets, shape (6,).
+    """
+    if len(residuals) < STRETCHES:
+        return []
+    means = np.array([part.mean(axis=0) for part in np.array_split(residuals, STRETCHES)])
+    std = np.sqrt(variance + means.var(axis=0, ddof=1))
+    one_way = np.abs(np.sign(means).sum(axis=0)) == STRETCHES
+    least = np.where(one_way, np.abs(means).min(axis=0), 0.0) / np.maximum(std, np.finfo(float).tiny)
+    worst = int(np.argmax(least))
+    if not least[worst] > DRIFTED:
+        return []
+    channel, unit = channel_words(case, worst)
+    told = f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its offset "
+    return [f"{told}has drifted, or something presses all along; {WARM_UP}"]
+
+
+def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[str]:
+    """What to say where a tare finds other offsets than a result.
+
+    Args:
+        change: new offsets less old ones, shape (6,) [N, or N and N m].
+        std: standard deviation of that, shape (6,).
+        source: the result.
+    """
+    sure = np.abs(change) / np.maximum(std, np.finfo(float).tiny)
+    worst = int(np.argmax(sure))
+    if not sure[worst] > DRIFTED:
+        return []
+    channel, unit = channel_words(case, worst)
+    told = (
+        f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard deviations) "
+    )
+    return [f"{told}since {source}: what was computed with that meanwhile is off by it"]
+
+
+def channel_words(case: Case, k: int) -> tuple[str, str]:
+    """Name of a channel in the file, and its unit."""
+    name, _, unit = case.sensor_frame.channels[k].rpartition("_")
+    return case.recording.file_name(f"{name}_{unit}"), {"Nm": "N m"}.get(unit, unit)

@@ -1,16 +1,29 @@
-"""Weights of the channels: W (24) from the residuals of each or from their covariance; poses that err alone."""
+"""Weights of channels and of samples, from what a fit leaves of them, in turns with the fit.
+
+W (24) follows from the residuals of each channel, or from their covariance; poses may err alone. Of the samples, least
+trimmed squares keep the half that agrees best.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import gauss_markov, orthonormal, require_alive, settled, with_kernel
+from identification.estimation.compressed import (
+    column_scale,
+    gauss_markov,
+    orthonormal,
+    require_alive,
+    settled,
+    with_kernel,
+)
 from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, whitening_of
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
 
 WEIGHT_ROUNDS = 20
 WEIGHT_TOLERANCE = 1e-6
@@ -182,3 +195,63 @@ def _independent(channels: Array, size: Array) -> Array:
             f"the noise of channels {', '.join(bound)} is not independent; is one computed from the others?"
         )
     return np.asarray(std)
+
+
+HALF = 0.5  # of the samples that a fit must explain
+STRETCHES = (0.25, 0.4)  # of the run, that a search begins from
+STARTS = 7  # of each length
+ROUNDS = 20  # concentration steps, each of which lowers the trimmed sum of squares
+TOGETHER = 0.1  # [s] of neighbours that a sample is judged with
+ENOUGH = 5.0  # times as many forces as unknowns, to begin from
+
+
+def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> tuple[Array, Rows] | None:
+    """Best of many fits: u of the half of the samples that agree best, and which these are; None of too few samples.
+
+    Least trimmed squares (Rousseeuw 1984, J. Am. Stat. Assoc. 79:871) resist up to half of the samples. As a contact is
+    a stretch of time, the search begins from fits to stretches of time, and each sample is judged with its neighbours.
+
+    Args:
+        regressors: A_j at ascending times, shape (n, 6, u).
+        forces: shape (n, 6) [N, or N and N m].
+        w: W for one sample, shape (6, 6).
+        step: usual time between samples [s].
+    """
+    root = np.linalg.cholesky(w).T
+    matrices, right = root @ regressors, forces @ root.T
+    samples, sensors, unknowns = matrices.shape
+    scale = column_scale(matrices.reshape(-1, unknowns))
+    matrices = matrices * scale
+    count, width = int(np.ceil(HALF * samples)), max(1, round(TOGETHER / step))
+    best: tuple[float, Array, Rows] | None = None
+    for share in STRETCHES:
+        length = round(share * samples)
+        if length * sensors < ENOUGH * unknowns:
+            continue
+        for begin in np.linspace(0, samples - length, STARTS).astype(int):
+            rows = np.zeros(samples, dtype=bool)
+            rows[begin : begin + length] = True
+            candidate = _concentrated(matrices, right, rows, count, width)
+            if best is None or candidate[0] < best[0]:
+                best = candidate
+    if best is None:
+        return None
+    return scale * best[1], best[2]
+
+
+def _concentrated(matrices: Array, right: Array, rows: Rows, count: int, width: int) -> tuple[float, Array, Rows]:
+    """Fits and keeps what fits best, in turns: the trimmed sum, the values and the samples."""
+    unknowns = matrices.shape[2]
+    objective = np.inf
+    values: Array = np.zeros(unknowns)
+    for _ in range(ROUNDS):
+        stacked = matrices[rows].reshape(-1, unknowns)
+        values = np.asarray(np.linalg.lstsq(stacked, right[rows].ravel(), rcond=None)[0], dtype=np.float64)
+        squares = np.sum((right - matrices @ values) ** 2, axis=1)
+        smooth = uniform_filter1d(squares, width, mode="nearest")
+        rows = np.asarray(smooth <= np.partition(smooth, count - 1)[count - 1], dtype=bool)
+        new = float(squares[rows].sum())
+        if not new < objective * (1.0 - 1e-6):
+            break
+        objective = new
+    return objective, values, rows

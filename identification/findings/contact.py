@@ -3,9 +3,8 @@
 The squared residual of a sample, in the metric of the channels' own robust covariance, is chi^2 with six degrees of
 freedom where nothing touches; a contact is a stretch of samples that noise does not explain.
 
-A contact that lasts for a large part of a run draws the fit so far that its residuals no longer show where it is. Least
-trimmed squares (Rousseeuw 1984, J. Am. Stat. Assoc. 79:871) resists up to half of the samples. As a contact is a
-stretch of time, the search begins from fits to stretches of time, and each sample is judged with its neighbours.
+A contact that lasts for a large part of a run draws the fit so far that its residuals no longer show where it is: least
+trimmed squares resist up to half of the samples (`least_trimmed_squares`).
 """
 
 from collections.abc import Sequence
@@ -14,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.special import chdtri, ndtri
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import column_scale
+from identification.estimation.channel_weights import least_trimmed_squares
 from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.estimation.fit import Uncertain
 from identification.findings.fit_checks import systematic
@@ -42,12 +41,6 @@ FEWEST = 2  # neighbouring samples above the limit
 SHORTEST = 0.02  # [s] that a contact lasts; behind the filter no push is shorter
 NEAR = 0.05  # [s] stretches closer than that are one contact
 MARGIN = 0.03  # [s] beside a contact that may still feel it
-HALF = 0.5  # of the samples that a fit must explain
-STRETCHES = (0.25, 0.4)  # of the run, that a search begins from
-STARTS = 7  # of each length
-ROUNDS = 20  # concentration steps, each of which lowers the trimmed sum of squares
-TOGETHER = 0.1  # [s] of neighbours that a sample is judged with
-ENOUGH = 5.0  # times as many forces as unknowns, to begin from
 
 
 class Contact(NamedTuple):
@@ -136,55 +129,6 @@ def _change(t: Array, forces: Array) -> Array:
     step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
     width = 2 * max(1, round(NEARBY / step)) + 1
     return np.asarray(maximum_filter1d(forces, width, axis=0) - minimum_filter1d(forces, width, axis=0))
-
-
-def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> tuple[Array, Rows] | None:
-    """Best of many fits: u of the half of the samples that agree best, and which these are; None of too few samples.
-
-    Args:
-        regressors: A_j at ascending times, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
-        w: W for one sample, shape (6, 6).
-        step: usual time between samples [s].
-    """
-    root = np.linalg.cholesky(w).T
-    matrices, right = root @ regressors, forces @ root.T
-    samples, sensors, unknowns = matrices.shape
-    scale = column_scale(matrices.reshape(-1, unknowns))
-    matrices = matrices * scale
-    count, width = int(np.ceil(HALF * samples)), max(1, round(TOGETHER / step))
-    best: tuple[float, Array, Rows] | None = None
-    for share in STRETCHES:
-        length = round(share * samples)
-        if length * sensors < ENOUGH * unknowns:
-            continue
-        for begin in np.linspace(0, samples - length, STARTS).astype(int):
-            rows = np.zeros(samples, dtype=bool)
-            rows[begin : begin + length] = True
-            candidate = _concentrated(matrices, right, rows, count, width)
-            if best is None or candidate[0] < best[0]:
-                best = candidate
-    if best is None:
-        return None
-    return scale * best[1], best[2]
-
-
-def _concentrated(matrices: Array, right: Array, rows: Rows, count: int, width: int) -> tuple[float, Array, Rows]:
-    """Fits and keeps what fits best, in turns: the trimmed sum, the values and the samples."""
-    unknowns = matrices.shape[2]
-    objective = np.inf
-    values: Array = np.zeros(unknowns)
-    for _ in range(ROUNDS):
-        stacked = matrices[rows].reshape(-1, unknowns)
-        values = np.asarray(np.linalg.lstsq(stacked, right[rows].ravel(), rcond=None)[0], dtype=np.float64)
-        squares = np.sum((right - matrices @ values) ** 2, axis=1)
-        smooth = uniform_filter1d(squares, width, mode="nearest")
-        rows = np.asarray(smooth <= np.partition(smooth, count - 1)[count - 1], dtype=bool)
-        new = float(squares[rows].sum())
-        if not new < objective * (1.0 - 1e-6):
-            break
-        objective = new
-    return objective, values, rows
 
 
 SEARCHES = 4  # for contacts; each finds what the one before hid
