@@ -150,12 +150,13 @@ class TypedValue(NamedTuple):
     scale: float  # SI value of that unit
 
 
-def read_value(text: str, units: Mapping[str, str], option: str, example: str) -> TypedValue:
+def read_value(text: str, units: Mapping[str, str], option: str, example: str, model: int) -> TypedValue:
     """The value that a text states.
 
     Args:
         units: SI unit of each parameter that may be named.
         option: option that it was given with, for messages.
+        model: number of the model that has these parameters, for messages.
 
     Raises:
         HexciteError: not understood, an unknown name, a missing or unknown unit.
@@ -165,7 +166,8 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str) -
         raise HexciteError(f"{option} {text}: is not understood; write {option} {example}")
     name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
     if name not in units:
-        raise HexciteError(f"{option} {text}: {name} is not a parameter here; choose from {', '.join(units)}")
+        words = f"{name} is not a parameter of model {model}; choose from {', '.join(units)}"
+        raise HexciteError(f"{option} {text}: {words}")
     factors = _UNITS[units[name]]
     if unit not in factors:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
@@ -179,11 +181,13 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Typed
     """Standard deviations that shall not be exceeded, such as m=0.05kg or zC=0.3mm.
 
     Raises:
-        HexciteError: not of this form, an unknown parameter, or a unit that is not the parameter's.
+        HexciteError: not of this form, an unknown parameter or one given twice, or a unit that is not the parameter's.
     """
     units = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
-    targets = tuple(read_value(word, units, "--target", "m=0.05kg") for word in words)
-    for target in targets:
+    targets = tuple(read_value(word, units, "--target", "m=0.05kg", model) for word in words)
+    for place, target in enumerate(targets):
+        if target.name in [earlier.name for earlier in targets[:place]]:
+            raise HexciteError(f"--target {target.text}: {target.name} is given twice; give it once")
         if target.std is not None or not 0.0 < target.value < np.inf:
             raise HexciteError(f"--target {target.text}: is not one positive number; write --target m=0.05kg")
     return targets

@@ -44,14 +44,23 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file is likely to be."""
+    """What a file is likely to be.
+
+    Args:
+        file: the file.
+        rows: number of rows of numbers.
+        columns: in the order of the file.
+        settings: proposal for `[recording]` of the case, by key.
+        odd: what to look at, one sentence each.
+        reads: whether the file is read with these settings.
+    """
 
     file: Path
-    rows: int  # of numbers
-    columns: tuple[Column, ...]  # in the order of the file
-    settings: Mapping[str, Any]  # proposal for `[recording]` of the case, by key
-    odd: tuple[str, ...]  # what to look at, one sentence each
-    reads: bool  # whether the file is read with these settings
+    rows: int
+    columns: tuple[Column, ...]
+    settings: Mapping[str, Any]
+    odd: tuple[str, ...]
+    reads: bool
 
     @property
     def rate(self) -> float | None:

@@ -54,11 +54,11 @@ def _seconds(text: str) -> float:
     return value
 
 
-def read_values(texts: Sequence[str], units: Mapping[str, str]) -> dict[str, float]:
+def read_values(texts: Sequence[str], units: Mapping[str, str], model: int) -> dict[str, float]:
     """Exact values [SI] by name, of texts of `--fix`; errors as `read_value`, and a name that is given twice."""
     values: dict[str, float] = {}
     for text in texts:
-        typed = read_value(text, units, "--fix", "m=93.1kg")
+        typed = read_value(text, units, "--fix", "m=93.1kg", model)
         if typed.std is not None:
             raise HexciteError(f"--fix {text}: is exact; write an uncertain value as --prior {text}")
         if typed.name in values:
@@ -67,11 +67,11 @@ def read_values(texts: Sequence[str], units: Mapping[str, str]) -> dict[str, flo
     return values
 
 
-def read_priors(texts: Sequence[str], units: Mapping[str, str]) -> list[Prior]:
+def read_priors(texts: Sequence[str], units: Mapping[str, str], model: int) -> list[Prior]:
     """Uncertain values, of texts of `--prior`; errors as `read_value`."""
     values = []
     for text in texts:
-        typed = read_value(text, units, "--prior", "m=33+-0.5kg")
+        typed = read_value(text, units, "--prior", "m=33+-0.5kg", model)
         if typed.std is None:
             raise HexciteError(f"--prior {text}: has no standard deviation; write it as --prior m=33+-0.5kg")
         values.append(Prior(typed.name, typed.value, typed.std))
@@ -97,11 +97,12 @@ def method_of(
             result that is none or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
-    constants = read_values(fix or (), units)
+    constants = read_values(fix or (), units, model.number)
     if symmetric:
         constants = symmetric_platform(model) | constants
     offsets = None if biases is None else biases_of(biases, case, stale)
-    return method(estimator, constants, tuple(drop or ()), read_priors(prior or (), units), weights, offsets)
+    priors = read_priors(prior or (), units, model.number)
+    return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
 
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")

@@ -52,6 +52,9 @@ class ValidationSettings:
     seed: int = 0  # of the starts and of the sensors' noise
     plans: Path | None = None  # folder of an earlier validation whose plans are taken; None: plan anew
 
+    def __post_init__(self) -> None:
+        Request(starts=self.starts, seed=self.seed)  # which says what these can be
+
 
 USUAL = ValidationSettings()
 

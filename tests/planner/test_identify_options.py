@@ -117,7 +117,7 @@ WRONG = {
     "no unit": (("--fix", "m=3"), "--fix m=3: has no unit; give kg or g or t"),
     "a unit of something else": (("--fix", "m=3mm"), "unit mm does not fit m; give kg"),
     "no number": (("--fix", "m=heavy"), "is not understood; write --fix m=93.1kg"),
-    "an unknown name": (("--fix", "mass=3kg"), "mass is not a parameter here; choose from m, mxC"),
+    "an unknown name": (("--fix", "mass=3kg"), "mass is not a parameter of model 9; choose from m, mxC"),
     "twice": (("--fix", "m=3kg", "--fix", "m=4kg"), "given twice"),
     "uncertain but exact": (("--fix", "m=3+-1kg"), "write an uncertain value as --prior m=3+-1kg"),
     "a prior without deviation": (("--prior", "m=3kg"), "write it as --prior m=33+-0.5kg"),

@@ -130,7 +130,7 @@ def test_the_command_that_would_do_is_whole(family: str, knots: str, hexapod_cas
     [
         ("m", "is not understood; write target m=0.05kg"),
         ("m=0.05", "has no unit; give kg or g"),
-        ("mass=0.05kg", "mass is not a parameter here; choose from m, xC"),
+        ("mass=0.05kg", "mass is not a parameter of model 9; choose from m, xC"),
         ("m=0.05mm", "unit mm does not fit m; give kg or g"),
         ("zC=3kg", "unit kg does not fit zC; give m or mm or um"),
         ("m=0kg", "is not one positive number"),
@@ -144,6 +144,11 @@ def test_a_target_that_makes_no_sense_is_refused_by_name(word: str, words: str, 
     with pytest.raises(HexciteError) as caught:
         parse_targets((word,), hexapod_case, 9)
     assert words in one_line(caught.value)
+
+
+def test_a_target_that_is_given_twice_is_refused(hexapod_case: Case):
+    with pytest.raises(HexciteError, match="m=20g: m is given twice"):
+        parse_targets(("m=10g", "zC=1mm", "m=20g"), hexapod_case, 9)
 
 
 def test_units_are_turned_into_si(hexapod_case: Case):
