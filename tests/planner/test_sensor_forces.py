@@ -88,7 +88,7 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
         lambda case: tuple(g for g in near_limits(case) if g.kind is not LimitKind.SENSOR_FORCE),
     )
     shrunk = explored_and_refined(weak, name)
-    assert shaped.tried.logdet > shrunk.tried.logdet + 1.0  # of ten parameters: each is known at least 5 % better
+    assert shaped.tried.logdet > shrunk.tried.logdet + 0.5  # of ten parameters: each is known at least 2.5 % better
 
 
 def test_shares_grow_with_what_is_mounted(weak: Case):
