@@ -22,7 +22,7 @@ from identification.estimation.fit import Uncertain
 from identification.estimation.noise_sources import NoiseSources, noise_sources
 from identification.findings import Finding, Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
-from identification.findings.fit_checks import doubtful_body, fit_findings, leaves_much
+from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, excerpt, fit_samples
@@ -102,8 +102,8 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     estimate = _evaluated(recording, case, model, method, conditioning)
     softer = _below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
     if softer is not None:
-        estimate = replace(_evaluated(recording, softer, model, method, conditioning), case=case)
-    return replace(estimate, findings=(*estimate.findings, *doubtful_body(model, estimate.fit, case)))
+        return replace(_evaluated(recording, softer, model, method, conditioning), case=case)
+    return estimate
 
 
 def _samples(

@@ -20,7 +20,7 @@ from cases.errors import IdentificationError
 from identification.estimation.channel_weights import least_trimmed_squares
 from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.estimation.fit import Uncertain
-from identification.findings.fit_checks import systematic
+from identification.findings.fit_checks import following
 from identification.findings.sample_checks import MOST_NAMED, places
 from identification.fitting import Fitted, fit_samples
 from identification.model import Model
@@ -162,11 +162,11 @@ def free_of_contact(
         require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts], run.model)
         moving = fit_samples(run.without(rows), how, problem, moving.at, held)
         matrices = run.regressors(moving.at)
-    if systematic(moving.fit, run.noise_correlation):
+    if following(moving) is not None:
         longer = _long_contacts(run, moving)
         rows = touched(run.t, longer)
         candidate = fit_samples(run.without(rows), how, problem, moving.at, held) if 0.0 < rows.mean() < 1.0 else moving
-        if _spread(candidate) < CALMER * _spread(moving) and not systematic(candidate.fit, run.noise_correlation):
+        if _spread(candidate) < CALMER * _spread(moving) and following(candidate) is None:
             require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer], run.model)
             moving, contacts = candidate, longer
     return moving, contacts

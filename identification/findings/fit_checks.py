@@ -1,9 +1,11 @@
 """What every fit is looked at for: findings that residuals, samples and recording give rise to, and what the body says.
 
-A new check is one more function that `fit_findings` calls. What cannot be at all is refused. Of the body that comes out
+A new check is one more function in `CHECKS` at the end. What cannot be at all is refused. Of the body that comes out
 count its mass, where its centre of gravity is, and how its mass spreads. For offsets that drift, each channel gets a
 straight line in time, or in the recorded temperature, judged by the deviations that noise with memory leaves it.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +26,7 @@ from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_for
 from identification.recording import Recording
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
-from identification.samples import Samples, Standstills
+from identification.samples import Standstills
 from identification.signals import fair_part
 
 Array = NDArray[np.float64]
@@ -39,16 +41,26 @@ RATE_TOLERANCE = 0.02  # of the rate of a recording
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
-def systematic(fit: Fit, usual: float) -> list[Finding]:
-    """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
-    residuals = fit.residuals
+def following(fitted: Fitted) -> float | None:
+    """Correlation of neighbouring residuals, where they are more alike than the filter makes those of white noise."""
+    residuals = fitted.fit.residuals
     squares = np.maximum(np.sum(residuals**2, axis=0), np.finfo(float).tiny)
-    alike = np.sum(residuals[1:] * residuals[:-1], axis=0) / squares
-    if len(residuals) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
+    alike = float(np.median(np.sum(residuals[1:] * residuals[:-1], axis=0) / squares))
+    return None if len(residuals) < LEAST_SERIES or alike < fitted.samples.noise_correlation + SYSTEMATIC else alike
+
+
+def systematic(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """Neighbouring residuals of a run that moves are too much alike."""
+    alike = following(fitted) if fitted.samples.nuisances else None
+    if alike is None:
         return []
-    sentence = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
-    sentence += "contact, a dimension in the case that is not the machine's, a model without what moves the forces, or "
-    sentence += "coloured noise; look at their figure in the report"
+    sentence = (
+        f"residuals follow each other (correlation {alike:.2f}, of noise {fitted.samples.noise_correlation:.2f}): "
+    )
+    sentence += (
+        "a long contact, a dimension in the case that is not the machine's, a model without what moves the forces, "
+    )
+    sentence += "or coloured noise; look at their figure in the report"
     return [warning(Kind.MODEL, sentence)]
 
 
@@ -58,25 +70,30 @@ def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
     return any(np.mean(fit.residuals[:, u] ** 2) > MUCH**2 * np.mean(forces[:, u].var(axis=0)) for u in units)
 
 
-def unlikely(fit: Fit, forces: Array) -> list[Finding]:
-    """What an estimate of forces, shape (n, 6), itself says against its standard deviations, or against its model."""
-    findings = []
-    white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))
+def far_from_white(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """What an estimate itself says against its standard deviations."""
+    white, robust = (np.diag(c) for c in (fitted.fit.covariance, fitted.fit.covariance_robust))
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
-    if ratio > SUSPICIOUS_RATIO:
-        sentence = (
-            f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-            "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
-        )
-        findings.append(warning(Kind.NOISE, sentence))
+    if not ratio > SUSPICIOUS_RATIO:
+        return []
+    sentence = (
+        f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
+        "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
+    )
+    return [warning(Kind.NOISE, sentence)]
+
+
+def unexplained(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """What an estimate itself says against its model."""
+    fit, forces = fitted.fit, fitted.forces
     spread = np.sum(fit.weights * forces.var(axis=0))
     misfit = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
-    if moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread:
-        share = f"{100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance"
-        remedy = "check order, sign and unit of forces and struts"
-        findings.append(warning(Kind.MODEL, f"the model explains only {share}; {remedy}"))
-    return findings
+    if not (moves and len(forces) > len(fit.values) and misfit > (1.0 - LEAST_EXPLAINED) * spread):
+        return []
+    share = f"{100 * max(0.0, 1.0 - misfit / spread):.0f} % of the forces' variance"
+    remedy = "check order, sign and unit of forces and struts"
+    return [warning(Kind.MODEL, f"the model explains only {share}; {remedy}")]
 
 
 STEP = 0.07  # of the feed, by which neighbouring stretches differ
@@ -101,9 +118,9 @@ def recorded_overrides(recording: Recording) -> tuple[tuple[slice, float], ...]:
     )
 
 
-def other_feed(recording: Recording) -> list[Finding]:
+def other_feed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """What went at another feed than 100 %."""
-    stretches = recorded_overrides(recording)
+    stretches = recorded_overrides(recording) if fitted.samples.nuisances else ()
     if not stretches:
         return []
     assert recording.t is not None
@@ -120,9 +137,9 @@ def other_feed(recording: Recording) -> list[Finding]:
     return [warning(Kind.FEED, sentence, feed={"found_by": OVERRIDE, "stretches": entries})]
 
 
-def other_rate(recording: Recording, case: Case) -> list[Finding]:
+def other_rate(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """A rate that is not the one that predictions assume."""
-    if recording.t is None or recording.struts is None:
+    if recording.t is None or recording.struts is None or not fitted.samples.nuisances:
         return []
     rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
     if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
@@ -132,31 +149,40 @@ def other_rate(recording: Recording, case: Case) -> list[Finding]:
     return [note(Kind.CLOCK, sentence)]
 
 
-def fit_findings(recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
-    """What every fit is looked at for, in the order in which it is told."""
+def found_before(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """What recorder, estimator, window and periods have to say."""
     samples, fit = fitted.samples, fitted.fit
-    findings = [*fit.findings, *samples.window]
-    if isinstance(samples, PeriodicRun):
-        findings += samples.findings(fit, fitted.w)
-    findings += _placed(fit, case)
-    if abs(fitted.at) >= SUSPICIOUS_DELAY:
-        findings.append(warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?"))
-    findings += unlikely(fit, fitted.forces)
-    if samples.nuisances:  # something moves
-        findings = [*cut_off(recording), *findings, *systematic(fit, samples.noise_correlation)]
-    findings += [*_not_compared(case, how, samples), *_noisier(case, fitted)]
-    if isinstance(samples, Run) and case.sensor_frame.struts is None:
-        wrench, weights = case.sensor_frame.has_moments, how.weights or case.sensors.weights
-        findings += noise_components(fit, samples.model, samples.filtered, wrench, weights)
-    if samples.nuisances:
-        findings += [*other_feed(recording), *other_rate(recording, case)]
-        findings += [] if recording.averaged is None else [recording.averaged.finding(fitted.w, fit.s0)]
-    return findings + drifting(recording, case, how, fitted)
+    cut = cut_off(recording) if samples.nuisances else []
+    periods = samples.findings(fit, fitted.w) if isinstance(samples, PeriodicRun) else ()
+    return [*cut, *fit.findings, *samples.window, *periods]
 
 
-def _placed(fit: Fit, case: Case) -> list[Finding]:
+def late(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """A delay that no filter makes."""
+    if abs(fitted.at) < SUSPICIOUS_DELAY:
+        return []
+    return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
+
+
+def like_noise(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """Noise that would leave such residuals."""
+    samples = fitted.samples
+    if not isinstance(samples, Run) or case.sensor_frame.struts is not None:
+        return []
+    wrench, weights = case.sensor_frame.has_moments, method.weights or case.sensors.weights
+    return noise_components(fitted.fit, samples.model, samples.filtered, wrench, weights)
+
+
+def averaged(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """What averaging forces over the motion's interval did."""
+    if recording.averaged is None or not fitted.samples.nuisances:
+        return []
+    return [recording.averaged.finding(fitted.w, fitted.fit.s0)]
+
+
+def placed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """Errors that depend on the pose, in the keys by which a case states them."""
-    field = fit.field
+    field = fitted.fit.field
     if field is None:
         return []
     settings = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
@@ -164,16 +190,16 @@ def _placed(fit: Fit, case: Case) -> list[Finding]:
     return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
 
 
-def _not_compared(case: Case, method: Method, samples: Samples) -> list[Finding]:
+def not_compared(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """Noise that the case states and that this estimator's s0 is not compared with."""
     sentence = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
     compared = method.name in SANDWICHED and not method.priors
-    if compared or not case.sensors.state_noise or not isinstance(samples, Run | PeriodicRun):
+    if compared or not case.sensors.state_noise or not isinstance(fitted.samples, Run | PeriodicRun):
         return []
     return [warning(Kind.NOISE, sentence)]
 
 
-def _noisier(case: Case, fitted: Fitted) -> list[Finding]:
+def noisier(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """Residuals far above the noise that the case states for its force sensors, where it states no other."""
     stated, others = case.sensors.force_noise_N, (case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N)
     if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
@@ -194,12 +220,13 @@ OTHER_MASS = 1.0 / 3.0  # of the nominal mass
 CERTAIN = 4.0  # standard deviations by which a quantity is below zero for certain
 
 
-def doubtful_body(model: Model, fit: Fit, case: Case) -> list[Finding]:
+def doubtful_body(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """What to say of a body that is not the expected one, or that cannot be.
 
     Raises:
         IdentificationError: the mass is a thousandth or a thousand times the expected.
     """
+    model, fit = fitted.samples.model, fitted.fit
     if MASS not in model.blocks:
         return []
     mass, findings = float(fit.values[model.names.index("m")]), []
@@ -247,8 +274,9 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     form = physical_form(model)
     names = [parameter.name for parameter in form.parameters]
     places = [names.index(f"IC{i + 1}{j + 1}") for i, j in INERTIA_INDEX]
-    values, white = form.of(fit.values, fit.covariance)
-    robust = form.of(fit.values, fit.covariance_robust)[1]
+    own = slice(len(model.parameters))
+    values, white = form.of(fit.values[own], fit.covariance[own, own])
+    robust = form.of(fit.values[own], fit.covariance_robust[own, own])[1]
     inertia = np.zeros((3, 3))
     for (i, j), value in zip(INERTIA_INDEX, values[places], strict=True):
         inertia[i, j] = inertia[j, i] = value
@@ -269,11 +297,11 @@ LEAST_WARMING = 0.2  # [K] within a run, from which on its temperature says more
 LEAST_FREEDOM = 4.0  # of a channel, that tell a deviation
 
 
-def drifting(recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """Channels whose offset changes within a run, with the rate and the change over the run."""
     samples = fitted.samples
     freedom = len(fitted.fit.residuals) - fitted.columns.shape[2] / 6 - 1
-    if isinstance(samples, PeriodicRun) or how.name not in SANDWICHED or how.priors or freedom < LEAST_FREEDOM:
+    if isinstance(samples, PeriodicRun) or method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
         return []
     axis, warming = _axis(recording, samples.t)
     if np.ptp(axis) == 0.0:
@@ -282,9 +310,9 @@ def drifting(recording: Recording, case: Case, how: Method, fitted: Fitted) -> l
     if isinstance(samples, Standstills):
         line = line * samples.scale
     part = fair_part(len(line))
-    if not _likely(*_with_lines(fitted, how, line, part), freedom * len(part) / len(line)):
+    if not _likely(*_with_lines(fitted, method, line, part), freedom * len(part) / len(line)):
         return []  # noise with memory makes deviations larger, and takes time
-    columns, left, weights = _with_lines(fitted, how, line, np.arange(len(line)))
+    columns, left, weights = _with_lines(fitted, method, line, np.arange(len(line)))
     change, white = _solved(columns, left, weights, freedom)
     robust = samples.robust_covariance(columns, left - columns @ change, weights, fitted.whitening)
     spread = white if robust is None else np.maximum(white, np.diag(robust.covariance)[-6:])
@@ -298,9 +326,9 @@ def drifting(recording: Recording, case: Case, how: Method, fitted: Fitted) -> l
     ]
 
 
-def _with_lines(fitted: Fitted, how: Method, line: Array, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+def _with_lines(fitted: Fitted, method: Method, line: Array, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
     """A with a line in each channel, residuals and weights of some samples, as an estimator takes them."""
-    basis = how.selection(fitted.samples.model).basis
+    basis = method.selection(fitted.samples.model).basis
     free = fitted.columns[rows] @ block_diag(basis, np.eye(fitted.columns.shape[2] - len(basis)))
     lines = line[rows, None, None] * np.eye(6)
     columns, left = whitened(fitted.whitening, np.dstack([free, lines]), fitted.fit.residuals[rows])
@@ -351,3 +379,15 @@ def _drift_told(
     drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit,
              "with": "temperature" if warming else "time"}  # fmt: skip
     return warning(Kind.OFFSETS, told, offset_drift=drift)
+
+
+CHECKS: tuple[Callable[[Recording, Case, Method, Fitted], list[Finding]], ...] = (
+    found_before, placed, late, far_from_white, unexplained, systematic, not_compared, noisier, like_noise, other_feed,
+    other_rate, averaged, drifting, doubtful_body,
+)  # fmt: skip
+"""What every fit is looked at for, in the order in which it is told."""
+
+
+def fit_findings(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+    """What all checks find."""
+    return [finding for check in CHECKS for finding in check(recording, case, method, fitted)]
