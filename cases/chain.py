@@ -199,11 +199,6 @@ class SerialMachine(Part):
     chain: Chain
     """The joints and links."""
 
-    @property
-    def home(self) -> Array:
-        """Coordinates where programs begin and end, shape (n,) [rad or m]."""
-        return self.chain.home
-
 
 class JointLimit(Part):
     """What an excitation may use of one joint; degrees and radians where it turns, millimetres and metres else."""
@@ -317,7 +312,7 @@ class JointMotionLimits(Part):
 
 AnyMotion = Annotated[
     Annotated[MotionLimits, Tag("<MotionLimits>")] | Annotated[JointMotionLimits, Tag("<JointMotionLimits>")],
-    kind_of(JointMotionLimits, MotionLimits, ["joints"]),
+    kind_of(JointMotionLimits, MotionLimits),
 ]
 
 

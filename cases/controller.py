@@ -219,11 +219,11 @@ class TwinCat(TwinCatAxes):
 
 AnySinumerik = Annotated[
     Annotated[Sinumerik, Tag("<Sinumerik>")] | Annotated[SinumerikAxes, Tag("<SinumerikAxes>")],
-    kind_of(Sinumerik, SinumerikAxes, set(Sinumerik.model_fields) - set(SinumerikAxes.model_fields)),
+    kind_of(Sinumerik, SinumerikAxes),
 ]
 AnyTwinCat = Annotated[
     Annotated[TwinCat, Tag("<TwinCat>")] | Annotated[TwinCatAxes, Tag("<TwinCatAxes>")],
-    kind_of(TwinCat, TwinCatAxes, set(TwinCat.model_fields) - set(TwinCatAxes.model_fields)),
+    kind_of(TwinCat, TwinCatAxes),
 ]
 
 Settings = TypeVar("Settings", "LinuxCnc", SinumerikAxes, TwinCatAxes, Setpoints, UrScript)

@@ -4,7 +4,6 @@ Those are strict numbers, ranges and points, each with its unit in the key that 
 """
 
 import math
-from collections.abc import Iterable
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -29,12 +28,12 @@ class Part(BaseModel):
     __hash__ = None  # type: ignore[assignment]
 
 
-def kind_of(one: type[Part], other: type[Part], keys: Iterable[str]) -> Discriminator:
-    """What tells a table of one kind, which has some of these keys, from one of another.
+def kind_of(one: type[Part], other: type[Part]) -> Discriminator:
+    """What tells a table of one kind, which has keys of its own, from one of another.
 
     Tags in angle brackets name the class that a table was read as; messages leave them out.
     """
-    telling = frozenset(keys)
+    telling = frozenset(one.model_fields) - frozenset(other.model_fields)
 
     def tag(table: Any) -> str:
         own = not telling.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)

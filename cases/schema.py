@@ -34,11 +34,11 @@ def fingerprint(content: object) -> str:
 
 AnyMachine = Annotated[
     Annotated[HexapodMachine, Tag("<HexapodMachine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
-    kind_of(SerialMachine, HexapodMachine, ["chain"]),
+    kind_of(SerialMachine, HexapodMachine),
 ]
 AnyPoses = Annotated[
     Annotated[Poses, Tag("<Poses>")] | Annotated[JointPoses, Tag("<JointPoses>")],
-    kind_of(Poses, JointPoses, set(Poses.model_fields) - set(JointPoses.model_fields)),
+    kind_of(Poses, JointPoses),
 ]
 
 
