@@ -27,16 +27,6 @@ class Piece:
     coefficients: Array  # c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds]
     duration: float  # [s]
 
-    @property
-    def start(self) -> Array:
-        """Pose at its start, shape (n,) [m or rad]."""
-        return np.asarray(self.coefficients[0])
-
-    @property
-    def end(self) -> Array:
-        """Pose at its end, shape (n,) [m or rad]."""
-        return np.asarray(np.polynomial.polynomial.polyval(self.duration, self.coefficients))
-
 
 @dataclass(frozen=True, slots=True)
 class PolynomialMotion:
