@@ -17,7 +17,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.hexapod import kinetic
 from identification.motion import Motion, Trajectory
-from identification.trajectories.profile import Untimed
+from identification.trajectories.profile import UntimedMotion
 
 Array = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
         fastest: whether as fast as the limits allow, up to `FASTEST` times the planned pace; else as planned at most.
 
     Raises:
-        Untimed: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
+        UntimedMotion: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
         CaseError: the case has no machine or no limits.
     """
     try:
@@ -108,15 +108,15 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
     end = min(planned * paces_allowed[-1], _largest_pace(solver.compute_feasible_sets()[-1]))
     start = min(planned * paces_allowed[0], _largest_pace(solver.compute_controllable_sets(end, end)[0]))
     if not (start > 0.0 and end > 0.0):
-        raise Untimed(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
     solver.compute_parameterization(start, end)
     code = solver.problem_data.return_code
     paces = solver.problem_data.sd_vec
     if code.name != "Ok" or paces is None or not np.isfinite(paces).all():
-        raise Untimed(f"the path cannot be re-timed: {_REASONS.get(code.name, code.value)}")
+        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS.get(code.name, code.value)}")
     lengths = 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
     if not np.isfinite(lengths).all():
-        raise Untimed(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
     motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
     slower = _stretch(motion, case)
     return RetimedMotion(path, shares, motion.times * slower, paces / slower)
@@ -171,10 +171,10 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
     limits = case.need_motion("re-timing")[1]
     motion = path.at(shares * path.duration)
     if not all(np.isfinite(v).all() for v in (motion.pose, motion.rates, motion.accelerations)):
-        raise Untimed("the path holds values that are not finite")
+        raise UntimedMotion("the path holds values that are not finite")
     ends = np.abs(motion.rates[[0, -1]]) / limits.rate
     if ends.max() > AT_REST:
-        raise Untimed(
+        raise UntimedMotion(
             f"the path {'begins' if ends[0].max() > AT_REST else 'ends'} at {100 * ends.max():.3g} % of a rate limit; "
             "it must begin and end at rest"
         )

@@ -125,7 +125,7 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
 SAME = 1e-4  # of the way, the largest velocity and acceleration: rounding where the limit of jerk is next to none
 
 
-class Untimed(ValueError):
+class UntimedMotion(ValueError):
     """A move or path that cannot be timed; the message says why."""
 
 
@@ -139,7 +139,7 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
         cycle: cycle of the controller [s], of which the law then lasts a whole number.
 
     Raises:
-        Untimed: a limit is not a finite number above 0, or ruckig finds no law of seven segments.
+        UntimedMotion: a limit is not a finite number above 0, or ruckig finds no law of seven segments.
     """
     from ruckig import DurationDiscretization, InputParameter, Result, Ruckig, RuckigError, Trajectory
 
@@ -151,7 +151,7 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     }
     for name, value in numbers.items():
         if not (value > 0.0 and (math.isfinite(value) or (name == "jerk" and cycle is None))):
-            raise Untimed(f"{name} {value:g} is not a finite number above 0")
+            raise UntimedMotion(f"{name} {value:g} is not a finite number above 0")
     request, answer = InputParameter(1), Trajectory(1)
     request.current_position, request.target_position = [0.0], [1.0]
     request.max_velocity, request.max_acceleration, request.max_jerk = [velocity], [acceleration], [jerk]
@@ -160,9 +160,9 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     try:
         result = (Ruckig(1) if cycle is None else Ruckig(1, cycle)).calculate(request, answer)
     except RuckigError as error:
-        raise Untimed(f"no time law within these limits ({' '.join(str(error).split())})") from error
+        raise UntimedMotion(f"no time law within these limits ({' '.join(str(error).split())})") from error
     if result != Result.Working:  # offline, this is what success is called
-        raise Untimed(f"no time law within these limits (ruckig: {result.name})")
+        raise UntimedMotion(f"no time law within these limits (ruckig: {result.name})")
     phases = answer.profiles[0][0]
     jerking, holding = (phases.t[0], phases.t[1] * (phases.j[1] == 0.0)) if math.isfinite(jerk) else (0.0, phases.t[0])
     cruising = max(0.0, answer.duration - 4 * jerking - 2 * holding)
@@ -171,5 +171,5 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     middles = (np.cumsum(lengths) - lengths / 2)[lengths > 0.0]
     theirs = np.array([[values[0] for values in answer.at_time(float(t))[:3]] for t in middles]).T
     if any(np.abs(a - b).max() > SAME * np.abs(b).max() for a, b in zip(profile.at(middles)[:3], theirs, strict=True)):
-        raise Untimed("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
+        raise UntimedMotion("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
     return profile

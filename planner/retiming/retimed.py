@@ -21,7 +21,7 @@ from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.profile import Profile, Untimed, limits_along, ruckig_profile
+from identification.trajectories.profile import Profile, UntimedMotion, limits_along, ruckig_profile
 from planner.bounds.kept import Bound, box_bound
 from planner.found import Found, rated
 from planner.noise import mean_information
@@ -85,7 +85,7 @@ def retimed(
         else:
             after, off_path, solver = retimed_path(motion, case, fastest, told)
             remarks = (solver,)
-    except Untimed as error:
+    except UntimedMotion as error:
         raise InfeasiblePlan(f"cannot be re-timed with {method}: {error}") from error
     bound = box_bound(case, model)
     before, rated = (_rating(m, case, model, bound) for m in (motion, after))
@@ -110,13 +110,13 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
     Also returns how many moves the struts have slowed.
 
     Raises:
-        Untimed: the motion is not a sequence of moves and pauses.
+        UntimedMotion: the motion is not a sequence of moves and pauses.
         CaseError: the case has no machine, limits or controller.
     """
     case.need_motion("re-timing")
     cycle = case.need_controller("re-timing in whole controller cycles").cycle
     if not isinstance(motion, Joined):
-        raise Untimed("it is one continuous path, no sequence of moves; use --method ipopt")
+        raise UntimedMotion("it is one continuous path, no sequence of moves; use --method ipopt")
     parts: list[Trajectory] = []
     slowed = 0
     for part in motion.parts:
@@ -124,7 +124,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
             parts.append(Standstill(part.pose, float(np.ceil(part.duration / cycle - 1e-9)) * cycle))
             continue
         if not isinstance(part, StraightMove | CircularMove) or not isinstance(part.profile, Profile):
-            raise Untimed("it contains a continuous path; use --method ipopt")
+            raise UntimedMotion("it contains a continuous path; use --method ipopt")
         pace, move = 1.0, _timed(part, case, 1.0, cycle)
         for _ in range(SLOWINGS):
             worst = mechanical_pace(move, case)

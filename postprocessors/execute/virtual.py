@@ -12,7 +12,7 @@ from identification.model import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
 from identification.trajectories.path_timing import keeps_pace, retime
-from identification.trajectories.profile import TimeLaw, Untimed, ruckig_profile
+from identification.trajectories.profile import TimeLaw, UntimedMotion, ruckig_profile
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import motions
@@ -84,7 +84,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
 def _followed(path: TimedPoints, case: Case, file: str) -> Trajectory:
     try:
         return path if keeps_pace(path, case) else retime(path, case)
-    except Untimed as error:
+    except UntimedMotion as error:
         raise ExecutionError(file, str(error), "look at hexcite check") from error
 
 
@@ -94,7 +94,7 @@ def by_ruckig(law: Law) -> Law:
     def timed(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
         try:
             return ruckig_profile(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
-        except Untimed as error:
+        except UntimedMotion as error:
             raise ExecutionError(f"ruckig cannot time a move ({error}); slow it down or make it longer") from error
 
     return timed

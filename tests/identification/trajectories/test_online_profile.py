@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Untimed, fastest_profile, limits_along, ruckig_profile
+from identification.trajectories.profile import UntimedMotion, fastest_profile, limits_along, ruckig_profile
 
 RATE = np.array([0.6, 0.6, 0.6, 1.0, 1.0, 1.0])
 ACCELERATION = np.array([6.0, 6.0, 6.0, 10.0, 10.0, 10.0])
@@ -76,18 +76,18 @@ def test_a_slowed_law_covers_the_same_way():
 def test_limits_must_be_above_zero(which: int, value: float):
     limits = [RATE.copy(), ACCELERATION.copy(), JERK.copy()]
     limits[which][1] = value
-    with pytest.raises(Untimed, match="above 0"):
+    with pytest.raises(UntimedMotion, match="above 0"):
         online_move(HERE, THERE, *limits)
 
 
 @pytest.mark.parametrize("cycle", [np.nan, 0.0, -1e-3, np.inf])
 def test_the_cycle_must_be_a_duration(cycle: float):
-    with pytest.raises(Untimed, match="cycle"):
+    with pytest.raises(UntimedMotion, match="cycle"):
         online_move(HERE, THERE, RATE, ACCELERATION, JERK, cycle=cycle)
 
 
 def test_without_any_limit_of_a_kind_there_is_no_law():
-    with pytest.raises(Untimed, match="jerk"):
+    with pytest.raises(UntimedMotion, match="jerk"):
         online_move(HERE, THERE, RATE, ACCELERATION, np.full(6, np.inf))
 
 

@@ -13,7 +13,7 @@ from identification.limit_proof import prove
 from identification.motion import Joined, Motion, Standstill, TimedPoints
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.path_timing import FASTEST, retime
-from identification.trajectories.profile import Untimed
+from identification.trajectories.profile import UntimedMotion
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
@@ -151,12 +151,12 @@ class Broken(Wave):
 
 
 def test_a_path_that_begins_in_motion_is_refused():
-    with pytest.raises(Untimed, match=r"begins at .* must begin and end at rest"):
+    with pytest.raises(UntimedMotion, match=r"begins at .* must begin and end at rest"):
         retime(InMotion(1.0), CASE)
 
 
 def test_a_path_that_is_no_number_is_refused():
-    with pytest.raises(Untimed, match="not finite"):
+    with pytest.raises(UntimedMotion, match="not finite"):
         retime(Broken(1.0), CASE)
 
 
@@ -168,7 +168,7 @@ def test_a_path_that_no_pace_makes_possible_says_why(monkeypatch: pytest.MonkeyP
         self.problem_data.return_code = type(self.problem_data.return_code).FailUncontrollable
 
     monkeypatch.setattr(TOPPRA, "compute_parameterization", give_up)
-    with pytest.raises(Untimed, match="no pace keeps all limits"):
+    with pytest.raises(UntimedMotion, match="no pace keeps all limits"):
         retime(Wave(1.0), CASE)
 
 
