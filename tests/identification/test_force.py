@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.basis import KEPT, result_basis
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text, provenance
 from cases.loading import load_case
@@ -233,3 +234,20 @@ def test_a_number_changed_by_hand_is_noticed(
 def test_a_unit_changed_by_hand_is_noticed(saved: Result, tmp_path: Path) -> None:
     with pytest.raises(FileProblem, match=r"unit of xC is mm, not m: changed by hand; identify again"):
         Result.load(damaged(saved, tmp_path, ("parameters", "xC", "unit"), "mm"), CASE)
+
+
+def test_a_case_of_ones_own_is_looked_at_too(saved: Result, tmp_path: Path) -> None:
+    file = damaged(saved, tmp_path, (KEPT,), result_basis(CASE))
+    sensors = CASE.sensors.model_copy(update={"force_noise_N": 2.0})
+    changed = CASE.model_copy(update={"sensors": sensors})
+    with pytest.raises(FileProblem, match=r"result.json: case hexapod .*sensors.force_noise_N was .*stale"):
+        Result.load(file, changed)
+    (remark,) = Result.load(file, changed, stale=True).remarks
+    assert remark.startswith("stale: ")
+
+
+def test_damage_of_what_the_run_determined_is_named(saved: Result, tmp_path: Path) -> None:
+    saved.save(tmp_path / "result")
+    (tmp_path / "result" / "identifiability.json").write_text('{"names": ["m"]}')
+    with pytest.raises(FileProblem, match=r"identifiability.json: entry 'correlation' is missing .*identify again"):
+        Result.load(tmp_path / "result", CASE)
