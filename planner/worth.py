@@ -91,10 +91,13 @@ class Worth:
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
         """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
-        bounds = {
-            key: None if data[key] is None else Bound.of_json(data[key], parameters) for key in ("bound", "bound_tight")
-        }
-        return TypeAdapter(cls).validate_python({**data, **bounds, "search": data})
+        whole = {**data, "search": data}
+        for key in ("bound", "bound_tight"):
+            if isinstance(entries := data[key], Mapping):  # earlier versions wrote fewer
+                logdet = entries.get("logdet")
+                absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
+                whole[key] = absent | dict(entries)
+        return TypeAdapter(cls).validate_python(whole)
 
 
 @dataclass(frozen=True, slots=True)

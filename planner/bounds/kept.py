@@ -6,13 +6,12 @@ moments of a motion from rest to rest with limited jerk, see `planner.bounds.fea
 proof in `planner.bounds.certificate`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import numpy as np
 from platformdirs import user_cache_path
@@ -66,12 +65,6 @@ class Bound:
     def efficiency(self, logdet: float) -> float:
         """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
         return float(np.exp((logdet - self.logdet) / self.parameters))
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Bound":
-        """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged."""
-        absent = {"parameters": parameters, "design_logdet": data["logdet"], "proven_logdet": data["logdet"]}
-        return cls(**(absent | dict(data)))
 
     @property
     def label(self) -> str:

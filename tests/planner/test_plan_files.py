@@ -81,6 +81,9 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
         (("fourier", "a_m_s_rad_s"), []),
         (("fourier", "centre_m_rad"), [float("nan")] * 6),
         (("limits", "strut length", "bounds"), [0.4]),
+        (("bound",), 3),
+        (("bound", "logdet"), None),
+        (("bound", "dmax"), "x"),
         (("model",), 1e999),
         (("model",), None),
         (("model",), 6.0),
@@ -95,7 +98,8 @@ def test_a_plan_with_a_damaged_entry_is_refused(path: tuple[str, ...], value: An
     rewrite(copy, *path, to=value)
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
     assert str(copy / "plan.json") in line
-    assert any(word in line for word in (path[0], "JSON")) or path[0] in ("fourier", "limits")  # which the motion tells
+    told_by_the_motion = path[0] in ("fourier", "limits")
+    assert told_by_the_motion or any(word in line for word in (".".join(path), "JSON"))
     assert not (copy.parent / "p.ngc").exists()
 
 
