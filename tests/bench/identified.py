@@ -1,6 +1,5 @@
 """Figures of identification: an hour at 1 kHz, forward kinematics, coloured noise, contacts, the real sensor."""
 
-import json
 import tempfile
 import time
 from dataclasses import replace
@@ -8,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+import hexcite as hx
 from cases.loading import load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
@@ -98,9 +98,9 @@ def _moving_wrist() -> Rows:
     case = load_case("ft_wrist")
     run = read([STATIC.with_name(f"1-baseline_{n}.csv") for n in ("accel", "wrench", "orientations")], case)
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "result.json"
-        file.write_text(json.dumps(identify(read(STATIC, case), case).to_json()))
-        given = method(biases=biases_of(file, case))
+        still = Path(folder) / "still"
+        hx.identify(read(STATIC, case), case).save(still)
+        given = method(biases=biases_of(still, case))
     masses = [identify(run, case, how=how).physical["m"] for how in (method(), given)]
     delays = []
     for cutoff in (5.0, 10.0, 20.0, 40.0):

@@ -22,7 +22,9 @@ def point_to_point(folder: Path, command: Command) -> list[list[str]]:
     command("post", str(folder / "ptp"), *ACCEPT, "-o", program, "--json")
     took, rows = {}, []
     for controller in ["virtual"] + ([] if linuxcnc_missing() else ["linuxcnc"]):
-        _, printed = command("run", program, "--case", "hexapod", "--on", controller, "-o", str(folder / "r"), "--json")
+        _, printed = command(
+            "run", program, "--case", "hexapod", "--on", controller, "-o", str(folder / controller), "--json"
+        )
         run = json.loads(printed)
         took[controller] = run["duration_s"]
         rows += [
@@ -69,8 +71,9 @@ def spline(folder: Path, command: Command) -> list[list[str]]:
 def dense(folder: Path, command: Command) -> list[list[str]]:
     """Post and check of a smooth plan of 12 s; LinuxCNC wide open, and its stretch under the case's own limits."""
     program = folder / "fourier.ngc"
-    command("plan", "hexapod", "-o", str(folder / "fourier"), "--json")
-    posted = min(command("post", str(folder / "fourier"), *ACCEPT, "-o", str(program), "--json")[0] for _ in range(3))
+    command("plan", "hexapod", "--family", "fourier", "-o", str(folder / "fourier"), "--json")
+    post = ("post", str(folder / "fourier"), *ACCEPT, "-o", str(program), "--overwrite", "--json")
+    posted = min(command(*post)[0] for _ in range(3))
     checked = min(command("check", str(program), "--case", "hexapod", "--json")[0] for _ in range(3))
     rows = [
         ["post of a 12 s plan, whole command", f"{posted:.1f} s", "2 s"],
