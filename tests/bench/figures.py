@@ -135,16 +135,16 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
 def main() -> None:
     """Prints all figures, each table as soon as it is measured."""
     sizes()
+    with tempfile.TemporaryDirectory() as name:
+        families(Path(name), command)
+        anytime(Path(name), command, picture=Path("bench-anytime.png"))
+    portfolio()
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)
         sys.stdout.flush()
     retiming_table()
     criteria_table()
     monte_carlo_table()
-    with tempfile.TemporaryDirectory() as name:
-        families(Path(name), command)
-        anytime(Path(name), command, picture=Path("bench-anytime.png"))
-    portfolio()
     pose_tables()
     robot_figures()
 
