@@ -13,7 +13,7 @@ from cases.schema import Case
 from identification.limit import TOLERANCE, LimitCheck
 from identification.limit_proof import prove
 from identification.motion import Array, StandingPoses
-from planner.reach import StaticLimits, corners_and_middles, static_limits
+from planner.reach import StaticLimits, corners_and_middles
 
 MARGIN = 1e-3  # share of a limit that the box leaves, or half of what home leaves: sampling cannot find every pose
 STARTS = 4  # boxes from which the search begins, for it ends at the next local optimum
@@ -93,7 +93,7 @@ class _Search:
     """
 
     def __init__(self, case: Case, seed: int) -> None:
-        self.limits = static_limits(case)
+        self.limits = StaticLimits(case)
         self.count = self.limits.box.shape[1]
         self.draw = np.random.default_rng(seed)
         self.case, self.at_home = case, self.limits.shares(self.limits.home[None])[0]

@@ -8,19 +8,15 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.hexapod import Hexapod
-from identification.keep_out import distances, guarded
 from identification.limit import TOLERANCE, Limit, LimitKind
 from identification.limit_proof import CHUNK, of_mechanics
 from identification.limited_chain import joint_ranges
-from identification.limited_quantities import Quantity
+from identification.limited_quantities import limited_struts, rotation_motion
 from identification.motion import Array, StandingPoses
-from identification.symbolic import over_samples, rotation
 
 POSES = 20_000  # drawn in the box: a standard error of at most 0.35 % of its volume
 STEPS = 400  # along each coordinate from home to the end of the box: what is out of reach for less is not seen
@@ -28,7 +24,6 @@ HALVINGS = 40  # of such a step: far below any encoder
 CLIMBS = 30  # steps of the search for the worst pose, halved where none of them leads higher
 NEAR = 0.8  # share of a limit at the worst of many poses, below which no pose next to it exceeds the limit
 GRID = np.array(list(product((0.0, 0.5, 1.0), repeat=6)))  # corners and middles of a box, shape (729, 6)
-UNITS = np.array([MM] * 3 + [DEG] * 3)  # of the coordinates of a hexapod
 MOST_COORDINATES = 6  # whose corners and middles are all looked at
 
 
@@ -88,7 +83,7 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    limits = static_limits(case)
+    limits = StaticLimits(case)
     box = limits.box
     n = box.shape[1]
     samples = np.random.default_rng(seed).random((count, n))
@@ -114,15 +109,6 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
         limited_by=limited_by,
         keys=case.need_motion("the reach of the motion box")[1].columns,
     )
-
-
-def static_limits(case: Case) -> "StaticLimits":
-    """What a case limits of poses at rest.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
-    return StaticLimits(case) if case.chain is None else StaticLimitsOfChain(case)
 
 
 def corners_and_middles(n: int, seed: int = 0) -> Array:
@@ -154,59 +140,51 @@ def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None,
 
 
 class StaticLimits:
-    """What a case limits of poses at rest, over many poses at once, through the CasADi kinematics.
+    """What a case limits of poses at rest, over many poses at once, by the proof of limits.
 
-    `identification.limit_proof` proves the same limits by other means; both measure distances from boxes by
-    `identification.keep_out`.
+    Raises:
+        CaseError: the case has no machine or no limits.
     """
 
     def __init__(self, case: Case) -> None:
-        self.machine, self.workspace, limits = case.need_machine("the reach of the motion box")
-        self.home, self.box, self.units = self.machine.home.vector, limits.pose, UNITS
-        self.shortest = max(limits.strut_length[0], self.workspace.strut_length[0])
-        self.longest = min(limits.strut_length[1], self.workspace.strut_length[1])
-        hexapod, pose = Hexapod.of(case), ca.SX.sym("pose", 6)
-        self.functions = (
-            hexapod.inverse_jacobian,
-            hexapod.joint_cosines,
-            ca.Function("rotation", [pose], [rotation(pose[3:])]),
-        )
-        self.determinant = float(np.linalg.det(hexapod.inverse_jacobian(self.home)[1].full()))
-        struts = [f"strut {k}" for k in range(1, 7)]
-        length, singularity = Limit(LimitKind.STRUT_LENGTH), Limit(LimitKind.SINGULARITY)
-        angles = Limit(LimitKind.BASE_JOINT_ANGLE), Limit(LimitKind.PLATFORM_JOINT_ANGLE)
-        boxes = [Limit(LimitKind.DISTANCE_FROM_BOX, box.name) for box in self.workspace.keep_out]
-        columns = [
-            *((length, f"{strut}, {end}") for end in ("longest", "shortest") for strut in struts),
-            *((angle, strut) for angle in angles for strut in struts),
-            (singularity, ""),
-            *((box, part) for box in boxes for part in guarded(self.workspace)),
-        ]
+        self.case = case
+        self.home, limits = case.need_motion("the reach of the motion box")
+        self.box, self.units = limits.pose, np.where(limits.turns, DEG, MM)
+        columns = [(limit, label) for limit, labels, _ in self._columns(self.home[None]) for label in labels]
         self.kinds = tuple(limit for limit, _ in columns)
-        self.names = tuple(limit.at(place) for limit, place in columns)
+        self.names = tuple(limit.at(label) for limit, label in columns)
 
     def poses(self, box: Array, fractions: Array) -> Array:
         """Poses at fractions from 0 to 1 of the sides of a box relative to home, shape (n, k) [m or rad]."""
         return np.asarray(self.home + box[0] + fractions * (box[1] - box[0]))
 
     def shares(self, poses: Array) -> Array:
-        """Share of each limit that each pose uses, above 1 out of reach, shape (n, limits).
-
-        Args:
-            poses: shape (n, 6) [m, rad].
-        """
-        workspace = self.workspace
-        angle_limits = np.array([workspace.base_joint_angle_deg, workspace.platform_joint_angle_deg]) * DEG
+        """Share of each limit that each pose uses, above 1 out of reach, shape (n, limits); poses of shape (n, k)."""
+        parts = [poses[first : first + CHUNK] for first in range(0, len(poses), CHUNK)]
         with np.errstate(invalid="ignore"):  # what is not a number counts as out of reach
-            length, jacobian, *cosines, turn = (value for f in self.functions for value in over_samples(f, poses))
-            stretched = (length - (self.longest + self.shortest) / 2) / ((self.longest - self.shortest) / 2)
-            angles = [np.arccos(np.clip(c, -1.0, 1.0)) / most for c, most in zip(cosines, angle_limits, strict=True)]
-            columns = [stretched, -stretched, *angles, 1.0 - np.linalg.det(jacobian)[:, None] / self.determinant]
-            struts = jacobian[:, :, :3] * length[:, :, None]  # the rows of J^-1 begin with the struts' directions
-            for box in workspace.keep_out:
-                clearances = distances(box, workspace, poses[:, :3], turn, self.machine.base.points, struts)
-                columns.append(1.0 - clearances / box.vicinity)
-        return np.asarray(np.nan_to_num(np.hstack(columns), nan=np.inf))
+            rows = [np.hstack([shares for *_, shares in self._columns(part)]) for part in parts]
+        return np.asarray(np.nan_to_num(np.vstack([np.zeros((0, len(self.names))), *rows]), nan=np.inf))
+
+    def _columns(self, poses: Array) -> Iterator[tuple[Limit, tuple[str, ...], Array]]:
+        """Each limit, what of the machine it limits, and the shares, shape (n, columns)."""
+        still = StandingPoses(poses).at(np.arange(float(len(poses))))
+        if self.case.chain is None:
+            machine, workspace, limits = self.case.need_machine("the reach of the motion box")
+            for quantity in limited_struts(still, rotation_motion(still), machine, workspace, limits):
+                if quantity.of.kind is LimitKind.STRUT_LENGTH:
+                    low, high = quantity.limits
+                    longest = (quantity.values - (low + high) / 2) / ((high - low) / 2)
+                    for end, shares in (("longest", longest), ("shortest", -longest)):
+                        yield quantity.of, tuple(f"{strut}, {end}" for strut in quantity.labels), shares
+                elif quantity.of.kind is LimitKind.DISTANCE_FROM_BOX:
+                    box = next(b for b in workspace.keep_out if b.name == quantity.of.box)
+                    yield quantity.of, quantity.labels, 1.0 - quantity.values / box.vicinity
+                elif not quantity.of.kind.kinetic:
+                    yield quantity.of, quantity.labels, quantity.ratio
+            return
+        yield Limit(LimitKind.TURNING), ("",), np.zeros((len(poses), 1))  # of a joint without ends
+        for quantity in (*joint_ranges(still, self.case.chain), *of_mechanics(still, self.case, False)):
+            yield quantity.of, quantity.labels, quantity.ratio
 
     def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:
         """The pose of a box that uses most of each limit, as fractions of its sides, (limits, k), and these shares.
@@ -237,30 +215,3 @@ class StaticLimits:
             size = np.where(higher, size, size / 2)
         fractions[columns], largest[columns] = best, most
         return fractions, largest
-
-
-class StaticLimitsOfChain(StaticLimits):
-    """What a case limits of a chain at rest, by the proof of limits: distances of bodies, torques, sensor forces."""
-
-    def __init__(self, case: Case) -> None:
-        chain, limits = case.need_chain("the reach of the motion box")
-        self.case, self.chain, self.home, self.box, self.units = case, chain, chain.home, limits.pose, chain.units
-        self.kinds, self.names = zip(*self._columns(), strict=True)
-
-    def shares(self, poses: Array) -> Array:
-        """Share of each limit that each pose uses, above 1 out of reach, shape (n, limits); poses of shape (n, k)."""
-        parts = [poses[first : first + CHUNK] for first in range(0, len(poses), CHUNK)]
-        rows = [np.hstack([np.zeros((len(part), 1)), *(q.ratio for q in self._quantities(part))]) for part in parts]
-        return np.vstack([np.zeros((0, len(self.names))), *rows])
-
-    def _columns(self) -> Iterator[tuple[Limit, str]]:
-        """Each limit with its name; the first is that of a joint without ends, which a chain may have alone."""
-        endless = Limit(LimitKind.TURNING)
-        yield endless, str(endless)
-        for quantity in self._quantities(self.home[None]):
-            for label in quantity.labels:
-                yield quantity.of, quantity.of.at(label)
-
-    def _quantities(self, poses: Array) -> tuple[Quantity, ...]:
-        still = StandingPoses(poses).at(np.arange(float(len(poses))))
-        return (*joint_ranges(still, self.chain), *of_mechanics(still, self.case, False))

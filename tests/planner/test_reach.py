@@ -13,10 +13,11 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from cases.machine import POSE
 from cases.schema import Case
+from cases.units import DEG, MM
 from identification.limit_proof import prove
 from identification.motion import StandingPoses
 from planner.motion_box import largest_box
-from planner.reach import UNITS, StaticLimits, reach
+from planner.reach import StaticLimits, reach
 from tests.cases.editing import written
 from tests.helpers import few, one_line
 from tests.planner.command_line import call, refused
@@ -65,7 +66,7 @@ def kept_poses(case: Case, poses: np.ndarray) -> np.ndarray:
 
 
 def box_of(sides: dict[str, tuple[float, float]]) -> np.ndarray:
-    return np.array([sides[key] for key in POSE]).T * UNITS
+    return np.array([sides[key] for key in POSE]).T * np.repeat([MM, DEG], 3)
 
 
 @pytest.fixture(scope="module")
