@@ -12,8 +12,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill
 from postprocessors.blocks import NeutralProgram, block_motions, knots
-from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, Still, Timed
 from postprocessors.wording import comment_lines
 
 DECIMALS = 9  # of rad, m and their derivatives
@@ -49,7 +48,7 @@ def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
 def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the message, as read back, is the program's motion, at its points and between them."""
     motion, clock = _motion(program), -FIRST
-    for part in stretches(reading):
+    for part in reading.stretches:
         if isinstance(part, Still):
             clock += part.duration
             continue

@@ -18,8 +18,7 @@ from cases.units import DEG, MM
 from identification.hexapod import Hexapod
 from identification.motion import Array, Joined, Motion, Slowed, Standstill, Trajectory
 from postprocessors.blocks import NeutralProgram, ToHome, Trigger, block_motions
-from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, Timed
 
 FORMAT = "hexcite setpoints 1"
 METADATA = b"hexcite"
@@ -154,7 +153,7 @@ def write_parquet(program: NeutralProgram, case: Case) -> bytes:
 def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
-    read = [s for s in stretches(reading) if isinstance(s, Timed)]
+    read = [s for s in reading.stretches if isinstance(s, Timed)]
     written = [part for part in _parts(program, cycle) if part[0] is not None]
     if len(read) != len(written):
         raise ProgramError(reading.file, 0, 0, f"{len(read)} paths where {len(written)} were written; report this")

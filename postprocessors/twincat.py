@@ -11,7 +11,8 @@ from cases.controller import TwinCat
 from cases.schema import Case
 from postprocessors.blocks import Array, NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
-from postprocessors.reading import Reading, axis_letters
+from postprocessors.reading import Reading
+from postprocessors.reading.text import axis_letters
 from postprocessors.wording import GroupedWriter, comments, coordinates, number
 
 TIME_DECIMALS = 9  # of a second

@@ -1,7 +1,7 @@
 """From a planned motion to a program's text that has been read back and proven; nothing else leaves this module."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
@@ -16,8 +16,7 @@ from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, divided
 from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.proving.stretches import Timed, Untimed, stretches
-from postprocessors.reading import Event, Reading
+from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 # The last decimal of the words, doubled: what is read back must be what was planned, up to rounding [m or rad].
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
@@ -66,7 +65,7 @@ def proven_program(
     draft = replace(program, header=(*header, *_findings(proof)))
     content = language.write(draft, case)
     again = language.read(content, file, case)
-    if not _same_events(again, reading):
+    if not _same_stretches(again, reading):
         raise ProgramError(file, 0, 0, "the header changes how the program reads; report this")
     return Written(content, proof, again)
 
@@ -80,15 +79,18 @@ def _findings(proof: ProgramProof) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _same_events(one: Reading, other: Reading) -> bool:
+def _same_stretches(one: Reading, other: Reading) -> bool:
     """Whether two readings say the same to the last bit, but for the lines at which they say it."""
 
-    def values(event: Event) -> list[object]:
-        entries = [getattr(event, f.name) for f in fields(event) if f.name != "line"]
-        return [type(event), *(v.tobytes() if isinstance(v, np.ndarray) else repr(v) for v in entries)]
+    def values(part: Stretch) -> list[object]:
+        if isinstance(part, Timed):
+            at = part.points.at(part.points.times)
+            arrays = part.points.times, at.pose, at.rates, at.accelerations, at.jerks
+            return [type(part.points), part.trigger, *(array.tobytes() for array in arrays)]
+        with np.printoptions(floatmode="unique"):
+            return [repr(replace(part, line=0))]
 
-    pairs = zip(one.events, other.events, strict=False)
-    return len(one.events) == len(other.events) and all(values(a) == values(b) for a, b in pairs)
+    return [*map(values, one.stretches)] == [*map(values, other.stretches)]
 
 
 def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -> None:
@@ -98,7 +100,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
     """
     written = [b for b in program.blocks if isinstance(b, TimedPath | StraightMove | CircularMove)]
     # The first move of all goes home; it has no counterpart with a known start.
-    read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
+    read = [s for s in reading.stretches if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
         raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
     for block, stretch in zip(written, read, strict=True):
@@ -110,13 +112,12 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
                 name = "a move"
                 same = isinstance(stretch, Untimed) and _same_move(block, stretch)
         if not same:
-            line = stretch.lines[0] if isinstance(stretch, Timed) else stretch.line
-            raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
+            raise ProgramError(reading.file, stretch.line, 0, f"{name} reads back differently; report this")
 
 
 def _same_move(block: StraightMove | CircularMove, stretch: Untimed) -> bool:
     near = bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
-    return near and (stretch.turn is not None) == isinstance(block, CircularMove)
+    return near and (stretch.arc is not None) == isinstance(block, CircularMove)
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:

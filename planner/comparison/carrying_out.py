@@ -24,7 +24,6 @@ from planner.runs.running import carried_out
 from planner.runs.written import write
 from postprocessors.dialects import Program
 from postprocessors.execute import stood
-from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
@@ -166,11 +165,10 @@ def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path
 
 
 def _excitation(method: str, settings: ValidationSettings, program: Program) -> Excitation:
-    _, run = carried_out(program, program.case, settings.on)
-    parts = stretches(program.reading)
+    run = carried_out(program, program.case, settings.on)
     poses, duration = np.zeros((0, 6)), run.excitation
-    if measures_at_poses(parts):
-        poses = measured_poses(parts)
+    if program.reading.measures_at_poses:
+        poses = program.reading.measured_poses
         duration = stood(run, poses, program.path)[0]
     controller = f"{run.controller}; {run.remark}" if run.remark else run.controller
     return Excitation(program.case, method, duration, run.execution, run.trigger, poses, settings.seed, controller)

@@ -28,7 +28,6 @@ from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import motions, planned_excitation
-from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 _ACCELERATIONS = LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION
@@ -77,11 +76,11 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     case.need_simulation("a run")
-    parts, run = carried_out(program, case, on)
+    run = carried_out(program, case, on)
     planned: Trajectory
-    if measures_at_poses(parts):
-        planned = Joined(tuple(motion for _, motion in motions(parts, case, program.guarantees)))
-        poses = measured_poses(parts)
+    if program.reading.measures_at_poses:
+        planned = Joined(tuple(motion for _, motion in motions(program.reading, case, program.guarantees)))
+        poses = program.reading.measured_poses
         seconds, off = stood(run, poses, program.path)
         rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
         rating["poses_m_rad"] = poses.tolist()
@@ -104,8 +103,8 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     return RunOutcome(run, recording, planned, program.guarantees, around, peaks)
 
 
-def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
-    """Proves a program and runs it: its stretches, and what the controller did.
+def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
+    """Proves a program and runs it.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
@@ -115,14 +114,13 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
         program.proof.require()
     except ProgramError as error:
         raise of_another(error, program.path, program.content, case) from error
-    parts = stretches(program.reading)
     if on == "virtual":
         run = run_virtual(program.reading, case, program.guarantees)
     else:
-        run = _on_linuxcnc(program, case, measures_at_poses(parts))
+        run = _on_linuxcnc(program, case, program.reading.measures_at_poses)
     if not len(run.trigger):
         raise ExecutionError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
-    return parts, run
+    return run
 
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
-from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, Timed
 
 if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
     from identification.trajectories.executed import Execution
@@ -92,7 +91,7 @@ def path_words(line: int, planned: float, taken: float) -> str:
 def slowest_path(reading: Reading, log: ControllerLog) -> tuple[int, float, float] | None:
     """The timed path that was most late: the line at which it ends, planned and actual duration [s]; None: none was."""
     paths = []
-    for part in stretches(reading):
+    for part in reading.stretches:
         if isinstance(part, Timed):
             rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
             paths.append((part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period))

@@ -16,8 +16,7 @@ from identification.trajectories.profile import TimeLaw, UntimedMotion, ruckig_p
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import motions
-from postprocessors.proving.stretches import Still, measures_at_poses, stretches
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, Still
 
 Array = NDArray[np.float64]
 
@@ -62,10 +61,8 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     own = replace(guarantees, law=by_ruckig(guarantees.law))
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
-    clock, on = REST, False
-    program = stretches(reading)
-    at_poses = measures_at_poses(program)
-    for stretch, motion in motions(program, case, own):
+    clock, on, at_poses = REST, False, reading.measures_at_poses
+    for stretch, motion in motions(reading, case, own):
         part = _followed(motion, case, reading.file) if isinstance(motion, TimedPoints) else motion
         on = on and stretch.trigger
         if at_poses and stretch.trigger:

@@ -16,8 +16,7 @@ from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
 from postprocessors.blocks import path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
-from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading import Polynomial, Reading
+from postprocessors.reading import Reading, Timed
 
 Law = Callable[[float, float, float], TimeLaw]
 """How a controller covers a straight way from rest to rest.
@@ -123,7 +122,7 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
-    polynomial = any(isinstance(e, Polynomial) for e in reading.events)
+    polynomial = bool(_polynomials(reading))
     return Guarantees(
         controller="SINUMERIK",
         shortest_block=settings.shortest_block_ms * MS,
@@ -133,6 +132,12 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         jerk_time=0.0,
         block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
     )
+
+
+def _polynomials(reading: Reading) -> list[PolynomialMotion]:
+    """Paths of POLY blocks."""
+    paths = [part.points for part in reading.stretches if isinstance(part, Timed)]
+    return [path for path in paths if isinstance(path, PolynomialMotion)]
 
 
 def sinumerik_tolerance(case: Case) -> Array:
@@ -196,7 +201,7 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
     """What is known of the time within POLY blocks: each ends in time, how it passes is the controller's."""
-    motions = [s.points for s in stretches(reading) if isinstance(s, Timed) and isinstance(s.points, PolynomialMotion)]
+    motions = _polynomials(reading)
     if not motions:
         return Forecast()
     position, angle = np.max([path_speed_deviation(motion, motion) for motion in motions], axis=0)

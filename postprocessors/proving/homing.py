@@ -21,7 +21,7 @@ from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove
 from identification.trajectories.profile import limits_along
 from postprocessors.proving.guarantees import Answering, Guarantees
-from postprocessors.proving.stretches import Stretch, Timed, Untimed, stretches
+from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
     from postprocessors.dialects import Program
@@ -38,7 +38,7 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
     if part.start is None or not part.moves:
         return None
     way = np.abs(part.end - part.start)
-    if part.turn is not None:
+    if part.arc is not None:
         return _arc(part, part.start, limits, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
@@ -48,7 +48,7 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
 
 
 def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> CircularMove:
-    turn = part.turn
+    turn = part.arc
     assert turn is not None
     assert part.feed is not None
     first, second, _ = turn.plane.axes
@@ -60,14 +60,14 @@ def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> Ci
     return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)
 
 
-def motions(parts: Iterable[Stretch], case: Case, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:
+def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:
     """Each stretch of a program that takes time, with its motion as its controller is expected to make it, from home.
 
     Raises:
         CaseError: the case has no machine.
     """
     pose, limits = case.need_motion("a run")
-    for part in parts:
+    for part in reading.stretches:
         motion: Trajectory | None
         if isinstance(part, Timed):
             motion = part.points
@@ -86,8 +86,7 @@ def planned_excitation(read: "Program", case: Case) -> Trajectory:
     Raises:
         ExecutionError: nothing moves then.
     """
-    parts = stretches(read.reading)
-    excited = [motion for part, motion in motions(parts, case, read.guarantees) if part.trigger]
+    excited = [motion for part, motion in motions(read.reading, case, read.guarantees) if part.trigger]
     while excited and isinstance(excited[0], Standstill):  # pauses between moves count
         excited.pop(0)
     while excited and isinstance(excited[-1], Standstill):

@@ -27,7 +27,7 @@ from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.forces import Steady
 from postprocessors.proving.guarantees import Answering
 from postprocessors.proving.homing import predicted, way_home
-from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
+from postprocessors.reading import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
 RATES = LimitKind.VELOCITY, LimitKind.STRUT_VELOCITY

@@ -1,6 +1,6 @@
 """Proves a program's text inside the limits of a case, or says at which line it is not."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,7 @@ from identification.motion import Array
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.proving.judging import judge
-from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches
-from postprocessors.reading import Reading, Stand, Switch
+from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
 
 MOST_TIMES = 10.0  # times a limit above which nobody needs the number
 
@@ -134,14 +133,13 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
         CaseError: the case has no machine.
     """
-    parts = stretches(reading)
-    if not any(isinstance(p, Timed | Untimed) for p in parts):
+    if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
     by = Answering(case, guarantees, reading.file, ForceBounds.of(case))
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[Violation] = []
-    for part in parts:
+    for part in reading.stretches:
         report, duration = judge(part, by, clock)
         reports.append(report)
         violations += [Violation(_line(part, v.time - clock), v) for v in report.violations]
@@ -156,7 +154,7 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
         excitation,
         worst_of(reports),
         worst_first,
-        tuple(_remarks(reading, parts, case)),
+        tuple(_remarks(reading, case)),
     )
 
 
@@ -167,10 +165,10 @@ def _line(part: Stretch, time: float) -> int:
 AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
-def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterator[str]:
+def _remarks(reading: Reading, case: Case) -> Iterator[str]:
     """What no limit says, one sentence each; raises CaseError where the case has no machine."""
     home, limits = case.need_motion("the check of a program")
-    moves = [part for part in program if not isinstance(part, Still)]
+    moves = [part for part in reading.stretches if not isinstance(part, Still)]
     first = moves[0]
     if isinstance(first, Untimed) and first.start is None:
         sensed = "" if case.sensor_frame.struts is None or case.sensors.range is None else "forces in struts, "
@@ -180,7 +178,7 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
         )
         if distance := _away(first.end, home, limits):
             yield f"line {first.line}: the first move does not go home, {distance}"
-    elif isinstance(reading.events[0], Stand):
+    elif reading.start is not None:
         yield "the machine must stand at home when it starts"
     last = moves[-1]
     end = last.end if isinstance(last, Untimed) else last.points.at([last.points.duration]).pose[0]
@@ -191,11 +189,10 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
             f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "
             "every pose"
         )
-    switches = [event for event in reading.events if isinstance(event, Switch)]
-    if not any(event.on for event in switches):
+    if reading.left_on:
+        yield f"line {reading.left_on}: the trigger is never switched off again"
+    elif not any(part.trigger for part in reading.stretches):
         yield "the trigger is never switched on: a recording would not know what to evaluate"
-    elif switches[-1].on:
-        yield f"line {switches[-1].line}: the trigger is never switched off again"
 
 
 def _away(pose: Array, home: Array, limits: Box) -> str:

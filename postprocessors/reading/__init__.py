@@ -1,102 +1,102 @@
-"""What a program says, after reading and before any judgement: moves, dwells and trigger switches with their lines."""
+"""What a program says: stretches of motion between standstills, which the proof judges and controllers run.
 
-import math
-import re
-from collections.abc import Callable, Iterator
+Readers report each block to a `Grouping`, which joins timed blocks to paths and refuses a motion that is not defined.
+"""
+
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.chain import Chain
 from cases.errors import ProgramError
+from identification.motion import TimedPoints
+from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
 from identification.trajectories.moves import Plane
 
 Array = NDArray[np.float64]
 
+STILL = 1e-9  # [m, rad] below the last decimal of any program
+
 
 @dataclass(frozen=True, slots=True)
-class Move:
-    """A straight move in the six coordinates."""
+class Timed:
+    """A path whose time the program states block by block."""
 
-    line: int  # line of the program, counted from 1
-    end: Array  # pose at its end, shape (6,) [m, rad]
-    duration: float | None  # that the text states [s]; None where the controller times the move itself
-    # along XYZ [m/s], or along ABC [rad/s] where XYZ stands still; None where a duration is stated, or of a rapid
-    feed: float | None
-    exact_stop: bool  # whether the controller comes to rest at the end
+    lines: tuple[int, ...]  # line of the program that ends each block, shape (k - 1,)
+    points: TimedPoints | PolynomialMotion | Tabulated  # the motion through the k poses, from rest to rest
+    trigger: bool  # whether the trigger is on
+
+    @property
+    def line(self) -> int:
+        """Line of the program that ends its first block."""
+        return self.lines[0]
+
+    def line_at(self, time: float) -> int:
+        """Line of the program whose block runs at `time` after the start of the stretch [s]."""
+        block = int(np.searchsorted(self.points.times, time, side="left")) - 1
+        return self.lines[int(np.clip(block, 0, len(self.lines) - 1))]
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """A way of the origin on a circle in a coordinate plane; the other coordinates change in proportion."""
+
+    plane: Plane  # plane in which it lies
+    centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
+    angle: float  # turned about the plane's normal, positive counter-clockwise, at most a full circle [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Untimed:
+    """A straight move or an arc from standstill to standstill whose time law is the controller's."""
+
+    line: int  # line of the program
+    start: Array | None  # shape (6,) [m, rad], or None where the program cannot know it
+    end: Array  # shape (6,) [m, rad]
+    feed: float | None  # along XYZ [m/s], or along ABC [rad/s] where XYZ stands still; None for a rapid
     linear: bool  # whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles
-    # indices of the coordinates of a chain whose way a feed counts; None as `linear` says
+    arc: Arc | None  # None for a straight move
+    trigger: bool  # whether the trigger is on
+    # indices of the coordinates of a chain whose way the feed counts; None as `linear` says
     counted: tuple[int, ...] | None = None
     # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
 
-
-@dataclass(frozen=True, slots=True)
-class Turn:
-    """A circular move of the origin in a coordinate plane; the other coordinates change in proportion."""
-
-    line: int  # line of the program
-    end: Array  # pose at its end, shape (6,) [m, rad]
-    plane: Plane  # plane in which it lies
-    centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
-    angle: float  # turned about the plane's normal, positive counter-clockwise, at most a full circle [rad]
-    feed: float  # along the arc [m/s]
-    exact_stop: bool  # whether the controller comes to rest at the end
-
-
-@dataclass(frozen=True, slots=True)
-class Polynomial:
-    """A polynomial piece in the six coordinates: sum_i c_i p^i for p from 0 to 1."""
-
-    line: int  # line of the program
-    coefficients: Array  # c_0 (where the machine stands) to c_d, shape (d + 1, 6) [m, rad]
-    duration: float  # if p is passed evenly over it [s]
+    @property
+    def length(self) -> float:
+        """Way that the feed counts, from a known start [m], [rad] where only angles move."""
+        assert self.start is not None
+        way = self.end - self.start
+        if self.arc is not None:
+            first, second, _ = self.arc.plane.axes
+            arm = self.start[[first, second]] - self.arc.centre
+            return abs(self.arc.angle) * float(np.hypot(arm[0], arm[1]))
+        if self.counted is not None:
+            return float(np.linalg.norm(way[list(self.counted)]))
+        return float(np.linalg.norm(way[:3] if self.linear else way[3:]))
 
     @property
-    def end(self) -> Array:
-        """Pose at its end, shape (6,) [m, rad]."""
-        return np.asarray(self.coefficients.sum(axis=0))
+    def share_rate(self) -> float | None:
+        """The feed as a share of the way, from a known start [1/s]; None for a rapid."""
+        return None if self.feed is None else self.feed / self.length
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves at all, as far as is known."""
+        return self.arc is not None or self.start is None or bool(np.any(np.abs(self.end - self.start) > STILL))
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
-    """The machine must stand here before the program starts: the program itself does not bring it there."""
+class Still:
+    """A dwell."""
 
     line: int  # line of the program
-    pose: Array  # shape (6,) [m, rad]
+    duration: float  # [s]
+    trigger: bool  # whether the trigger is on
 
 
-@dataclass(frozen=True, slots=True)
-class TableRows:
-    """A path given row by row, from rest to rest."""
-
-    line: int  # line of the program that holds its first row; the others follow line by line
-    cycle: float  # time from row to row [s]
-    poses: Array  # shape (k, 6) [m, rad]
-    rates: Array  # shape (k, 6) [m/s, rad/s]
-    accelerations: Array  # shape (k, 6) [m/s^2, rad/s^2]
-
-
-@dataclass(frozen=True, slots=True)
-class Pause:
-    """Standing still for `duration` [s]."""
-
-    line: int
-    duration: float
-
-
-@dataclass(frozen=True, slots=True)
-class Switch:
-    """The trigger goes on or off."""
-
-    line: int  # line of the program
-    on: bool  # what it becomes
-    at_once: bool  # now, once all motion before has ended; else with the start of the next move
-
-
-Event = Stand | Move | Turn | Polynomial | TableRows | Pause | Switch
+Stretch = Timed | Untimed | Still
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,95 +104,151 @@ class Reading:
     """A program as read."""
 
     file: str  # its name, for messages
-    events: tuple[Event, ...]  # events in order
+    stretches: tuple[Stretch, ...]  # stretches in order
     blocks: int  # number of lines that hold words
+    start: Array | None = None  # where the machine must stand, of programs that do not bring it there, shape (6,)
+    left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
     # words that are missing before its first move, without which what another program left shifts its poses
     unsaid: tuple[str, ...] = ()
 
+    @property
+    def measures_at_poses(self) -> bool:
+        """Whether the trigger is on while the machine stands, and never while it moves."""
+        on = [part for part in self.stretches if part.trigger]
+        on = [part for part in on if not (isinstance(part, Still) and part.duration == 0.0)]
+        return bool(on) and all(isinstance(part, Still) for part in on)
 
-Found = TypeVar("Found")
+    @property
+    def measured_poses(self) -> Array:
+        """Poses at which the trigger is on, in order, shape (k, n) [m or rad]; of programs that measure standing."""
+        last_pose: Array | None = None
+        poses: list[Array] = []
+        for part in self.stretches:
+            if isinstance(part, Untimed):
+                last_pose = part.end
+            elif isinstance(part, Timed):
+                last_pose = part.points.at([part.points.duration]).pose[0]
+            elif part.trigger and part.duration > 0.0 and last_pose is not None:
+                poses.append(last_pose)
+        return np.array(poses)
 
-_INK = re.compile(r"\S")
+
+class TimedBlock(NamedTuple):
+    """A block whose time the program states."""
+
+    line: int  # line of the program
+    duration: float  # [s]
+    end: Array  # pose at its end, shape (6,) [m, rad]
+    # of the polynomial sum_i c_i p^i for p from 0 to 1, passed evenly, which begins where the machine stands, shape
+    # (d + 1, 6) [m, rad]; None for a straight line
+    coefficients: Array | None = None
 
 
-def program_lines(text: str, file: str, longest: int, most: float = math.inf) -> list[str]:
-    """The lines of a program; only line feeds end one.
+class Grouping:
+    """Takes the blocks of a program in their order and groups them into stretches that begin and end at rest.
 
-    Args:
-        text: text of the program, one character a byte (latin-1), so that columns are right whatever the encoding
-            really is.
-        longest: most characters that the controller takes in a line.
-        most: most lines with content that its memory holds.
-
-    Raises:
-        ProgramError: a character that is not plain ASCII, a line too long, too many lines; with line and column.
+    Its methods raise ProgramError where a motion is not defined: timed blocks from an unknown pose, blocks of the
+    controller's own timing that run into each other, a trigger that waits for a motion which never comes.
     """
-    lines = text.replace("\r\n", "\n").split("\n")
-    count = 0
-    for number, line in enumerate(lines, start=1):
-        if not line.isascii() or not line.replace("\t", " ").isprintable():
-            column = next(k for k, c in enumerate(line) if c != "\t" and not " " <= c <= "~")
-            raise ProgramError(
-                file, number, column + 1, f"character {line[column]!r} is not plain ASCII; remove or replace it"
-            )
-        if len(line) > longest:
-            raise ProgramError(file, number, 0, f"{len(line)} characters, the controller takes {longest}; split it")
-        count += bool(line.strip())
-        if count > most:
-            raise ProgramError(
-                file,
-                number,
-                0,
-                f"more than {most} blocks, which is what the controller's memory holds (most_blocks); make the program "
-                "shorter, its timed blocks longer, or the memory larger",
-            )
-    return lines
 
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.stretches: list[Stretch] = []
+        self.start: Array | None = None
+        self.pose: Array | None = None
+        self.trigger = False
+        self.switched = 0  # line that switched the trigger last
+        self.waiting: tuple[int, bool] | None = None  # line of a switch with the next motion, and whether on
+        self.timed: list[TimedBlock] = []  # since the last standstill
 
-def each_word(
-    text: str,
-    position: int,
-    pattern: re.Pattern[str],
-    found: Callable[[re.Match[str], int], Found],
-    unreadable: Callable[[int, str], ProgramError],
-) -> Iterator[Found]:
-    """What stands in a line from a position on, word by word.
+    def error(self, line: int, problem: str) -> ProgramError:
+        """An error at a line."""
+        return ProgramError(self.file, line, 0, problem)
 
-    Args:
-        unreadable: makes an error of the column and the first characters of what is not a word.
+    def stand(self, pose: Array) -> None:
+        """The machine must stand here before the program starts: the program itself does not bring it there."""
+        self.start = self.pose = pose
 
-    Raises:
-        ProgramError: something is not a word.
-    """
-    while (ink := _INK.search(text, position)) is not None:
-        match = pattern.match(text, position)
-        if match is None:
-            raise unreadable(ink.start() + 1, text[ink.start() : ink.start() + 12].rstrip())
-        yield found(match, ink.start() + 1)
-        position = match.end()
+    def pause(self, line: int, duration: float) -> None:
+        """Standing still [s]."""
+        self._finish_path()
+        self.stretches.append(Still(line, duration, self.trigger))
 
+    def switch(self, line: int, on: bool, at_once: bool) -> None:
+        """The trigger goes on or off: now, once all motion before has ended, else with the start of the next move."""
+        self.switched = line
+        if at_once:
+            self._finish_path()
+            self.trigger = on
+        else:
+            self.waiting = line, on  # no reason for the controller to stop
 
-def axis_letters(chain: Chain, controller: str, file: str, endless: bool = True) -> str:
-    """The axis of each joint of a chain, which is the joint's name.
+    def block(self, block: TimedBlock, exact: bool = False) -> None:
+        """A block whose time the program states, and whether the controller comes to rest at its end."""
+        if self.timed and self.waiting is not None:
+            raise self.error(self.waiting[0], "the trigger switches in the middle of a path; switch at rest")
+        self._settle_trigger()
+        if self.pose is None:
+            problem = "a timed block starts from an unknown pose; first move home at a feed (G94)"
+            raise self.error(block.line, problem)
+        if exact:
+            problem = "a timed block under G61: the controller stops at its end and does not keep the time; use G64"
+            raise self.error(block.line, problem)
+        self.timed.append(block)
 
-    Args:
-        endless: whether its axes that turn without end count their turns.
+    def move(
+        self,
+        line: int,
+        end: Array,
+        feed: float | None,
+        linear: bool,
+        exact: bool,
+        arc: Arc | None = None,
+        law: tuple[tuple[int, ...] | None, float | None] = (None, None),
+    ) -> None:
+        """A move that the controller times itself; `law` is `counted` and `acceleration` of `Untimed`."""
+        self._finish_path()
+        self._settle_trigger()
+        if not exact:
+            raise self.error(line, "a move at a feed is blended into the next (G64), its path is not known; use G61")
+        if arc is not None and self.pose is None:
+            raise self.error(line, "an arc starts from an unknown pose; first move home at a feed")
+        self.stretches.append(Untimed(line, self.pose, end, feed, linear, arc, self.trigger, *law))
+        self.pose = end
 
-    Raises:
-        ProgramError: a joint whose name is not an axis of its kind, or whose turns the controller does not count.
-    """
-    for joint in chain.joints:
-        letters = "ABC" if joint.turns else "XYZ"
-        if joint.name not in tuple(letters):
-            problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is not an axis of {controller}"
-            remedy = (
-                f"name it {', '.join(letters)} in machine.chain, or write with --dialect urscript, ros2 or setpoints"
-            )
-            raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
-        if joint.kind == "continuous" and not endless:
-            problem = (
-                f"joint {joint.name} turns without end: as a modulo axis it would not count its turns on {controller}"
-            )
-            remedy = 'set the axis up without modulo, and state it as kind = "revolute" with position_deg'
-            raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
-    return "".join(chain.names)
+    def rows(self, line: int, cycle: float, poses: Array, rates: Array, accelerations: Array) -> None:
+        """A path row by row, from rest to rest, whose first row stands in `line`; arguments as `Tabulated`."""
+        self._finish_path()
+        self.pose = poses[-1]
+        times = np.asarray(np.arange(len(poses)) * cycle, dtype=float)
+        lines = tuple(range(line + 1, line + len(times)))
+        self.stretches.append(Timed(lines, Tabulated(times, poses, rates, accelerations), self.trigger))
+
+    def reading(self, blocks: int) -> Reading:
+        """The program as a whole, which has a number of blocks."""
+        self._finish_path()
+        if self.waiting is not None:
+            problem = "the trigger waits for a next motion that never comes; use M64 or M65"
+            raise self.error(self.waiting[0], problem)
+        left_on = self.switched if self.trigger else 0
+        return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on)
+
+    def _settle_trigger(self) -> None:
+        if self.waiting is not None:
+            self.trigger, self.waiting = self.waiting[1], None
+
+    def _finish_path(self) -> None:
+        if self.timed:
+            lines = tuple(block.line for block in self.timed)
+            self.stretches.append(Timed(lines, self._path(self.timed), self.trigger))
+            self.pose, self.timed = self.timed[-1].end, []
+
+    def _path(self, blocks: list[TimedBlock]) -> TimedPoints | PolynomialMotion:
+        straight = [block for block in blocks if block.coefficients is None]
+        if len(straight) == len(blocks):
+            ends = np.vstack([np.array(self.pose), *(block.end for block in blocks)])
+            return TimedPoints.through(np.cumsum([0.0, *(block.duration for block in blocks)]), ends)
+        if straight:
+            raise self.error(straight[0].line, "a timed straight block among polynomials; write a path in one form")
+        pieces = ((np.array(block.coefficients), block.duration) for block in blocks)
+        return PolynomialMotion(tuple(Piece(own / time ** np.arange(len(own))[:, None], time) for own, time in pieces))

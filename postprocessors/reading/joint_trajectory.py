@@ -13,7 +13,8 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.reading import Event, Pause, Polynomial, Reading, Stand, Switch, program_lines
+from postprocessors.reading import Grouping, Reading, TimedBlock
+from postprocessors.reading.text import program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096
@@ -38,7 +39,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     names, points = reader.message()
     if names != list(chain.names):
         reader.fail(reader.named, f"joints {', '.join(names)} are not those of the case, {', '.join(chain.names)}")
-    return Reading(file, tuple(_events(reader, points, len(names))), len(points))
+    return _grouped(reader, points).reading(len(points))
 
 
 _Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
@@ -93,7 +94,7 @@ class _Reader:
         return float(word)
 
 
-def _events(reader: _Reader, points: list[_Point], count: int) -> list[Event]:
+def _grouped(reader: _Reader, points: list[_Point]) -> Grouping:
     """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
     (line, state, time), (end, final, _) = points[0], points[-1]
     if not time > 0.0:
@@ -101,22 +102,27 @@ def _events(reader: _Reader, points: list[_Point], count: int) -> list[Event]:
     for place, values, verb in ((line, state, "begins"), (end, final, "ends")):
         if values[1:].any():
             reader.fail(place, f"the motion {verb} with a velocity or acceleration; it must be at rest there")
-    events: list[Event] = [Stand(line, state[0]), Pause(line, time)]
-    for (_, before, start), (line, after, time) in pairwise(points):
-        duration = time - start
+    blocks: list[TimedBlock] = []
+    for (_, before, start), (place, after, until) in pairwise(points):
+        duration = until - start
         if not duration > 0.0:
-            reader.fail(line, f"time_from_start {time:g} s is not after the point before; correct it")
-        resting = not (before[1:].any() or after[1:].any())
-        if resting and np.array_equal(before[0], after[0]):
-            events.append(Pause(line, duration))
+            reader.fail(place, f"time_from_start {until:g} s is not after the point before; correct it")
+        standing = np.array_equal(before, after) and not after[1:].any()
+        blocks.append(TimedBlock(place, duration, after[0], None if standing else _quintic(before, after, duration)))
+    moving = [k for k, block in enumerate(blocks) if block.coefficients is not None]
+    motions = Grouping(reader.file)
+    motions.stand(state[0])
+    motions.pause(line, time)
+    for k, block in enumerate(blocks):
+        if k in moving[:1]:
+            motions.switch(block.line, True, at_once=True)
+        if block.coefficients is None:
+            motions.pause(block.line, block.duration)
         else:
-            events.append(Polynomial(line, _quintic(before, after, duration), duration))
-    moving = [k for k, event in enumerate(events) if isinstance(event, Polynomial)]
-    if moving:
-        begin, end = moving[0], moving[-1] + 1
-        on, off = (Switch(events[k].line, state, at_once=True) for k, state in ((begin, True), (end - 1, False)))
-        events = [*events[:begin], on, *events[begin:end], off, *events[end:]]
-    return events
+            motions.block(block)
+        if k in moving[-1:]:
+            motions.switch(block.line, False, at_once=True)
+    return motions
 
 
 def _quintic(before: Array, after: Array, duration: float) -> Array:

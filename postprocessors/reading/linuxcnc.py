@@ -16,8 +16,9 @@ from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Reading, Switch, axis_letters, each_word, program_lines
+from postprocessors.reading import Reading
 from postprocessors.reading.modal import ModalState, Word
+from postprocessors.reading.text import axis_letters, each_word, program_lines
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
@@ -118,7 +119,7 @@ class _LinuxCncInterpreter(ModalState):
         elif code in _SWITCHES:
             if seconds != 0.0:
                 self.fail(word, f"{code} needs P0, the output that the trigger is wired to")
-            self.events.append(Switch(self.line, *_SWITCHES[code]))
+            self.motions.switch(self.line, *_SWITCHES[code])
         elif code in ("M2", "M30"):
             self.ended = True
         elif code not in _NEUTRAL:
@@ -140,13 +141,13 @@ class _LinuxCncInterpreter(ModalState):
         self.moved = True
         exact = self.active("G61")
         if self.active("G2", "G3"):
-            self.events.append(self.turn(block, first, exact))
+            self.arc(block, first, exact)
             return
         end = self.end_of(block, first)
         duration, feed = self.timing(block, end, first)
         if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
-        self.events.append(self.straight(end, duration, feed, exact))
+        self.straight(end, duration, feed, exact)
 
 
 def _words(text: str, line: int, file: str) -> list[Word]:

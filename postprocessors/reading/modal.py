@@ -10,7 +10,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
 from identification.trajectories.moves import Plane
-from postprocessors.reading import Array, Event, Move, Pause, Reading, Turn
+from postprocessors.reading import Arc, Array, Grouping, Reading, TimedBlock
 
 ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
 STILL = 1e-7  # [mm] between places that are the same
@@ -59,7 +59,7 @@ class ModalState(ABC):
         self.scale = scale
         self.own_axes = own_axes
         self.line = 0
-        self.events: list[Event] = []
+        self.motions = Grouping(file)
         self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
         self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has named all
         self.modal: dict[int, str] = {}  # the active word of each group
@@ -93,7 +93,7 @@ class ModalState(ABC):
         if not self.ended:
             problem = f"no {self.last} at the end; the file is truncated or not a {self.name} program"
             raise ProgramError(self.file, 0, 0, problem)
-        return Reading(self.file, tuple(self.events), blocks)
+        return self.motions.reading(blocks)
 
     def fail(self, word: Word | None, problem: str) -> NoReturn:
         """Refuses the program, at a word or the line as a whole.
@@ -152,7 +152,7 @@ class ModalState(ABC):
         """A dwell, which is usually written like that."""
         if seconds is None or not 0.0 <= seconds <= LARGEST:
             self.fail(word, f"{word.name} needs a duration of 0 to {LARGEST:g} s; write {usual}")
-        self.events.append(Pause(self.line, seconds))
+        self.motions.pause(self.line, seconds)
         self.flowing = False
 
     def refuse_centres(self, seen: dict[str, Word], arcs: str) -> None:
@@ -205,17 +205,18 @@ class ModalState(ABC):
             command = self.feed_group.format(",".join(axes))
             self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}; add it before")
 
-    def straight(self, end: Array, duration: float | None, feed: float | None, exact: bool) -> Move:
+    def straight(self, end: Array, duration: float | None, feed: float | None, exact: bool) -> None:
         """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
         known, linear = not np.isnan(self.pose).any(), self.moves_origin(end)
         axes = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
-        move = Move(
-            self.line, end * self.scale, duration, feed, exact, linear, axes if self.own_axes and known else None
-        )
         self.pose = end
-        return move
+        if duration is not None:
+            self.motions.block(TimedBlock(self.line, duration, end * self.scale), exact)
+            return
+        counted = axes if self.own_axes and known else None
+        self.motions.move(self.line, end * self.scale, feed, linear, exact, law=(counted, None))
 
-    def turn(self, seen: dict[str, Word], first: Word, exact: bool) -> Turn:
+    def arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
         """An arc at a feed; centre words are relative to its start. Without end words it is a full circle."""
         if np.isnan(self.pose).any():
             self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
@@ -249,4 +250,5 @@ class ModalState(ABC):
             angle = turned if left else 2 * np.pi - turned
         angle = angle if left else -angle
         self.pose = end
-        return Turn(self.line, end * self.scale, plane, centre * MM, angle, self.feed * MM / MINUTE, exact)
+        arc = Arc(plane, centre * MM, angle)
+        self.motions.move(self.line, end * self.scale, self.feed * MM / MINUTE, True, exact, arc)

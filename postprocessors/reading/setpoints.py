@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited_quantities import strut_motion
 from identification.motion import Array, Motion
-from postprocessors.reading import Event, Pause, Reading, Stand, Switch, TableRows
+from postprocessors.reading import Grouping, Reading
 
 FORMAT = "hexcite setpoints 1"
 LARGEST = 1e7  # mm, degrees and their rates: no machine has such numbers
@@ -226,31 +226,29 @@ class _Rows:
             value, expected = self.values[row, column] / self.units[column], exact[row, k] / self.units[column]
             raise self.error(row, column, f"{value:.9g}, but the pose and its derivatives give {expected:.9g}")
 
-    def events(self) -> list[Event]:
+    def grouped(self) -> Grouping:
         """Standstills, paths between them, and the trigger where it switches at rest."""
         still = self.rest[1:] & self.rest[:-1] & ~(np.diff(self.pose, axis=0).any(axis=1))
         change = np.flatnonzero((np.diff(still.astype(int)) != 0) | (np.diff(self.trigger[:-1]) != 0.0)) + 1
         edges = [0, *(int(c) for c in change), len(still)]
-        events: list[Event] = [Stand(self.first, self.pose[0])]
-        on = False
+        motions = Grouping(self.file)
+        motions.stand(self.pose[0])
         for start, end in pairwise(edges):
-            if bool(self.trigger[start]) != on:
+            if bool(self.trigger[start]) != motions.trigger:
                 if not self.rest[start]:
                     raise self.error(start, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
-                on = not on
-                events.append(Switch(self.first + start, on, at_once=True))
+                motions.switch(self.first + start, not motions.trigger, at_once=True)
             if still[start]:
-                events.append(Pause(self.first + start, (end - start) * self.cycle))
+                motions.pause(self.first + start, (end - start) * self.cycle)
                 continue
             if not self.rest[end]:
                 raise self.error(end, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
             rows = slice(start, end + 1)
-            events.append(
-                TableRows(self.first + start, self.cycle, self.pose[rows], self.rates[rows], self.accelerations[rows])
-            )
-        if bool(self.trigger[-1]) != on:
-            events.append(Switch(self.first + len(still), not on, at_once=True))
-        return events
+            values = self.pose[rows], self.rates[rows], self.accelerations[rows]
+            motions.rows(self.first + start, self.cycle, *values)
+        if bool(self.trigger[-1]) != motions.trigger:
+            motions.switch(self.first + len(still), not motions.trigger, at_once=True)
+        return motions
 
 
 def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
@@ -269,4 +267,4 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     table = read_table(content, file, settings.most_rows, columns)
     rows = _Rows(file, table, settings, columns, len(home))
     rows.require(case)
-    return Reading(file, tuple(rows.events()), len(rows.values))
+    return rows.grouped().reading(len(rows.values))

@@ -14,7 +14,7 @@ from cases.chain import Chain
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Event, Reading, Switch, axis_letters, program_lines
+from postprocessors.reading import Reading
 from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
@@ -25,6 +25,7 @@ from postprocessors.reading.sinumerik_words import (
     polynomial,
     sinumerik_words,
 )
+from postprocessors.reading.text import axis_letters, program_lines
 
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G710", "G500", "G60", "COMPOF", "SOFT"}  # modal words
@@ -56,7 +57,7 @@ class _SinumerikInterpreter(ModalState):
             self.needed = ["G90", "G710", "G500", "SOFT", "TRAFOOF", "COMPOF", "G94", *radii]
         scale = np.array([MM if axis in ("X", "Y", "Z") else DEG for axis in axes])
         super().__init__(file, axes, angles, scale, self.of_pose is None)
-        self.trigger: Switch | None = None
+        self.action: tuple[int, bool] | None = None  # line of a switch that waits for the next block, and whether on
 
     def read(self, words: list[Word]) -> None:
         polynomials = [word for word in words if word.name == "PO"]
@@ -144,12 +145,12 @@ class _SinumerikInterpreter(ModalState):
         if output != "$A_OUT" or index != number or value not in ("0", "1"):
             self.fail(word, f"the action is not the trigger's; write $A_OUT[{number}]=1 or =0")
         self._flush_trigger(before_motion=False)
-        self.trigger = Switch(self.line, value == "1", at_once=False)
+        self.action = self.line, value == "1"
 
     def _flush_trigger(self, before_motion: bool) -> None:
-        if self.trigger is not None:
-            self.events.append(Switch(self.trigger.line, self.trigger.on, at_once=not before_motion))
-            self.trigger = None
+        if self.action is not None:
+            self.motions.switch(*self.action, at_once=not before_motion)
+            self.action = None
 
     def _dwell(self, block: dict[str, Word]) -> None:
         word = block["G4"]
@@ -167,7 +168,9 @@ class _SinumerikInterpreter(ModalState):
         first = polynomials[0] if polynomials else block[coordinates[0]]
         self._require_ready(first)
         if self.of_pose is not None and (polynomials or self.active("POLY")):
-            self._move(polynomial(self, self.of_pose, block, polynomials, first))
+            piece = polynomial(self, self.of_pose, block, polynomials, first)
+            self._flush_trigger(before_motion=True)
+            self.motions.block(piece)
         elif self.active("G2", "G3"):
             self._arc(block, first)
         elif "PL=" in block:
@@ -207,12 +210,8 @@ class _SinumerikInterpreter(ModalState):
             )
         if duration is None:
             self._require_standing(first)
-        self._move(self.straight(end, duration, feed, exact))
-
-    def _move(self, event: Event) -> None:
-        """Motion takes the trigger along."""
         self._flush_trigger(before_motion=True)
-        self.events.append(event)
+        self.straight(end, duration, feed, exact)
 
     def _require_standing(self, first: Word) -> None:
         if self.flowing:
@@ -222,11 +221,12 @@ class _SinumerikInterpreter(ModalState):
         if not self.active("G60"):
             self.fail(first, "a move at a feed is blended into the next (G64), its path is not known; write G60")
         self._require_standing(first)
-        self._move(self.turn(block, first, True))
+        self._flush_trigger(before_motion=True)
+        self.arc(block, first, True)
 
     def _end(self, word: Word | None) -> None:
-        if self.trigger is not None:
-            self.line = self.trigger.line
+        if self.action is not None:
+            self.line = self.action[0]
             self.fail(None, "the action waits for a next block that never comes; write a dwell after it")
         if self.of_pose is not None and self.transformed:
             self.fail(word, f"the transformation is still on; write {self.of_pose.transformation_off} before")

@@ -8,8 +8,9 @@ import numpy as np
 from cases.controller import Sinumerik
 from cases.errors import ProgramError
 from cases.units import MINUTE
-from postprocessors.reading import Polynomial, each_word
+from postprocessors.reading import TimedBlock
 from postprocessors.reading.modal import LARGEST, ModalState, Word
+from postprocessors.reading.text import each_word
 
 LONGEST_LINE = 512
 
@@ -183,7 +184,7 @@ _COEFFICIENT = re.compile(f"{_NUMBER}$")
 
 def polynomial(
     state: ModalState, settings: Sinumerik, seen: dict[str, Word], pieces: list[Word], first: Word
-) -> Polynomial:
+) -> TimedBlock:
     """X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to pass evenly in time.
 
     Args:
@@ -226,7 +227,7 @@ def polynomial(
     coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
     duration = MINUTE / float(seen["F"].value or math.nan)
     state.pose = end
-    return Polynomial(state.line, coefficients * state.scale, duration)
+    return TimedBlock(state.line, duration, end * state.scale, coefficients * state.scale)
 
 
 def _piece(state: ModalState, settings: Sinumerik, word: Word) -> tuple[float, list[float]]:

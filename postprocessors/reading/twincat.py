@@ -12,8 +12,9 @@ from cases.chain import Chain
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Reading, Switch, axis_letters, program_lines
+from postprocessors.reading import Reading
 from postprocessors.reading.modal import ModalState, Word
+from postprocessors.reading.text import axis_letters, program_lines
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
@@ -80,7 +81,7 @@ class _TwinCatInterpreter(ModalState):
             self.require_number(word)
         elif name == "%":
             program = (word.arguments or ("",))[0]
-            if self.events or self.modal or re.match(TWINCAT_NAME, program) is None:
+            if self.motions.stretches or self.motions.switched or self.modal or re.match(TWINCAT_NAME, program) is None:
                 self.fail(word, f"program name {program!r} is not taken; one plain name at the start of the file")
         elif name in (f"M{self.settings.trigger_on_m}", f"M{self.settings.trigger_off_m}"):
             self._switch(name, word, block)
@@ -100,7 +101,7 @@ class _TwinCatInterpreter(ModalState):
         self.require_alone(word, block)
         if self.path.kind or self.flowing:
             self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
-        self.events.append(Switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True))
+        self.motions.switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True)
 
     def _command(self, word: Word) -> None:
         name, s = word.name, self.of_pose
@@ -207,14 +208,14 @@ class _TwinCatInterpreter(ModalState):
             )
         elif not exact:
             self.fail(first, unsure)
-        self.events.append(self.straight(end, duration, feed, exact))
+        self.straight(end, duration, feed, exact)
 
     def _arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G162"):
             self.fail(first, "an arc needs relative centres; write G162")
         if self.path.kind or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
-        self.events.append(self.turn(block, first, exact))
+        self.arc(block, first, exact)
 
     def _end(self, word: Word | None) -> None:
         if self.path.kind:

@@ -14,7 +14,8 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import Event, Move, Pause, Reading, Switch, program_lines
+from postprocessors.reading import Grouping, Reading
+from postprocessors.reading.text import program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers
@@ -55,8 +56,8 @@ class _Interpreter:
         self.line, self.blocks = 0, 0
         self.begun = self.ended = False
         self.pose: np.ndarray | None = None
-        self.events: list[Event] = []
-        self.statements: dict[str, Callable[[dict[str, str]], Event]] = {
+        self.motions = Grouping(file)
+        self.statements: dict[str, Callable[[dict[str, str]], None]] = {
             "movej": self._movej,
             "sleep": self._sleep,
             "set_standard_digital_out": self._output,
@@ -78,7 +79,7 @@ class _Interpreter:
                 self._line(code)
         if not self.ended:
             raise ProgramError(self.file, 0, 0, "no `end` in the first column; the file is truncated or not URScript")
-        return Reading(self.file, tuple(self.events), self.blocks)
+        return self.motions.reading(self.blocks)
 
     def _line(self, code: str) -> None:
         if self.ended:
@@ -101,7 +102,7 @@ class _Interpreter:
         name = call[1]
         if name not in self.statements:
             self.fail(f"{name} is {_REMEDY.get(name, 'not a statement of an excitation; remove it')}", column)
-        self.events.append(self.statements[name](self._named(name, call[2], column)))
+        self.statements[name](self._named(name, call[2], column))
 
     def _named(self, call: str, text: str, column: int) -> dict[str, str]:
         """Arguments by name; those without a name come first, in their order."""
@@ -124,7 +125,7 @@ class _Interpreter:
             self.fail(f"{of} = {word} is not a plain number below {LARGEST:g}; correct it")
         return float(word)
 
-    def _movej(self, arguments: dict[str, str]) -> Move:
+    def _movej(self, arguments: dict[str, str]) -> None:
         words = arguments.get("q", "")
         if not words.startswith("["):
             self.fail("movej needs joint positions [q1, .., q6] in radians; a pose p[..] leaves the joints open")
@@ -140,15 +141,15 @@ class _Interpreter:
             self.fail("movej needs a and v above 0; correct them")
         leading = None if self.pose is None else (int(np.argmax(np.abs(end - self.pose))),)
         self.pose = end
-        return Move(self.line, end, None, speed, True, False, counted=leading, acceleration=acceleration)
+        self.motions.move(self.line, end, speed, linear=False, exact=True, law=(leading, acceleration))
 
-    def _sleep(self, arguments: dict[str, str]) -> Pause:
+    def _sleep(self, arguments: dict[str, str]) -> None:
         duration = self._number(arguments.get("t"), "the time of sleep")
         if not 0.0 <= duration < math.inf:
             self.fail("sleep needs a time in seconds that is not negative; correct it")
-        return Pause(self.line, duration)
+        self.motions.pause(self.line, duration)
 
-    def _output(self, arguments: dict[str, str]) -> Switch:
+    def _output(self, arguments: dict[str, str]) -> None:
         output = self.settings.trigger_output
         if arguments.get("n") != str(output):
             self.fail(
@@ -156,4 +157,4 @@ class _Interpreter:
             )
         if arguments.get("b") not in ("True", "False"):
             self.fail(f"an output is True or False, not {arguments.get('b')}; correct it")
-        return Switch(self.line, arguments["b"] == "True", at_once=True)
+        self.motions.switch(self.line, arguments["b"] == "True", at_once=True)

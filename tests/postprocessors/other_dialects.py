@@ -1,6 +1,7 @@
 """SINUMERIK and TwinCAT programs for tests: typed line by line around a valid frame, read, proven, and turned back."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +13,11 @@ from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.proving.stretches import Stretch, Timed, stretches
-from postprocessors.reading import Move, Pause, Reading, Switch
+from postprocessors.reading import Reading, Stretch, Timed
 from postprocessors.writing import timed_path
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HEAD
+from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 CASE = load_case("hexapod")
 LINES_CASE = changed(CASE, controller__sinumerik__path="lines")
@@ -62,7 +63,7 @@ class Typed:
 
     def parts(self, body: str, case: Case = CASE) -> tuple[Stretch, ...]:
         """Stretches of a body."""
-        return stretches(self.read(self.text(body), case))
+        return self.read(self.text(body), case).stretches
 
     def proof(self, text: str, case: Case = CASE) -> ProgramProof:
         """Proof of a whole program."""
@@ -114,12 +115,11 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
     reading = typed.read(text, case)
     names = iter(re.findall(r"^(?:; |\(- )(.*): \d+ (?:POLY )?blocks", text, re.MULTILINE))
     guarantees = typed.language.guarantees(reading, case)
-    home = reading.events[0]
-    assert isinstance(home, Move)
+    home, *others = reports(typed.read, text, case)
     blocks: list[Block] = [ToHome(home.end, home.feed)]
-    read = iter(stretches(reading))
+    read = iter(reading.stretches)
     next(read)
-    for event in _switches_and_others(reading):
+    for event in _each_path_once(others):
         if isinstance(event, Switch):
             blocks.append(Trigger(event.on))
         elif isinstance(event, Pause):
@@ -130,10 +130,10 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
     return NeutralProgram((), tuple(blocks))
 
 
-def _switches_and_others(reading: Reading) -> list[object]:
+def _each_path_once(events: Sequence[object]) -> list[object]:
     """Events with each timed path as one."""
     found: list[object] = []
-    for event in reading.events[1:]:
+    for event in events:
         path = isinstance(event, Switch | Pause) or (isinstance(event, Move) and event.duration is None)
         if path or not found or found[-1] != "path":
             found.append(event if path else "path")

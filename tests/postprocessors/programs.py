@@ -16,7 +16,7 @@ from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trig
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.proving.stretches import Stretch, stretches
+from postprocessors.reading import Stretch
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import timed_path
 
@@ -46,7 +46,7 @@ def timed(lines: list[str]) -> str:
 
 def parts(text: str, case: Case) -> tuple[Stretch, ...]:
     """Stretches of a program's text."""
-    return stretches(read_linuxcnc(text, "p.ngc"))
+    return read_linuxcnc(text, "p.ngc").stretches
 
 
 def proof(text: str, case: Case) -> ProgramProof:

@@ -22,7 +22,7 @@ each = pytest.mark.parametrize("typed", [*BOTH, LINUXCNC], ids=lambda t: t.name)
 @each
 def test_the_programs_before_the_damage_are_read(typed: Typed):
     for text in originals(typed.name):
-        assert len(typed.read(text).events) > 5
+        assert len(typed.read(text).stretches) > 5
 
 
 @each

@@ -82,7 +82,7 @@ def test_whatever_a_jerk_within_its_limit_does_between_rows_the_table_is_read(se
     table[-1, 1] = table[-2, 1]
     table[:-1, 7], table[:-1, 13] = v[rows] * 1e3, a[rows] * 1e3
     table = with_its_struts(renumbered(table))
-    assert LANGUAGE.read(as_parquet(table), "t", CASE).events
+    assert LANGUAGE.read(as_parquet(table), "t", CASE).stretches
 
 
 @pytest.mark.parametrize("value", few(np.nan, 1e300, np.inf, -np.inf, kept=2))

@@ -10,7 +10,7 @@ from cases.units import DEG, MM
 from identification.trajectories.moves import StraightMove
 from postprocessors.blocks import NeutralProgram, TimedPath, ToHome
 from postprocessors.proving.homing import predicted
-from postprocessors.proving.stretches import Timed, Untimed, stretches
+from postprocessors.reading import Timed, Untimed
 from tests.postprocessors.other_dialects import (
     BOTH,
     CASE,
@@ -88,11 +88,11 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), move)))
     reading = typed.read(text)
     guarantees = typed.language.guarantees(reading, CASE)
-    run = predicted(stretches(reading)[-1], limits, guarantees)
+    run = predicted(reading.stretches[-1], limits, guarantees)
     assert run.duration == pytest.approx(move.duration, rel=1e-5)
-    stretch = stretches(typed.read(_with_a_third_of_the_last_feed(text)))[-1]
+    stretch = typed.read(_with_a_third_of_the_last_feed(text)).stretches[-1]
     again = predicted(stretch, limits, guarantees)
-    assert again.duration >= 3 * stretch.length / stretches(reading)[-1].feed * (1 - 1e-5)
+    assert again.duration >= 3 * stretch.length / reading.stretches[-1].feed * (1 - 1e-5)
 
 
 def _with_a_third_of_the_last_feed(text: str) -> str:
@@ -113,7 +113,7 @@ def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed:
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     program = excitation_program(motion, case, (), speed)
-    read = [s for s in stretches(typed.read(text_of(typed, program, case), case)) if isinstance(s, Timed)]
+    read = [s for s in typed.read(text_of(typed, program, case), case).stretches if isinstance(s, Timed)]
     planned = [b.times[-1] for b in program.blocks if isinstance(b, TimedPath)]
     assert [s.points.duration for s in read] == pytest.approx(planned, rel=1e-7)
     excitation = next(s for s in read if s.trigger)

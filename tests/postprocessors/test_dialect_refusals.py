@@ -213,7 +213,7 @@ def test_the_sign_of_b_is_that_of_the_case():
     plus = changed(CASE, controller__twincat__angle_sign_b=1)
     text = TWINCAT.text("G01 G60 X1 B5 F300")
     for case, sign in ((CASE, -1.0), (plus, 1.0)):
-        assert TWINCAT.read(text, case).events[-1].end[4] == pytest.approx(sign * 0.0872664626)
+        assert TWINCAT.read(text, case).stretches[-1].end[4] == pytest.approx(sign * 0.0872664626)
 
 
 def test_a_step_between_polynomials_is_judged_as_what_it_is():

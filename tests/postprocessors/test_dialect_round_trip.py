@@ -14,8 +14,7 @@ from identification.motion import TimedPoints
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
-from postprocessors.proving.stretches import Timed, Untimed, stretches
-from postprocessors.reading import Pause, Switch
+from postprocessors.reading import Timed, Untimed
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
@@ -30,6 +29,7 @@ from tests.postprocessors.other_dialects import (
     without_comments,
 )
 from tests.postprocessors.programs import HOME, path_through, poses
+from tests.postprocessors.reported import Pause, Switch, reports
 
 GOLDEN = Path(__file__).parents[1] / "golden_dialects"
 HSC_CASE = changed(CASE, controller__twincat__path="hsc", controller__twincat__angle_sign_b=1)
@@ -94,9 +94,10 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
 @every
 @given(program=programs())
 def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: NeutralProgram):
-    reading = typed.read(text_of(typed, program, case), case)
+    text = text_of(typed, program, case)
+    reading = typed.read(text, case)
     meant = [b for b in program.blocks[1:] if isinstance(b, StraightMove | CircularMove | TimedPath)]
-    read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
+    read = [s for s in reading.stretches if isinstance(s, Timed | Untimed)][1:]
     assert len(read) == len(meant)
     for block, stretch in zip(meant, read, strict=True):
         if isinstance(block, TimedPath):
@@ -106,9 +107,9 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
             assert np.all(off <= HALF_A_STEP + np.repeat([1e-6, 1e-5], 3))
         else:
             assert np.all(np.abs(stretch.end - block.end) <= HALF_A_STEP)
-            assert (stretch.turn is not None) == isinstance(block, CircularMove)
+            assert (stretch.arc is not None) == isinstance(block, CircularMove)
     others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
-    events = [e for e in reading.events if isinstance(e, Pause | Switch)]
+    events = [e for e in reports(typed.read, text, case) if isinstance(e, Pause | Switch)]
     found = {
         Dwell: [b.duration for b in others if isinstance(b, Dwell)],
         Trigger: [b.on for b in others if isinstance(b, Trigger)],
@@ -121,7 +122,7 @@ def durations(typed: Typed, text: str, case: Case) -> list[float]:
     """Of the moves that the controller times [s]."""
     reading = typed.read(text, case)
     guarantees = typed.language.guarantees(reading, case)
-    parts = [p for p in stretches(reading) if isinstance(p, Untimed)]
+    parts = [p for p in reading.stretches if isinstance(p, Untimed)]
     moves = [predicted(p, case.limits.motion, guarantees) for p in parts]
     return [m.duration for m in moves if m is not None]
 

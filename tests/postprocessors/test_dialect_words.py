@@ -239,7 +239,7 @@ def test_a_whole_program_is_read_in_its_own_language_alone(writer: Typed | str, 
     text = typed_linuxcnc("G1 X1 A1 F3000") if isinstance(writer, str) else writer.text(f"G1 G60 X1 {writer.angle}1 F9")
     language = dialect(reader).load()
     if name == reader:
-        assert language.read(text.encode(), "p", CASE).events
+        assert language.read(text.encode(), "p", CASE).stretches
     else:
         with pytest.raises(ProgramError):
             language.read(text.encode(), "p", CASE)

@@ -16,7 +16,7 @@ from identification.motion import Joined, Motion
 from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import prove_program
-from postprocessors.proving.stretches import Timed, stretches
+from postprocessors.reading import Timed
 from postprocessors.writing import Written, proven_program
 from tests.helpers import few, one_line
 from tests.postprocessors.joint_walks import ROBOT, walk
@@ -99,7 +99,7 @@ def test_what_is_read_is_what_scipy_makes_of_the_message(name: str) -> None:
     times, values, _ = message(program)
     made = BPoly.from_derivatives(times, values)
     clock = 0.0
-    for part in stretches(program.reading):
+    for part in program.reading.stretches:
         if not isinstance(part, Timed):
             clock += part.duration
             continue

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import pytest
 
 from cases.errors import ProgramError
-from postprocessors.reading import Move, Pause, Switch
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.helpers import one_line
 from tests.postprocessors.programs import typed
+from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 SKELETON = """(hexapod skeleton)
 ; semicolon comment
@@ -31,7 +31,7 @@ M2
 
 
 def test_the_skeleton_of_a_program_reads_with_its_times_feeds_and_switches():
-    events = read_linuxcnc(SKELETON, "p.ngc").events
+    events = reports(read_linuxcnc, SKELETON, "p.ngc")
     moves = [e for e in events if isinstance(e, Move)]
     assert [m.duration for m in moves] == [None, None, None, 0.5, 1.0, 1.0, None, None]  # 60 / F seconds
     assert [m.feed is None for m in moves] == [True, False, False, True, True, True, False, True]  # rapids have none
@@ -84,5 +84,5 @@ def test_a_word_of_another_controller_is_refused_with_its_place(line: str):
 
 def test_g21_sets_millimetres_here_and_inverse_time_is_no_time_in_seconds():
     """Elsewhere G21 mirrors, and F after G93 is the time itself: 20 would then be 20 s, not 3."""
-    move = read_linuxcnc(typed("G64 P1 Q0\nG93 G1 X5 F20"), "p.ngc").events[-1]
+    move = reports(read_linuxcnc, typed("G64 P1 Q0\nG93 G1 X5 F20"), "p.ngc")[-1]
     assert (move.duration, move.feed) == (3.0, None)

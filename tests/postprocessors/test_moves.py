@@ -16,8 +16,7 @@ from identification.trajectories.moves import CircularMove, Plane, StraightMove,
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted
-from postprocessors.proving.stretches import Timed, Untimed, stretches
-from postprocessors.reading import Turn
+from postprocessors.reading import Timed, Untimed
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import jerked
@@ -53,7 +52,7 @@ def motions(draw: st.DrawFn) -> Joined:
 
 
 def moves_of(text: str) -> list[Untimed]:
-    return [s for s in stretches(read_linuxcnc(text, "p.ngc")) if isinstance(s, Untimed) and s.trigger]
+    return [s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Untimed) and s.trigger]
 
 
 @settings(max_examples=15)
@@ -65,10 +64,10 @@ def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
     assert len(found) == len(motion.parts)
     for part, stretch in zip(motion.parts, found, strict=True):
         assert np.all(np.abs(stretch.end - part.end) < 1e-8)
-        assert (stretch.turn is not None) == isinstance(part, CircularMove)
-        if stretch.turn is not None:
-            assert stretch.turn.plane is part.plane
-            assert stretch.turn.angle == pytest.approx(part.angle, abs=2e-5)
+        assert (stretch.arc is not None) == isinstance(part, CircularMove)
+        if stretch.arc is not None:
+            assert stretch.arc.plane is part.plane
+            assert stretch.arc.angle == pytest.approx(part.angle, abs=2e-5)
         ran = predicted(stretch, BOX, linuxcnc_guarantees(reading, CASE))
         assert ran.duration == pytest.approx(part.duration, rel=2e-3)
 
@@ -92,12 +91,12 @@ def test_linuxcnc_accepts_random_moves_and_turns_them_as_far(rs274: Callable):
         commands = rs274(text)
         assert not isinstance(commands, str), commands
         arcs = [numbers for name, numbers in commands if name == "ARC_FEED"]
-        turns = [e for e in read_linuxcnc(text, "p.ngc").events if isinstance(e, Turn)]
+        turns = [s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Untimed) and s.arc]
         assert len(arcs) == len(turns)
         for numbers, turn in zip(arcs, turns, strict=True):
-            assert numbers[:2] == pytest.approx(turn.end[list(turn.plane.axes[:2])] * 1e3, abs=1e-3)
-            assert numbers[2:4] == pytest.approx(turn.centre * 1e3, abs=1e-3)
-            assert np.sign(numbers[4]) == np.sign(turn.angle)
+            assert numbers[:2] == pytest.approx(turn.end[list(turn.arc.plane.axes[:2])] * 1e3, abs=1e-3)
+            assert numbers[2:4] == pytest.approx(turn.arc.centre * 1e3, abs=1e-3)
+            assert np.sign(numbers[4]) == np.sign(turn.arc.angle)
 
     accepted()
 
@@ -126,7 +125,7 @@ def test_a_spline_becomes_a_timed_path_of_its_own_duration(hexapod_case: Case):
     c[0] = HOME
     c[3:, 0] = 0.02 * np.array([10.0, -15.0, 6.0])
     text = linuxcnc_text(excitation_program(PolynomialMotion((Piece(c, 1.0),)), hexapod_case, ()))
-    (path,) = (s for s in stretches(read_linuxcnc(text, "p.ngc")) if isinstance(s, Timed) and s.trigger)
+    (path,) = (s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Timed) and s.trigger)
     assert path.points.duration == pytest.approx(1.0)
     t = np.linspace(0.0, 1.0, 50)
     assert np.abs(path.points.at(t).pose[:, 0] - c[0, 0] - 0.02 * (10 * t**3 - 15 * t**4 + 6 * t**5)).max() < 1e-6

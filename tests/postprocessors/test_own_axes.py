@@ -13,7 +13,7 @@ from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
-from postprocessors.proving.stretches import Untimed, stretches
+from postprocessors.reading import Untimed
 from postprocessors.writing import proven_program
 from tests.helpers import one_line
 from tests.postprocessors.joint_walks import ROBOT, walk
@@ -34,7 +34,7 @@ def judged(text: str):
 def durations(text: str) -> list[float]:
     reading = LANGUAGE.read(text.encode(), "walk.ngc", CASE)
     guarantees = LANGUAGE.guarantees(reading, CASE)
-    moves = [part for part in stretches(reading) if isinstance(part, Untimed) and part.start is not None]
+    moves = [part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None]
     return [predicted(part, CASE.limits.motion, guarantees).duration for part in moves]
 
 
@@ -138,7 +138,7 @@ def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> N
     moved = np.append(np.any(np.diff(log.poses, axis=0) != 0.0, axis=1), False)
     home, limits = CASE.need_motion("a test")
     np.testing.assert_allclose(log.poses[[0, -1]], [home, home], atol=1e-9)
-    for part in stretches(reading):
+    for part in reading.stretches:
         if not isinstance(part, Untimed) or part.start is None:
             continue
         rows = np.flatnonzero(moved & (log.lines == part.line))

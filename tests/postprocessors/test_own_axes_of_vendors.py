@@ -14,8 +14,7 @@ from identification.trajectories.moves import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
-from postprocessors.proving.stretches import Untimed, stretches
-from postprocessors.reading import Pause
+from postprocessors.reading import Still, Untimed
 from postprocessors.writing import proven_program
 from tests.helpers import one_line
 from tests.postprocessors.joint_walks import walk
@@ -58,7 +57,7 @@ def read(name: str, text: str, case: Case = CASE):
 def test_every_move_lasts_as_planned_and_all_limits_are_proven_or_enforced(name: str) -> None:
     reading = read(name, TEXTS[name])
     guarantees = dialect(name).load().guarantees(reading, CASE)
-    moves = [part for part in stretches(reading) if isinstance(part, Untimed) and part.start is not None]
+    moves = [part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None]
     lasting = [predicted(part, CASE.limits.motion, guarantees).duration for part in moves]
     assert lasting[1:-1] == pytest.approx([part.duration for part in walk(CASE).parts], rel=1e-6)
     proof = prove_program(reading, CASE, guarantees)
@@ -76,7 +75,7 @@ def test_f_counts_lengths_in_mm_and_turns_in_degrees_as_the_text_says(name: str)
     motion = Joined((*there, *walk(CASE).parts))
     text = proven_program(motion, CASE, dialect(name).load(), FILES[name], ()).content.decode()
     lines, reading = text.splitlines(), read(name, text)
-    moves = {part.line: part for part in stretches(reading) if isinstance(part, Untimed) and part.start is not None}
+    moves = {part.line: part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None}
     group: list[str] = []
     counted: set[str] = set()
     place: dict[str, float] = {}
@@ -138,7 +137,7 @@ def test_standstills_switch_the_trigger_at_each(name: str) -> None:
     back = StraightMove.fastest(away, home, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     motion = Joined((Measurement(home, 0.5, 1.0), there, Measurement(away, 0.5, 1.0), back))
     program = proven_program(motion, CASE, dialect(name).load(), FILES[name], ())
-    pauses = [event.duration for event in program.reading.events if isinstance(event, Pause)]
+    pauses = [part.duration for part in program.reading.stretches if isinstance(part, Still)]
     assert pauses == [0.5, 1.0, 0.5, 1.0]
 
 

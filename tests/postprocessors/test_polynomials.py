@@ -11,7 +11,7 @@ from identification.trajectories.curves import Piece, PolynomialMotion, polynomi
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, even_deviation, knots, path_speed_deviation, pieces
-from postprocessors.proving.stretches import Timed, stretches
+from postprocessors.reading import Timed
 from postprocessors.writing import excitation_program, proven_program, timed_path
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of
@@ -102,7 +102,7 @@ def test_shorter_blocks_leave_the_controllers_law_of_time_less_to_decide():
 def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
     motion = spline(degree)
     text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), timed_path("spline", motion, 0.01, 1.0))))
-    read = next(s for s in stretches(SINUMERIK.read(text)) if isinstance(s, Timed))
+    read = next(s for s in SINUMERIK.read(text).stretches if isinstance(s, Timed))
     t = np.linspace(0.0, 1.0, 1001)
     found, exact = read.points.at(t), motion.at(t)
     assert np.abs(found.pose - exact.pose).max() < 6e-9
@@ -154,7 +154,7 @@ def test_moves_are_written_as_polynomials_where_the_case_says_so():
     assert float(said[0][0]) < 1e-6
     assert 0.01 < float(said[1][0]) < 1.0
     assert "strays up to" in SINUMERIK.language.forecast(written.reading, case).remarks[0]
-    first, second = (s.points for s in stretches(written.reading) if isinstance(s, Timed) and s.trigger)
+    first, second = (s.points for s in written.reading.stretches if isinstance(s, Timed) and s.trigger)
     t = np.linspace(0.0, first.duration, 500)
     assert np.abs(first.at(t).pose - Joined(moves).at(t).pose).max() < 1e-8
     assert second.duration == pytest.approx(moves[0].duration, rel=1e-7)

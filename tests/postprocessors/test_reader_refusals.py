@@ -46,7 +46,7 @@ WRONG: dict[str, tuple[int, str]] = {
     "G94\nG1 X1": (4, "without a feed; add F"),
     "G93\nG1 X1": (4, "without F under G93.*F = 60 / seconds"),
     "G93\nF10\nX1": (1, "without F under G93"),
-    "G93\nX1 F10\nG94\nX2": (1, "without a feed"),
+    "G64 P1 Q0 G93\nX1 F10\nG94\nX2": (1, "without a feed"),
     "G1 X1e1 F10": (6, "E1 is not a word|cannot read 'e1"),
     "G1 X1E-3 F10": (6, "cannot read 'E-3|E-3 is not"),
     "G1 X1,5 F10": (6, "cannot read ',5 F10'"),
@@ -116,7 +116,7 @@ def test_a_program_without_its_frame_is_refused(text: str, words: str):
 
 
 def test_comments_may_follow_the_end():
-    assert read_linuxcnc("G21 G90\nM2\n(no word)\n; none\n\n", "p.ngc").events == ()
+    assert read_linuxcnc("G21 G90\nM2\n(no word)\n; none\n\n", "p.ngc").stretches == ()
 
 
 def test_a_line_may_be_as_long_as_the_controller_reads_and_no_longer():

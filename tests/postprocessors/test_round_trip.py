@@ -7,11 +7,11 @@ from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
-from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading import Move, Pause, Switch
+from postprocessors.reading import Still, Timed, Untimed
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs
+from tests.postprocessors.reported import Pause, Switch, reports
 
 HALF_A_STEP = np.r_[np.full(3, 0.5e-5 * MM), np.full(3, 0.5e-6 * DEG)] * (1 + 1e-6)
 CASE = load_case("hexapod")
@@ -19,7 +19,7 @@ CASE = load_case("hexapod")
 
 @given(program=programs())
 def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(program: NeutralProgram):
-    read = [s for s in stretches(read_linuxcnc(linuxcnc_text(program), "p.ngc")) if isinstance(s, Timed)]
+    read = [s for s in read_linuxcnc(linuxcnc_text(program), "p.ngc").stretches if isinstance(s, Timed)]
     paths = [block for block in program.blocks if isinstance(block, TimedPath)]
     assert len(read) == len(paths)
     for path, stretch in zip(paths, read, strict=True):
@@ -31,7 +31,7 @@ def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(progr
 
 @given(program=programs())
 def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
-    events = read_linuxcnc(linuxcnc_text(program), "p.ngc").events
+    events = reports(read_linuxcnc, linuxcnc_text(program), "p.ngc")
     others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
     before_motion = [isinstance(after, TimedPath) for after in (*program.blocks[1:], None)]
     at_once = [
@@ -48,12 +48,11 @@ def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
 
 @given(program=programs())
 def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: NeutralProgram):
-    first = read_linuxcnc(linuxcnc_text(program), "p.ngc").events[0]
+    first = read_linuxcnc(linuxcnc_text(program), "p.ngc").stretches[0]
     home = program.blocks[0]
-    assert isinstance(first, Move)
+    assert isinstance(first, Untimed)
     assert isinstance(home, ToHome)
     assert np.all(np.abs(first.end - HOME) <= HALF_A_STEP)
-    assert (first.duration, first.exact_stop) == (None, True)
     assert abs(first.feed - home.feed) <= 1e-6 * MM / MINUTE
 
 
@@ -67,7 +66,7 @@ def test_an_excitation_begins_and_ends_at_home_and_has_the_trigger_on_just_while
 
     motion = FourierFamily(2, 3.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 9)
     text = linuxcnc_text(excitation_program(motion, hexapod_case, ()))
-    read = stretches(read_linuxcnc(text, "p.ngc"))
+    read = read_linuxcnc(text, "p.ngc").stretches
     approach, excitation, back = (s for s in read if isinstance(s, Timed))
     assert [approach.trigger, excitation.trigger, back.trigger] == [False, True, False]
     assert np.allclose(approach.points.poses[0], HOME)

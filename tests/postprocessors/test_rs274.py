@@ -11,9 +11,9 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import NeutralProgram
-from postprocessors.reading import Move, Pause, Switch
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, small_excitation, typed
+from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 pytestmark = pytest.mark.linuxcnc
 SAME_FOLDER = settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -26,7 +26,7 @@ def meaning(text: str) -> list[tuple]:
     """What the reader understands, in the controller's words: target in mm and degrees, mode, feed per minute."""
     said: list[tuple] = []
     pose = np.full(6, np.nan)
-    for event in read_linuxcnc(text, "p.ngc").events:
+    for event in reports(read_linuxcnc, text, "p.ngc"):
         if isinstance(event, Pause):
             said.append(("DWELL", event.duration))
         elif isinstance(event, Switch):
@@ -40,7 +40,7 @@ def meaning(text: str) -> list[tuple]:
             timed = event.duration is not None
             # In inverse time the interpreter never goes below 0.1 per minute.
             feed = max(0.1, length / event.duration * MINUTE) if timed else (event.feed or np.nan) * MINUTE / unit
-            said.append(("FEED" if timed or event.feed is not None else "TRAVERSE", event.exact_stop, feed, *end))
+            said.append(("FEED" if timed or event.feed is not None else "TRAVERSE", event.exact, feed, *end))
             pose = end
     return said
 

@@ -18,7 +18,7 @@ from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.proving.stretches import Still, Timed, stretches
+from postprocessors.reading import Still, Timed
 from postprocessors.setpoints import write_csv, write_parquet
 from postprocessors.writing import excitation_program
 from tests.helpers import one_line
@@ -72,7 +72,7 @@ def test_moves_at_the_limits_are_proven_to_the_last_digit(write):
 @pytest.mark.parametrize("case", [CASE, COARSE], ids=["1 ms", "4 ms"])
 def test_time_is_exact_up_to_one_cycle_a_motion(write, case):
     program = moves()
-    read = stretches(LANGUAGE.read(write(program, case), "t", case))
+    read = LANGUAGE.read(write(program, case), "t", case).stretches
     cycle = case.controller.setpoints.cycle
     planned = [b.duration for b in program.blocks if isinstance(b, StraightMove | Dwell)]
     found = [s.points.duration if isinstance(s, Timed) else s.duration for s in read]
@@ -85,7 +85,7 @@ def test_time_is_exact_up_to_one_cycle_a_motion(write, case):
 @both
 def test_a_plan_reads_back_as_itself(write):
     program = harmonic()
-    read = stretches(LANGUAGE.read(write(program, CASE), "t", CASE))
+    read = LANGUAGE.read(write(program, CASE), "t", CASE).stretches
     excitation = next(s for s in read if s.trigger and not isinstance(s, Still))
     source = next(b.motion for b in program.blocks if getattr(b, "name", "") == "excitation")
     t = np.linspace(0.0, 1.0, 501)
@@ -204,7 +204,7 @@ def test_a_case_without_the_table_is_told_so():
 
 def test_a_table_without_any_motion_is_a_standstill():
     program = NeutralProgram((), (ToHome(HOME, 0.05), Dwell(0.01)))
-    assert [type(s) for s in stretches(LANGUAGE.read(write_csv(program, CASE), "t", CASE))] == [Still]
+    assert [type(s) for s in LANGUAGE.read(write_csv(program, CASE), "t", CASE).stretches] == [Still]
     with pytest.raises(ProgramError, match="contains no motion"):
         proof(write_csv(program, CASE))
     assert Standstill(HOME, 0.01).duration == 0.01

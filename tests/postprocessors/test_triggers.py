@@ -4,7 +4,7 @@ import pytest
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
+from postprocessors.reading import Still, Stretch, Timed, Untimed
 from tests.helpers import one_line
 from tests.postprocessors.programs import parts, proof, there_and_back, timed, typed
 

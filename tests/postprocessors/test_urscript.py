@@ -12,7 +12,7 @@ from cases.loading import load_case
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
-from postprocessors.proving.stretches import Untimed, stretches
+from postprocessors.reading import Untimed
 from postprocessors.writing import Written, excitation_program, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.joint_walks import robot, walk
@@ -54,7 +54,7 @@ def test_moves_last_as_long_as_planned_by_the_trapezoid_of_the_text(jerk: bool, 
 
 def test_a_planned_trapezoid_is_executed_as_it_is() -> None:
     planned = walk(CASE, jerk=False)
-    moves = [part for part in stretches(written().reading) if isinstance(part, Untimed) and part.trigger]
+    moves = [part for part in written().reading.stretches if isinstance(part, Untimed) and part.trigger]
     _, limits = CASE.need_motion("a test")
     for part, plan in zip(moves, planned.parts, strict=True):
         t = np.linspace(0.0, plan.duration, 200)

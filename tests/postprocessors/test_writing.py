@@ -15,7 +15,7 @@ from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import TimedPath
 from postprocessors.dialects import dialect, dialect_of_file
-from postprocessors.proving.stretches import Timed, stretches
+from postprocessors.reading import Timed
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import APPROACH_SHARE, excitation_program, proven_program
 from tests.helpers import one_line
@@ -61,7 +61,7 @@ def test_at_a_tenth_of_the_speed_the_same_way_takes_ten_times_as_long(motion: Fo
     paths = []
     for speed in (1.0, 0.1):
         text, _ = proven_text(motion, hexapod_case, LINUXCNC, "p.ngc", (), speed)
-        read = stretches(read_linuxcnc(text, "p.ngc"))
+        read = read_linuxcnc(text, "p.ngc").stretches
         paths.append([s.points for s in read if isinstance(s, Timed)])
     for fast, slow in zip(*paths, strict=True):
         assert slow.times == pytest.approx(10 * fast.times, rel=1e-7, abs=10e-3)  # a cycle of LinuxCNC at most

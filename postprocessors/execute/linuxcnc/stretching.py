@@ -20,8 +20,7 @@ from identification.motion import TimedPoints
 from identification.trajectories.profile import TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import Forecast, Guarantees
-from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading import Move, Reading
+from postprocessors.reading import Reading, Timed
 
 ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5
 """Shares of the acceleration limit that its planner spends along an arc (measured) and on turning."""
@@ -33,7 +32,7 @@ two stay micrometres apart, over seconds they have nothing in common."""
 
 def acceleration_headroom(reading: Reading, case: Case) -> float:
     """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
-    timed = any(isinstance(e, Move) and e.duration is not None for e in reading.events)
+    timed = any(isinstance(part, Timed) for part in reading.stretches)
     return case.need_controller(PURPOSE).need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
 
 
@@ -74,7 +73,7 @@ def triggered_paths(reading: Reading) -> list[TimedPoints]:
     Raises:
         ProgramError: the motion is not defined.
     """
-    timed = [s.points for s in stretches(reading) if isinstance(s, Timed) and s.trigger]
+    timed = [s.points for s in reading.stretches if isinstance(s, Timed) and s.trigger]
     return [points for points in timed if isinstance(points, TimedPoints)]  # LinuxCNC has no other
 
 

@@ -15,8 +15,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, Timed
 from tests.bench.reliability.tables import damaged_table
 from tests.bench.reliability.tally import Tally, tallied
 from tests.postprocessors.canonical import interpreted_share, missing_interpreter
@@ -116,7 +115,7 @@ def tally_of_programs(name: str, seeds: range) -> Tally:
             return
         tally.counts.update({"answered": -1, "proven": 1})
         shares: dict[str, float | str] = {}
-        for stretch in stretches(reading):
+        for stretch in reading.stretches:
             if isinstance(stretch, Timed) and hasattr(stretch.points, "poses"):
                 shares["timed points"] = share_of_limits(stretch.points.times, stretch.points.poses, CASE)
         if which == 0:

@@ -12,7 +12,6 @@ import pytest
 from cases.loading import built_in_cases
 from identification.motion import Measurement
 from planner.plan_folder import load_plan
-from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 from tests.planner.command_line import call, refused
 
 FEW = "8"
@@ -81,10 +80,10 @@ def test_every_dialect_measures_at_each_pose_with_the_trigger_on_and_moves_with_
     program = folder / f"dialect{suffix}"
     accept = ("--accept", "jerk,strut-acceleration") if dialect == "linuxcnc" else ()
     call("post", planned["plan"], "--dialect", dialect, *accept, "-o", program, "--json").json()
-    parts = stretches(read_program(program, load_case(str(quick))).reading)
-    assert measures_at_poses(parts)
+    reading = read_program(program, load_case(str(quick))).reading
+    assert reading.measures_at_poses
     wanted = np.array([list(p.values()) for p in planned["poses"]]) * np.r_[[1e-3] * 3, np.deg2rad([1.0] * 3)]
-    np.testing.assert_allclose(measured_poses(parts), wanted, atol=2e-8)
+    np.testing.assert_allclose(reading.measured_poses, wanted, atol=2e-8)
 
 
 def test_identified_parameters_lie_within_their_error_bars(folder: Path, recorded: Path) -> None:

@@ -14,7 +14,7 @@ from identification.trajectories.executed import path_error
 from postprocessors.execute import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import REST, commanded, run_virtual
-from postprocessors.proving.stretches import Timed
+from postprocessors.reading import Timed
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

@@ -1,0 +1,59 @@
+"""What a reader reports of a program, block by block, before it is grouped into stretches."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+from unittest.mock import patch
+
+import numpy as np
+
+from postprocessors.reading import Arc, Grouping, Reading, TimedBlock
+
+
+class Move(NamedTuple):
+    """A straight move, or an arc."""
+
+    end: np.ndarray
+    duration: float | None
+    feed: float | None
+    exact: bool
+    arc: Arc | None = None
+
+
+class Pause(NamedTuple):
+    """A dwell."""
+
+    duration: float
+
+
+class Switch(NamedTuple):
+    """A switch of the trigger."""
+
+    on: bool
+    at_once: bool
+
+
+class _Log(Grouping):
+    def __init__(self, file: str) -> None:
+        super().__init__(file)
+        self.reports: list[Any] = []
+
+    def block(self, block: TimedBlock, exact: bool = False) -> None:
+        self.reports.append(Move(block.end, block.duration, None, exact))
+
+    def move(self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, arc=None, law=()) -> None:
+        self.reports.append(Move(end, None, feed, exact, arc))
+
+    def pause(self, line: int, duration: float) -> None:
+        self.reports.append(Pause(duration))
+
+    def switch(self, line: int, on: bool, at_once: bool) -> None:
+        self.reports.append(Switch(on, at_once))
+
+    def reading(self, blocks: int) -> Reading:
+        return Reading(self.file, tuple(self.reports), blocks)
+
+
+def reports(read: Callable[..., Reading], *arguments: Any) -> tuple[Any, ...]:
+    """What a reader of a language with modal words reports of a program."""
+    with patch("postprocessors.reading.modal.Grouping", _Log):
+        return read(*arguments).stretches
