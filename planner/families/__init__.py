@@ -4,7 +4,7 @@ Families whose coordinates are linear in their unknowns (Fourier series, B-splin
 says which limits count for the controller that moves are planned for.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
@@ -16,7 +16,7 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
 from identification.motion import Trajectory
 from planner.search.rows import LinearRows, Rows
-from planner.search.states import Peak, States, linear_states
+from planner.search.states import States, linear_states
 from postprocessors.dialects import dialect
 from postprocessors.proving.guarantees import limits_jerk
 from postprocessors.reading import Reading
@@ -32,7 +32,8 @@ class Layout:
 
     states: States  # states over which information is averaged, with their shares of the duration
     critical: States  # states at which non-linear limits (struts, joints) are constrained
-    peaks: Mapping[Peak, NDArray[np.bool_]]  # peaks at which of these, of each kind, shape (B, S) each
+    # at which of these limits of poses, of velocities and of accelerations are used most, shape (B, S) each
+    peaks: tuple[NDArray[np.bool_], ...]
     rows: tuple[Rows, ...]  # limits of the coordinates, linear ones and those of the family
     lower: Array  # bound of each unknown, shape (n,)
     upper: Array  # bound of each unknown, shape (n,)
@@ -156,6 +157,22 @@ def box_middle(case: Case) -> tuple[Array, Array]:
     return home + (low + high) / 2, np.asarray((high - low) / 2)
 
 
+@dataclass(frozen=True)
+class LinearMaps:
+    """How coordinates depend on their own unknowns, all in the same way: matrices from q unknowns to half widths."""
+
+    samples: tuple[Array, ...]  # to value, rate and acceleration at the samples of information, (K, q) each
+    shares: Array  # share of the duration that each sample stands for, shape (K,); they add up to 1
+    critical: tuple[Array, ...]  # the same three at the instants where non-linear limits are constrained, (C, q)
+    peaks: tuple[NDArray[np.bool_], ...]  # as `Layout.peaks`
+    blocks: int  # number B of blocks of equally many successive samples that depend on few unknowns each
+    # to value, rate, acceleration and jerk: rows that keep the motion within its limits where they do, (L, q) each
+    limits: tuple[Array, ...]
+    first: tuple[NDArray[np.bool_], ...]  # which of these rows an optimisation begins with, shapes (L,)
+    slips: Array  # what values and rates may pass their rows by between two of them, in half widths, shape (2, n)
+    growth: float = np.inf  # a bound g with max|x'| <= g max|x| for every motion [1/s]
+
+
 class LinearFamily(Protocol):
     """A family whose coordinates are linear in its unknowns.
 
@@ -170,76 +187,38 @@ class LinearFamily(Protocol):
         """One for every machine."""
         return self.name
 
-    @property
-    def unknowns(self) -> int:
-        """Unknowns of each coordinate, q."""
-        ...
-
-    def maps(self) -> tuple[Array, Array, Array, Array]:
-        """Matrices (K, q) from unknowns to value, rate, acceleration and jerk at the samples of information."""
-        ...
-
-    def weights(self) -> Array:
-        """Share of the duration that each sample of `maps` stands for, shape (K,); they add up to 1."""
-        ...
-
-    def critical_maps(self) -> tuple[Array, Array, Array]:
-        """Matrices (C, q) to value, rate and acceleration where non-linear limits are constrained."""
-        ...
-
-    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
-        """At which of these, of each kind, shape (B, S) each."""
-        ...
-
-    @property
-    def blocks(self) -> int:
-        """Number B of blocks of equally many successive samples that depend on few unknowns each."""
-        ...
-
-    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
-        """Matrices (L, q) whose rows, kept within the limits, keep the motion within them."""
-        ...
-
-    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
-        """Which rows of each of the `limit_maps` an optimisation begins with, shapes (L,)."""
-        ...
-
-    def slips(self) -> tuple[Array, Array]:
-        """What values and rates may pass their rows by between two of them, in half widths, shapes (n,)."""
-        ...
-
-    def growth(self) -> float:
-        """A bound g with max|x'| <= g max|x| for every motion of the family [1/s]; infinity where there is none."""
+    def maps(self) -> LinearMaps:
+        """How the coordinates depend on the unknowns."""
         ...
 
     def layout(self, case: Case, margin: float) -> Layout:
         """The motion as functions of the unknowns.
 
-        Limits of a derivative that others prove to be satisfied (`growth`) are left out.
+        Limits of a derivative that others prove to be satisfied (`LinearMaps.growth`) are left out.
         """
         from scipy.sparse import csr_array, kron, vstack
 
-        middle, half = box_middle(case)
+        maps, (middle, half) = self.maps(), box_middle(case)
         box = case.need_motion("planning")[1]
-        critical = self.critical_maps()
         rows, first, orders = [], [], []
         bounds = np.ones(len(half))  # what is known to bound the derivative before, in half widths
         for order, (matrix, limit) in enumerate(
-            zip(self.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
+            zip(maps.limits, (half, box.rate, box.acceleration, box.jerk), strict=True)
         ):
-            own = limit / half if order > 1 else limit / half - self.slips()[order]
-            needed = np.ones(len(half), dtype=bool) if order == 0 else self.growth() * bounds > own
-            bounds = own if order == 0 else np.minimum(self.growth() * bounds, own)
+            own = limit / half if order > 1 else limit / half - maps.slips[order]
+            needed = np.ones(len(half), dtype=bool) if order == 0 else maps.growth * bounds > own
+            bounds = own if order == 0 else np.minimum(maps.growth * bounds, own)
             if needed.any():
                 rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
-                first.append(np.repeat(self.first_rows()[order], needed.sum()))
+                first.append(np.repeat(maps.first[order], needed.sum()))
                 orders.append(np.full(rows[-1].shape[0], order))
         table, starts = csr_array(vstack(rows, format="csr")), np.concatenate(first)
-        free = np.full(self.unknowns * len(half), np.inf)
+        free = np.full(table.shape[1], np.inf)
+        still = np.zeros(len(maps.critical[0]))
         return Layout(
-            states=linear_states(self.maps(), middle, half, self.weights(), self.blocks),
-            critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), self.blocks),
-            peaks=self.peaks(),
+            states=linear_states(maps.samples, middle, half, maps.shares, maps.blocks),
+            critical=linear_states(maps.critical, middle, half, still, maps.blocks),
+            peaks=maps.peaks,
             rows=(LinearRows(table, np.concatenate(orders), starts, np.full(len(starts), 1.0 - margin)),),
             lower=-free,
             upper=free,

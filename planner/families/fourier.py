@@ -7,7 +7,7 @@ space of these two rows, and no constraint is left to a solver. Order 1 has noth
 coefficients, and a quintic leads from rest in the middle of its circle into it and back (`run_in`).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.trajectories.curves import FourierMotion, run_in, run_out
-from planner.families import LinearFamily
-from planner.search.states import Peak
+from planner.families import LinearFamily, LinearMaps
 
 Array = NDArray[np.float64]
 
@@ -127,37 +126,9 @@ class FourierFamily(LinearFamily):
         count = int(np.ceil(len(self._period) * self.run_in / self.period))
         return (np.arange(count) + 0.5) * self.run_in / max(count, 1)
 
-    def weights(self) -> Array:
-        """Share of the duration that each sample of `maps` stands for."""
-        lead = np.full(len(self._led), self.run_in / max(len(self._led), 1))
-        series = np.full(len(self._period), self.period * self.repeats / len(self._period))
-        weights = np.concatenate([lead, series, lead])[self._first]
-        return np.asarray(weights / weights.sum())
-
-    @property
-    def blocks(self) -> int:
-        """Every sample depends on all unknowns."""
-        return 1
-
-    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
-        """Every limit at every second sample."""
-        return dict.fromkeys(Peak, self._first[None])
-
-    def critical_maps(self) -> tuple[Array, Array, Array]:
-        """At all instants."""
-        return self.limit_maps()[:3]
-
-    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
-        """Every second."""
-        return (self._first,) * 4
-
     @property
     def _first(self) -> NDArray[np.bool_]:
         return np.asarray(np.arange(len(self.grid)) % FIRST == 0)
-
-    def slips(self) -> tuple[Array, Array]:
-        """Nothing is left free: the final drawing back takes what slips."""
-        return np.zeros(len(self.middle)), np.zeros(len(self.middle))
 
     def growth(self) -> float:
         """N w: Bernstein's inequality for trigonometric polynomials of degree N [1/s].
@@ -181,10 +152,26 @@ class FourierFamily(LinearFamily):
         centre, a, b = self._coefficients(unknowns)
         return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
 
-    def maps(self) -> tuple[Array, Array, Array, Array]:
-        """Those of every second instant: enough for the mean of what has twice the highest frequency."""
-        value, rate, acceleration, jerk = (matrix[self._first] for matrix in self.limit_maps())
-        return value, rate, acceleration, jerk
+    def maps(self) -> LinearMaps:
+        """Information at every second instant: enough for the mean of what has twice the highest frequency.
+
+        Nothing is left free between two rows: the final drawing back takes what slips.
+        """
+        limits, first = self.limit_maps(), self._first
+        lead = np.full(len(self._led), self.run_in / max(len(self._led), 1))
+        series = np.full(len(self._period), self.period * self.repeats / len(self._period))
+        shares = np.concatenate([lead, series, lead])[first]
+        return LinearMaps(
+            samples=tuple(matrix[first] for matrix in limits[:3]),
+            shares=np.asarray(shares / shares.sum()),
+            critical=limits[:3],
+            peaks=(first[None],) * 3,
+            blocks=1,
+            limits=limits,
+            first=(first,) * 4,
+            slips=np.zeros((2, len(self.middle))),
+            growth=self.growth(),
+        )
 
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
         """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""

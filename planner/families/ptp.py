@@ -22,7 +22,7 @@ from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
 from planner.families import Layout, box_middle
 from planner.search.rows import LinearRows, StateRows
-from planner.search.states import Kernel, KernelStates, LinearStates, Peak, state_size
+from planner.search.states import Kernel, KernelStates, LinearStates, state_size
 
 Array = NDArray[np.float64]
 
@@ -99,11 +99,7 @@ TRAPEZOID_POINTS = ((1, GAUSS), (1, 1 - GAUSS), (3, 0.5), (5, GAUSS), (5, 1 - GA
 # Where velocities and accelerations have their peaks: both ends of each phase of constant acceleration, mid-cruise.
 _HOLDS = ((0, 1.0), (1, 1.0), (5, 0.0), (5, 1.0))
 CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:], (6, 1.0))
-_PEAKS = {
-    Peak.POSE: [point in ((3, 0.5), (6, 1.0)) for point in CRITICAL_POINTS],
-    Peak.VELOCITY: [point == (3, 0.5) for point in CRITICAL_POINTS],
-    Peak.ACCELERATION: [point in _HOLDS for point in CRITICAL_POINTS],
-}
+_PEAKS = tuple([p in points for p in CRITICAL_POINTS] for points in (((3, 0.5), (6, 1.0)), ((3, 0.5),), _HOLDS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +200,7 @@ class PointToPointFamily:
         return Layout(
             states=states(TRAPEZOID_POINTS if self.steps else INFORMATION_POINTS),
             critical=states(CRITICAL_POINTS),
-            peaks={peak: np.tile(where, (count, 1)) for peak, where in _PEAKS.items()},
+            peaks=tuple(np.tile(points, (count, 1)) for points in _PEAKS),
             rows=(
                 LinearRows.equation(csr_array(total[None, :]), 1.0),
                 StateRows(_plain_states(index), kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),

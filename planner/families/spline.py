@@ -7,7 +7,7 @@ which the rows leave free. The motion is at rest at its ends: the first three co
 and the same, and so are the last three. It need not end where it begins.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.trajectories.curves import Piece, PolynomialMotion
-from planner.families import LinearFamily, box_middle
-from planner.search.states import Peak
+from planner.families import LinearFamily, LinearMaps, box_middle
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -27,8 +26,7 @@ Array = NDArray[np.float64]
 
 DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals
-FINE = 4  # instants an interval at which positions and rates are limited
-CRITICAL = 4  # at which struts and joints may be constrained
+FINE = 4  # instants an interval at which positions, rates, struts and joints may be constrained
 START_SHARE = 0.8
 ROUNDING = 1e-6  # of a number of intervals
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
@@ -103,59 +101,34 @@ class SplineFamily(LinearFamily):
         places = np.arange(self.intervals)[:, None] + np.array(shares)
         return np.asarray(places.ravel() * self.duration / self.intervals)
 
-    def maps(self) -> tuple[Array, Array, Array, Array]:
-        """At two instants an interval, which integrate cubic polynomials exactly."""
-        basis, t = self._basis(), self._at(GAUSS)
-        value, rate, acceleration, jerk = (np.asarray(basis(t, nu=order)) for order in range(4))
-        return value, rate, acceleration, jerk
+    def maps(self) -> LinearMaps:
+        """Information at two instants an interval, which integrate cubic polynomials exactly.
 
-    def weights(self) -> Array:
-        """All samples count alike."""
-        return np.full(2 * self.intervals, 0.5 / self.intervals)
-
-    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
-        """Positions and rates at four instants an interval, accelerations at the knots, jerks in the intervals."""
-        basis, fine = self._basis(), self._at(tuple(np.arange(FINE) / FINE))
-        return (
-            np.asarray(basis(fine)),
-            np.asarray(basis(fine[1:], nu=1)),  # at rest at the start: no row
-            np.asarray(basis(self._at((0.0,))[1:], nu=2)),
-            np.asarray(basis(self._at((0.5,)), nu=3)),
-        )
-
-    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
-        """Positions at the knots, rates half-way between them: where these peak first."""
-        at = np.arange(FINE * self.intervals) % FINE
-        every = np.ones(self.intervals, dtype=bool)
-        return at % 2 == 0, at[1:] >= 0, every[1:], every
-
-    def slips(self) -> tuple[Array, Array]:
-        """How far positions and rates pass their rows between two of them, in half widths (per second), (n,) each."""
-        return self.slip[0], self.slip[1]
-
-    @property
-    def blocks(self) -> int:
-        """One for each interval."""
-        return self.intervals
-
-    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
-        """Accelerations have their peaks at the knots, rates between them; poses anywhere, but slowly.
-
-        Limits of poses at every instant are of no use in an exploration, and double what the solver has to factorise.
+        Positions and rates are limited at four instants an interval, accelerations at the knots, jerks in the
+        intervals. Non-linear limits of accelerations have their peaks at the knots, those of rates between them, those
+        of poses anywhere, but slowly: these at every instant are of no use in an exploration, and double what the
+        solver has to factorise.
         """
-        knots, between = np.zeros((2, self.intervals, CRITICAL), dtype=bool)
-        knots[:, 0] = between[:, CRITICAL // 2] = True
-        return {Peak.POSE: knots | between, Peak.VELOCITY: between, Peak.ACCELERATION: knots}
-
-    def critical_maps(self) -> tuple[Array, Array, Array]:
-        """At the critical instants of each interval."""
-        basis, t = self._basis(), self._at(tuple(np.arange(CRITICAL) / CRITICAL))
-        value, rate, acceleration = (np.asarray(basis(t, nu=order)) for order in range(3))
-        return value, rate, acceleration
-
-    def growth(self) -> float:
-        """Nothing bounds a derivative by the one before it."""
-        return float("inf")
+        basis, fine, inner = self._basis(), self._at(tuple(np.arange(FINE) / FINE)), self._at(GAUSS)
+        knots, between = np.zeros((2, self.intervals, FINE), dtype=bool)
+        knots[:, 0] = between[:, FINE // 2] = True
+        limits = (
+            basis(fine),
+            basis(fine[1:], nu=1),  # at rest at the start: no row
+            basis(self._at((0.0,))[1:], nu=2),
+            basis(self._at((0.5,)), nu=3),
+        )
+        every = np.ones(self.intervals, dtype=bool)
+        return LinearMaps(
+            samples=tuple(np.asarray(basis(inner, nu=order)) for order in range(3)),
+            shares=np.full(2 * self.intervals, 0.5 / self.intervals),
+            critical=tuple(np.asarray(basis(fine, nu=order)) for order in range(3)),
+            peaks=(knots | between, between, knots),
+            blocks=self.intervals,
+            limits=limits,
+            first=((knots | between).ravel(), np.ones(len(fine) - 1, dtype=bool), every[1:], every),
+            slips=self.slip,
+        )
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""

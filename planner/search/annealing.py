@@ -23,7 +23,6 @@ from identification.model import Model
 from identification.symbolic import over_samples
 from planner.families.ptp import PointToPointFamily, states_of_move
 from planner.search.problem import near_limits
-from planner.search.states import Peak
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -92,21 +91,17 @@ def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.S
 
 # A jerk-limited move uses most of an acceleration where a phase of constant acceleration begins or ends.
 # Both ends count: the first waypoint of a walk is the end of no move.
-_PLACES = {
-    Peak.POSE: ((0, 0.0), (3, 0.5), (6, 1.0)),
-    Peak.VELOCITY: ((3, 0.5),),
-    Peak.ACCELERATION: ((1, 0.5), (5, 0.5)),
-}
+_PLACES = (((0, 0.0), (3, 0.5), (6, 1.0)), ((3, 0.5),), ((1, 0.5), (5, 0.5)))  # by the order of a `LimitGroup`
 
 
 def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
     excess, pose = ca.SX(0), ca.SX(0)
     for group in near_limits(case):
-        states = states_of_move(_PLACES[group.peak], ends[0].numel()).call([*ends, ca.DM(times)], True, False)
-        for k in range(len(_PLACES[group.peak])):
+        states = states_of_move(_PLACES[group.order], ends[0].numel()).call([*ends, ca.DM(times)], True, False)
+        for k in range(len(_PLACES[group.order])):
             state = ca.vertcat(*(matrix[:, k] for matrix in states), 0)
             share = ca.mmax(ca.fabs(ca.substitute(group.kernel.expression, group.kernel.variables, state)))
-            if group.peak is Peak.POSE:
+            if group.order == 0:
                 pose = ca.fmax(pose, share)
             else:
                 excess = ca.fmax(excess, share - 1)

@@ -25,7 +25,7 @@ from planner.noise import PoseErrors
 from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
-from planner.search.states import Kernel, Peak, state_size
+from planner.search.states import Kernel, state_size
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class LimitGroup(NamedTuple):
     """Limits of one kind."""
 
     kind: LimitKind
-    peak: Peak  # where they are used most
+    order: int  # of the derivative of the coordinates with which they grow most: 0 poses, 1 velocities, 2 accelerations
     kernel: Kernel  # state -> shares of the limits
     most: float = np.inf  # largest share in the motion box; infinity where that was not asked for
 
@@ -119,7 +119,7 @@ def build_problem(
         StateRows(
             layout.critical,
             group.kernel,
-            np.repeat(layout.peaks[group.peak][:, :, None], group.kernel.size, axis=2) & (group.most > BINDS),
+            np.repeat(layout.peaks[group.order][:, :, None], group.kernel.size, axis=2) & (group.most > BINDS),
             1.0 - margin,
         )
         for group in limits
@@ -130,7 +130,7 @@ def build_problem(
         first = tuple(
             StateRows(standing, group.kernel, np.ones((*shape, group.kernel.size), dtype=bool), 1.0 - margin)
             for group in limits
-            if group.peak is Peak.POSE
+            if group.order == 0
         )
     program = NonlinearProgram(
         layout.states,
@@ -161,10 +161,10 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, .
     state = ca.SX.sym("state", state_size(n))
     motion = state[:n], state[n : 2 * n], state[2 * n : 3 * n]
     groups = [
-        *((kind, Peak.of_order(order), value) for kind, order, value in machine_of(case).shares(case, *motion)),
-        *((LimitKind.SENSOR_FORCE, Peak.ACCELERATION, f) for f in _sensor_forces(case, loads, *motion)),
+        *machine_of(case).shares(case, *motion),
+        *((LimitKind.SENSOR_FORCE, 2, f) for f in _sensor_forces(case, loads, *motion)),
     ]
-    return tuple(LimitGroup(kind, peak, Kernel(state, share)) for kind, peak, share in groups)
+    return tuple(LimitGroup(kind, order, Kernel(state, share)) for kind, order, share in groups)
 
 
 def near_limits(case: Case) -> tuple[LimitGroup, ...]:

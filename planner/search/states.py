@@ -6,7 +6,6 @@ Derivatives are kept as small dense matrices, one a block, and only gathered by 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from functools import cached_property
 
 import casadi as ca
@@ -89,19 +88,6 @@ SHARE = -1  # component of a state
 def state_size(coordinates: int) -> int:
     """Numbers of a state of a machine with n coordinates."""
     return 3 * coordinates + 1
-
-
-class Peak(Enum):
-    """Where along a motion a limit is used most."""
-
-    POSE = "where the pose is extreme"
-    VELOCITY = "where rates are largest"
-    ACCELERATION = "where accelerations are largest"
-
-    @classmethod
-    def of_order(cls, order: int) -> "Peak":
-        """Where what grows with a derivative of the coordinates is used most."""
-        return (cls.POSE, cls.VELOCITY, cls.ACCELERATION)[order]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,10 @@ from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import sample
-from planner.families.spline import CRITICAL, SplineFamily
+from planner.families.spline import FINE, SplineFamily
 from planner.search.problem import Problem, build_problem, state_limits
 from planner.search.rows import LinearRows
-from planner.search.states import Peak, state_size
+from planner.search.states import state_size
 
 
 @pytest.fixture(scope="module")
@@ -71,9 +71,9 @@ def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
     unknowns *= 0.9 / problem.worst(unknowns)
     (velocity,) = (group for group in state_limits(hexapod_case) if group.kind == "strut velocity")
     shares = np.abs(velocity.kernel.values(problem.layout.critical.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
-    constrained = problem.layout.peaks[Peak.VELOCITY].ravel()
+    constrained = problem.layout.peaks[1].ravel()
     motion = sample(family.motion(unknowns), 5_000.0)
     lengths = Hexapod.of(hexapod_case).strut_lengths(motion.pose)
     peak = np.abs(np.gradient(lengths, motion.t, axis=0)).max() / hexapod_case.limits.motion.strut_velocity_m_s
     assert shares[constrained].max() > 0.9 * peak
-    assert shares[::CRITICAL].max() < shares[constrained].max()
+    assert shares[::FINE].max() < shares[constrained].max()
