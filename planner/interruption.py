@@ -1,9 +1,9 @@
-"""Ctrl-C: an exception that no library takes for its own, and a way to be told of the first one."""
+"""Ctrl-C: an exception that no library takes for its own, and an event for the first one."""
 
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import current_thread, main_thread
+from threading import Event, current_thread, main_thread
 from types import FrameType
 
 
@@ -26,19 +26,17 @@ def ctrl_c_raises() -> Iterator[None]:
 
 
 @contextmanager
-def first_ctrl_c_calls(stop: Callable[[], None]) -> Iterator[None]:
-    """Inside, the first Ctrl-C calls `stop`, the second raises `Interrupted`."""
-    pressed = False
+def first_ctrl_c() -> Iterator[Event]:
+    """An event that the first Ctrl-C inside sets; the second one raises `Interrupted`."""
+    pressed = Event()
 
     def handle(number: int, frame: FrameType | None) -> None:
-        nonlocal pressed
-        if pressed:
+        if pressed.is_set():
             raise Interrupted
-        pressed = True
-        stop()
+        pressed.set()
 
     with _handling(handle):
-        yield
+        yield pressed
 
 
 @contextmanager

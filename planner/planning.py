@@ -2,11 +2,11 @@
 
 import json
 import os
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from threading import Event
 from time import perf_counter
 
 import numpy as np
@@ -17,16 +17,26 @@ from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
 from identification.motion import Array, Trajectory
-from planner.families import Controlled, Family
+from planner.families import Family
 from planner.families.settings import Spline
 from planner.found import Found, rated
-from planner.interruption import Interrupted, first_ctrl_c_calls
+from planner.interruption import Interrupted, first_ctrl_c
 from planner.noise import without_pose_errors
 from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.search import Failed
 from planner.search.inside import keep_limits, remedy, require_plannable
-from planner.search.parallel import SILENT, Listener, Outcome, Patience, Runner, run_here, workers
+from planner.search.parallel import (
+    SILENT,
+    Listener,
+    Outcome,
+    Runner,
+    deadlines,
+    enough,
+    most_starts,
+    run_here,
+    workers,
+)
 from planner.search.solving import Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
@@ -84,12 +94,12 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     """
     listener.begin(request)
     own = request.family.controlled(case)
-    patience = Patience.of(request, len(identification_model(case, request.model).names))
+    explored_until, until = deadlines(request)
     rival = _rival(request, case)
     # A single refinement leaves a core free for it.
     refined = request.family.refinements(request.criterion)
     at_once, later = ([], rival) if refined == 1 else (rival, [])
-    results, interrupted = _explored(own, case, listener, run, patience.exploring(), at_once)
+    results, interrupted = _explored(request, own.case, listener, run, explored_until, at_once)
     explored, _ = _of_families(results, request)
     score = max((s.tried.criterion_value for s in explored if s.tried.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
@@ -98,7 +108,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
                  s.begin)
             for s in sorted(rough, key=lambda s: -s.promise)[:refined]]  # fmt: skip
     if explored and (best or later) and not interrupted:
-        second = run([*best, *later], listener, patience)
+        second = run([*best, *later], listener, until)
         results, interrupted = results + second.results, second.interrupted
     starts, others = _of_families(results, request)
     starts.sort(key=lambda s: -s.tried.criterion_value)
@@ -113,7 +123,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         fresh = fresh if fresh.settings == best_family.settings else best_family
         one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].tried.seed, request.payload,
                    begin=shipped_start(fresh, case))  # fmt: skip
-        alone = run([one], replace(SILENT, news=listener.news), patience)
+        alone = run([one], replace(SILENT, news=listener.news), until)
         white, interrupted = next((r for r in alone.results if isinstance(r, Start)), None), alone.interrupted
     winner = starts[0].family
     unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
@@ -149,36 +159,39 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
 
 
 def _explored(
-    own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience, beside: Sequence[Task]
+    request: Request, case: Case, listener: Listener, run: Runner, until: float, beside: Sequence[Task]
 ) -> Outcome:
     """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
 
-    `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
-    that follow go to the best of them.
+    Of several orders and periods each is looked at once; the starts that follow go to the best of them.
+
+    Args:
+        case: case with the limits that its controller enforces.
+        until: when to stop, on the monotonic clock [s].
     """
-    request = patience.request
-    families, idle = request.family.families(own.case, request.duration), request.family.idle(request.criterion)
-    seeds, several = iter(seeds_of(request.seed, patience.most + len(families))), len(families) > 1
+    families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
+    parameters, most = len(identification_model(case, request.model).names), most_starts(request)
+    seeds, several = iter(seeds_of(request.seed, most + len(families))), len(families) > 1
 
     def fresh(family: Family) -> Task:
-        return Task(own.case, request.model, family, request.criterion, next(seeds), request.payload)
+        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
 
-    first = max(len(families), min(1 + idle, patience.most))
+    first = max(len(families), min(1 + idle, most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     everything: list[Start | Failed] = []
     tasks += beside
     while True:
-        outcome = run(tasks, listener, patience)
+        outcome = run(tasks, listener, until)
         everything += outcome.results
         results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
-        if outcome.interrupted or patience.over() or patience.enough(results) or len(results) >= patience.most:
+        if outcome.interrupted or time.monotonic() >= until or enough(results, request, parameters):
             return Outcome(everything, outcome.interrupted)
         starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
         names = [family.settings for family in families]
         ranked = dict.fromkeys(names.index(s.family.settings) for s in starts) if several else {}
         best = [families[k] for k in ranked] or families
-        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, patience.most - len(results)))]
+        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, most - len(results)))]
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:
@@ -223,11 +236,6 @@ def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
     """`make`, in the main thread; the first Ctrl-C keeps what a search has found, be it in its proof or its rating."""
     if not request.family.optimised:
         return make(request, case, listener, run_here)
-    pressed = Event()
-    with first_ctrl_c_calls(pressed.set), workers() as run_all:
-
-        def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
-            return Outcome([], True) if pressed.is_set() else run_all(tasks, listener, patience)
-
+    with first_ctrl_c() as pressed, workers(pressed) as run:
         plan = make(request, case, listener, run)
     return plan.ended_early() if pressed.is_set() else plan

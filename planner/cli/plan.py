@@ -85,7 +85,7 @@ def plan(
     from cases.loading import load_case
     from identification.model import full_model
     from planner.families.settings import family_class
-    from planner.interruption import first_ctrl_c_calls
+    from planner.interruption import first_ctrl_c
     from planner.library import planned
     from planner.request import Request
     from planner.search.inside import require_plannable
@@ -120,7 +120,7 @@ def plan(
         result = planned(request, loaded, remark)
     if output is None and result.family != family:  # by itself
         folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
-    with console.status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
+    with console.status("writing", json), first_ctrl_c():  # it is soon done
         console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
     console.print_answer(answer, json, lambda: show_plan(answer, result))

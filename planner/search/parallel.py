@@ -13,15 +13,15 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
-from threading import Thread
+from threading import Event, Thread
 from types import ModuleType
 from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
-from planner.interruption import ctrl_c_waits, first_ctrl_c_calls
+from planner.interruption import ctrl_c_waits
 from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import Start, Task, run_safely
@@ -33,48 +33,31 @@ EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their
 ENDLESS = 1000
 
 
-@dataclass(frozen=True, slots=True)
-class Patience:
-    """How long a round of starts goes on."""
+def deadlines(request: Request) -> tuple[float, float]:
+    """When explorations and when the whole search end, on the monotonic clock [s]; infinity without `--seconds`."""
+    seconds = math.inf if request.seconds is None else request.seconds
+    share = EXPLORING if request.family.refinements(request.criterion) else 1.0
+    now = time.monotonic()
+    return now + share * seconds, now + seconds
 
-    request: Request
-    parameters: int  # their number u
-    until: float | None  # when to stop, on the monotonic clock [s]; None where time does not count
-    exploring_until: float | None  # when to stop exploring
 
-    @classmethod
-    def of(cls, request: Request, parameters: int) -> "Patience":
-        """That of a request, from now on."""
-        if request.seconds is None:
-            return cls(request, parameters, None, None)
-        now, share = time.monotonic(), EXPLORING if request.family.refinements(request.criterion) else 1.0
-        return cls(request, parameters, now + request.seconds, now + share * request.seconds)
+def most_starts(request: Request) -> int:
+    """Number of starts at most."""
+    return request.starts or (MOST if request.seconds is None else ENDLESS)
 
-    @property
-    def most(self) -> int:
-        """Starts at most."""
-        return self.request.starts or (MOST if self.request.seconds is None else ENDLESS)
 
-    def exploring(self) -> "Patience":
-        """For the explorations."""
-        return replace(self, until=self.exploring_until)
+def enough(results: Sequence[Start | Failed], request: Request, parameters: int) -> bool:
+    """Whether more starts are not worth their time.
 
-    def over(self) -> bool:
-        """Whether time is up."""
-        return self.until is not None and time.monotonic() >= self.until
-
-    def enough(self, results: Sequence[Start | Failed]) -> bool:
-        """Whether more starts are not worth their time.
-
-        Args:
-            results: results of all starts until now, in the order of their seeds.
-        """
-        request = self.request
-        if len(results) >= self.most or request.starts is not None or request.seconds is not None:
-            return len(results) >= self.most
-        idle = without_gain(results, request.criterion, self.parameters)
-        failed = all(isinstance(result, Failed) for result in results)
-        return idle >= (FAILURES if failed else request.family.idle(request.criterion))
+    Args:
+        results: results of all starts until now, in the order of their seeds.
+        parameters: their number u.
+    """
+    if len(results) >= most_starts(request) or request.starts is not None or request.seconds is not None:
+        return len(results) >= most_starts(request)
+    failed = all(isinstance(result, Failed) for result in results)
+    idle = FAILURES if failed else request.family.idle(request.criterion)
+    return without_gain(results, request.criterion, parameters) >= idle
 
 
 def without_gain(results: Sequence[Start | Failed], criterion: str, parameters: int) -> int:
@@ -102,11 +85,11 @@ POLL = 0.1  # [s]
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Who is told how the starts are getting on."""
+    """Calls by which the progress of a search is followed."""
 
-    begin: Callable[[Request], None]  # called when a search begins: one plan may take several
-    done: Callable[[Start | Failed], None]  # called with each result as it arrives
-    news: Callable[[], None]  # called between the results, while starts get on
+    begin: Callable[[Request], None]  # when a search begins: one plan may take several
+    done: Callable[[Start | Failed], None]  # with each result as it arrives
+    news: Callable[[], None]  # between the results, while starts are running
 
 
 SILENT = Listener(lambda request: None, lambda result: None, lambda: None)
@@ -153,17 +136,17 @@ def _work(task: Task) -> Start | Failed:
     return run_safely(task, watch)
 
 
-Runner = Callable[[Sequence[Task], Listener, Patience], Outcome]
-"""How a round of starts is run."""
+Runner = Callable[[Sequence[Task], Listener, float], Outcome]
+"""Runs a round of starts until a time on the monotonic clock [s]."""
 
 
-def run_here(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+def run_here(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
     """Runs tasks one after the other in this process: for those who bring processes of their own."""
     results: list[Start | Failed] = []
     for task in tasks:
-        if patience.over() and results:
+        if time.monotonic() >= until and results:
             break
-        result = run_safely(task, lambda objective: patience.over())
+        result = run_safely(task, lambda objective: time.monotonic() >= until)
         listener.done(result)
         results.append(result)
     return Outcome(results, False)
@@ -186,43 +169,38 @@ def _without_script() -> Iterator[None]:
 
 
 @contextmanager
-def workers() -> Iterator[Runner]:
+def workers(pressed: Event) -> Iterator[Runner]:
     """Processes, one a core, that run rounds of starts until the context is left.
 
-    The first Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of
-    the time.
+    Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of the time.
+
+    Args:
+        pressed: event that Ctrl-C sets.
     """
     context = get_context("spawn")  # not forked: MUMPS and threads of a parent do not survive that
     stop, news = context.Event(), context.SimpleQueue()
     pool = ProcessPoolExecutor(cores(), mp_context=context, initializer=_begin, initargs=(stop, news))
 
-    def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
-        pressed = False
-
-        def press() -> None:
-            nonlocal pressed
-            pressed = True
-            stop.set()
-
+    def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
+        if pressed.is_set():
+            return Outcome([], True)
         stop.clear()
         results: dict[int, Start | Failed] = {}
-        with first_ctrl_c_calls(press):
-            with ctrl_c_waits(), _without_script():
-                places = {pool.submit(_work, task): k for k, task in enumerate(tasks)}
-            pending = set(places)
-            while pending:
-                finished, pending = wait(pending, POLL, FIRST_COMPLETED)
-                while not news.empty():
-                    news.get()
-                    listener.news()
-                for future in finished:
-                    results[places[future]] = _result(future)
-                    listener.done(results[places[future]])
-                if patience.over():
-                    stop.set()
-                if stop.is_set():
-                    pending = {f for f in pending if not f.cancel()}
-        return Outcome([result for _, result in sorted(results.items())], pressed)
+        with ctrl_c_waits(), _without_script():
+            places = {pool.submit(_work, task): k for k, task in enumerate(tasks)}
+        pending = set(places)
+        while pending:
+            finished, pending = wait(pending, POLL, FIRST_COMPLETED)
+            while not news.empty():
+                news.get()
+                listener.news()
+            for future in finished:
+                results[places[future]] = _result(future)
+                listener.done(results[places[future]])
+            if pressed.is_set() or time.monotonic() >= until:
+                stop.set()
+                pending = {f for f in pending if not f.cancel()}
+        return Outcome([result for _, result in sorted(results.items())], pressed.is_set())
 
     try:
         yield run

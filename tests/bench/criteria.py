@@ -1,5 +1,6 @@
 """What each criterion gains over the D-optimal motion of its family, in reference scaling."""
 
+from threading import Event
 from typing import Any
 
 from cases.loading import load_case
@@ -42,7 +43,7 @@ def criteria_table() -> None:
         values = {}
         for letter in sorted(CRITERIA, key=lambda letter: letter != "D"):
             request = Request(family_class(family)(**settings), criterion=letter, model=MODEL)
-            with workers() as run:
+            with workers(Event()) as run:
                 found = search(request, case, SILENT, run)
             values[letter] = criteria_of(case, found.motion)
             seconds = [start.tried.seconds for start in found.starts]

@@ -1,5 +1,7 @@
 """Predicted standard deviations against 500 simulated runs; bias and spread with noise in the accelerations."""
 
+from threading import Event
+
 import numpy as np
 
 from cases.loading import load_case
@@ -20,7 +22,7 @@ def monte_carlo_table() -> None:
     """Prints both for a planned Fourier motion of 3 s."""
     case = load_case("hexapod")
     request = Request(Fourier(), duration=3.0, starts=2)
-    with workers() as run:
+    with workers(Event()) as run:
         motion = search(request, case, SILENT, run).motion
     white = monte_carlo(case, motion, 500, 1.0, 0.0)
     noisy = monte_carlo(case, motion, 50, 1.0, ACCELERATION_NOISE)

@@ -13,7 +13,7 @@ from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import Request
 from planner.search import Tried
-from planner.search.parallel import SILENT, Listener, Outcome, Patience
+from planner.search.parallel import SILENT, Listener, Outcome
 from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line
 
@@ -105,7 +105,7 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
-    def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+    def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         tried.extend(tasks)
         return Outcome([_made_up(task) for task in tasks], False)
 
@@ -128,7 +128,7 @@ def test_the_best_of_two_series_is_refined_and_another_family_looked_at_beside_i
     """One refinement leaves a core free."""
     rounds: list[list[Step]] = []
 
-    def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+    def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         rounds.append([task.step for task in tasks])
         return Outcome([_made_up(task) for task in tasks], False)
 

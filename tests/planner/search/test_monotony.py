@@ -13,7 +13,7 @@ from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import SILENT, Listener, Outcome, Patience, run_here
+from planner.search.parallel import SILENT, Listener, Outcome, run_here
 from planner.search.solving import Step, Task
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
@@ -36,9 +36,9 @@ def logdet(family: str, box: float = 1.0, limits: float = 1.0, starts: int = 1) 
     return float(np.linalg.slogdet(mean_information(model, reference_scaling(SMALL, model), motion))[1])
 
 
-def without_glances(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+def without_glances(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
     """At another family, which take as long as a start and find nothing for this one."""
-    return run_here([task for task in tasks if task.step is not Step.GLANCE], listener, patience)
+    return run_here([task for task in tasks if task.step is not Step.GLANCE], listener, until)
 
 
 def wider(case: Case, share: float) -> Case:

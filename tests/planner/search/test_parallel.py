@@ -12,7 +12,17 @@ from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
 from planner.search import Failed, Tried
-from planner.search.parallel import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
+from planner.search.parallel import (
+    ENDLESS,
+    EXPLORING,
+    FAILURES,
+    MOST,
+    WORTHWHILE,
+    deadlines,
+    enough,
+    gain,
+    most_starts,
+)
 from planner.search.solving import Start
 
 SIZE = 20
@@ -26,14 +36,14 @@ def start(promise: float, seed: int = 0) -> Start:
     return Start(tried, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise)
 
 
-def patience(**settings: object) -> Patience:
-    return Patience.of(replace(Request(Spline()), **settings), SIZE)
+def request(**settings: object) -> Request:
+    return replace(Request(Spline()), **settings)
 
 
 def ended_after(promises: list[float]) -> int | None:
     """How many starts it takes until they are enough."""
-    watch, results = patience(), [start(p) for p in promises]
-    return next((k for k in range(len(results) + 1) if watch.enough(results[:k])), None)
+    results = [start(p) for p in promises]
+    return next((k for k in range(len(results) + 1) if enough(results[:k], request(), SIZE)), None)
 
 
 def test_it_ends_after_so_many_starts_without_a_worthwhile_gain():
@@ -47,10 +57,10 @@ def test_it_ends_after_so_many_starts_without_a_worthwhile_gain():
 
 @pytest.mark.parametrize("family", [Fourier(), PointToPoint()])
 def test_other_families_need_one_start_less(family: Fourier | PointToPoint):
-    watch, same = patience(family=family), [start(-5.0)] * 3
-    assert not watch.enough(same[:1])
-    assert watch.enough(same[:2])
-    assert patience(family=family, criterion="A").enough(same[:2]) == (family.name == "ptp")
+    same = [start(-5.0)] * 3
+    assert not enough(same[:1], request(family=family), SIZE)
+    assert enough(same[:2], request(family=family), SIZE)
+    assert enough(same[:2], request(family=family, criterion="A"), SIZE) == (family.name == "ptp")
 
 
 @given(promises=st.lists(st.floats(-50.0, 50.0), min_size=0, max_size=30))
@@ -65,29 +75,26 @@ def test_never_while_one_of_the_last_was_a_gain(promises: list[float]):
 
 @pytest.mark.parametrize("settings", [{"starts": 30}, {"seconds": 60.0}, {"starts": 30, "seconds": 60.0}])
 def test_what_was_asked_for_is_not_cut_short(settings: dict[str, float]):
-    watch = patience(**settings)
-    assert not any(watch.enough([start(-5.0)] * k) for k in range(min(40, watch.most)))
-    assert watch.most == settings.get("starts", ENDLESS)
-    assert patience().most == MOST
+    asked = request(**settings)
+    assert not any(enough([start(-5.0)] * k, asked, SIZE) for k in range(min(40, most_starts(asked))))
+    assert most_starts(asked) == settings.get("starts", ENDLESS)
+    assert most_starts(request()) == MOST
 
 
 def test_starts_that_all_fail_end_it_too():
     failed = [Failed(k, "no motion") for k in range(10)]
-    assert not patience().enough(failed[: FAILURES - 1])
-    assert patience().enough(failed[:FAILURES])
+    assert not enough(failed[: FAILURES - 1], request(), SIZE)
+    assert enough(failed[:FAILURES], request(), SIZE)
 
 
 def test_time_is_shared_between_exploring_and_refining():
     before = time.monotonic()
-    watch = patience(seconds=100.0, family=Fourier())
-    now = time.monotonic()
-    assert before + 100.0 <= watch.until <= now + 100.0
-    assert watch.exploring().until == pytest.approx(before + 100.0 * EXPLORING, abs=1.0)
-    moves = patience(seconds=100.0, family=PointToPoint())
-    assert moves.exploring().until == moves.until  # its starts are refined at once
-    assert not watch.over()
-    assert replace(watch, until=now).over()
-    assert not patience().over()
+    explored, ended = deadlines(request(seconds=100.0, family=Fourier()))
+    assert before + 100.0 <= ended <= time.monotonic() + 100.0
+    assert explored == pytest.approx(before + 100.0 * EXPLORING, abs=1.0)
+    explored, ended = deadlines(request(seconds=100.0, family=PointToPoint()))
+    assert explored == ended  # its starts are refined at once
+    assert deadlines(request()) == (np.inf, np.inf)
 
 
 @pytest.mark.parametrize(
