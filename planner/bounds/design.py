@@ -6,9 +6,10 @@ and drop those without weight. By the general equivalence theorem (Kiefer and Wo
 log det G <= log det F + u log(dmax / u), dmax being the largest derivative over the box.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from time import process_time
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import Model
 from identification.symbolic import over_samples
-from planner.bounds.branch import maximise
+from planner.bounds.branch import Maximum, maximise
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.features import CORNER_COORDINATES, Features
 
@@ -45,35 +46,61 @@ class Design:
 def optimal_design(
     features: Features, gap: float, deadline: float, progress: Callable[[str], None] = lambda _: None
 ) -> Design:
-    """Finds the design.
+    """Finds the design over the box of a pose, with a proven largest derivative.
 
     Args:
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].
     """
     size = features.coefficients.shape[-1]
-    states = _first_states()
+
+    def largest(inverse: Array, _: Array) -> Maximum:
+        levels = size * (1.0 + gap), size * (1.0 + gap / 2)
+        derivative = BoxDerivative(features, features.form(inverse))
+        maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
+        return replace(maximum, points=np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED])
+
+    return _exchanged(features.matrices, _first_states(), largest, gap, deadline, progress)
+
+
+def _exchanged(
+    matrices_of: Callable[[Array], Array],
+    states: Array,
+    largest: Callable[[Array, Array], Maximum],
+    gap: float,
+    deadline: float,
+    progress: Callable[[str], None],
+) -> Design:
+    """The design that weights of states, and states where the derivative is largest, lead to in turn.
+
+    Args:
+        matrices_of: states, shape (n, k) -> A in reference scaling, shape (n, 6, u).
+        states: states to begin with.
+        largest: F^-1 and the states of a design -> where its derivative is largest.
+    """
     weights = np.full(len(states), 1.0 / len(states))
-    levels = size * (1.0 + gap), size * (1.0 + gap / 2)
-    while True:
-        products = _products(features.matrices(states))
+    for number in range(ROUNDS):
+        matrices = matrices_of(states)
+        size = matrices.shape[2]
+        products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(matrices), -1)
         weights = improved_weights(products, weights, size, gap / 3)
         support = weights > NEGLIGIBLE
         states, weights = states[support], weights[support] / weights[support].sum()
         information = (weights @ products[support]).reshape(size, size)
         logdet = float(np.linalg.slogdet(information)[1])
-        derivative = BoxDerivative(features, features.form(np.linalg.inv(information)))
-        maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
-        room = size * float(np.log(max(maximum.upper, size) / size))
-        progress(f"log det {logdet:.4f}, at most {room:.4f} more; {len(states)} states")
-        if maximum.upper <= levels[0] or process_time() >= deadline or not len(maximum.points):
-            certified = maximum.upper <= levels[0] * (1.0 + 1e-9)
-            dmax = max(float(size), maximum.upper if certified else maximum.lower)
-            return Design(states, weights, logdet, logdet, dmax, max(float(size), maximum.upper), certified)
-        fresh = np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED]
+        maximum = largest(np.linalg.inv(information), states)
+        proven, fresh = np.isfinite(maximum.upper), maximum.points
+        certified = bool(maximum.upper <= size * (1.0 + gap) * (1.0 + 1e-9))
+        dmax = max(float(size), maximum.upper if certified else maximum.lower)
+        value = max(float(size), maximum.upper if proven else maximum.lower)
+        more = f"{'at most' if proven else 'about'} {size * np.log(value / size):.4f} more"
+        progress(f"log det {logdet:.4f}, {more}; {len(states)} states")
+        if value <= size * (1.0 + gap) or process_time() >= deadline or not len(fresh) or number == ROUNDS - 1:
+            break
         states = np.vstack([states, fresh])
         share = min(0.5, len(fresh) / len(states))
         weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
+    return Design(states, weights, logdet, logdet, dmax, max(float(size), maximum.upper), certified)
 
 
 def _first_states() -> Array:
@@ -83,11 +110,6 @@ def _first_states() -> Array:
     states[:, CORNER_COORDINATES] = draw.choice([-1.0, 1.0], (FIRST_STATES, len(CORNER_COORDINATES)))
     states[:, [2, 6, 7, 8]] = 0.0  # z and the rates of x, y, z do not matter
     return states
-
-
-def _products(matrices: Array) -> Array:
-    """A_i^T A_i of each state as a row, shape (n, u * u)."""
-    return np.asarray(np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(matrices), -1))
 
 
 def improved_weights(products: Array, weights: Array, size: int, gap: float, steps: int = STEPS) -> Array:
@@ -153,57 +175,67 @@ def searched_design(
         states = np.split(middle + half * shares, 3, axis=1)
         return over_samples(model.coordinate_regressor, *states)[0].reshape(len(shares), 6, -1) * scaling
 
-    draw, size = np.random.default_rng(SEED), len(scaling)
-    states = _drawn(draw, FIRST_SEARCHED, len(home))
-    weights = np.full(len(states), 1.0 / len(states))
-    for number in range(ROUNDS):
-        matrices = matrices_of(states)
-        products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(states), -1)
-        weights = improved_weights(products, weights, size, gap / 3)
-        support = weights > NEGLIGIBLE
-        states, weights = states[support], weights[support] / weights[support].sum()
-        information = (weights @ products[support]).reshape(size, size)
-        logdet = float(np.linalg.slogdet(information)[1])
-        climbed, values = _climbed(matrices_of, np.linalg.inv(information), states, draw)
-        dmax = float(values.max())
-        progress(f"log det {logdet:.4f}, about {size * np.log(max(dmax / size, 1.0)):.4f} more; {len(states)} states")
-        fresh = climbed[values > size * (1.0 + gap / 2)]
-        if dmax <= size * (1.0 + gap) or process_time() >= deadline or number == ROUNDS - 1:
-            break
-        states = np.vstack([states, fresh])
-        share = min(0.5, len(fresh) / len(states))
-        weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
-    return Design(states, weights, logdet, logdet, max(float(size), dmax), np.inf, False)
+    draw, size, n = np.random.default_rng(SEED), len(scaling), len(home)
+
+    def ways() -> Iterator[Way]:
+        for sweep in range(SWEEPS):
+            for k in draw.permutation(3 * n):
+                yield Way(k, (-1.0, 1.0), ()) if k >= 2 * n else Way(k, () if sweep else LEVELS, CLIMBS)
+
+    def largest(inverse: Array, known: Array) -> Maximum:
+        root = np.linalg.cholesky((inverse + inverse.T) / 2)
+
+        def derivative(shares: Array) -> Array:
+            return np.asarray(np.square(matrices_of(shares) @ root).sum(axis=(1, 2)))
+
+        random = _drawn(draw, RANDOM, n)
+        starts = np.vstack([random[np.argsort(-derivative(random))[:CLIMBERS]], known])
+        climbed, values = climb(derivative, starts, ways())
+        return Maximum(np.inf, float(values.max()), climbed[values > size * (1.0 + gap / 2)], 0)
+
+    return _exchanged(matrices_of, _drawn(draw, FIRST_SEARCHED, n), largest, gap, deadline, progress)
 
 
-def _climbed(
-    matrices_of: Callable[[Array], Array], inverse: Array, starts: Array, draw: np.random.Generator
-) -> tuple[Array, Array]:
-    """Distinct local maxima of d = trace(A F^-1 A^T) and their values, from random and known states."""
-    n = starts.shape[1] // 3
-    root = np.linalg.cholesky((inverse + inverse.T) / 2)
+class Way(NamedTuple):
+    """How one coordinate of a state is varied."""
 
-    def value(shares: Array) -> Array:
-        return np.asarray(np.square(matrices_of(shares) @ root).sum(axis=(1, 2)))
+    coordinate: int
+    levels: tuple[float, ...]  # values that it takes, as shares of the half width
+    steps: tuple[float, ...]  # by which it goes up and down
+    quadratic: bool = False  # whether the function is quadratic in it: three values tell its vertex
 
-    random = _drawn(draw, RANDOM, n)
-    states = np.vstack([random[np.argsort(-value(random))[:CLIMBERS]], starts])
-    values = value(states)
 
-    def attempt(k: int, level: Array | float) -> None:
+def climb(function: Callable[[Array], Array], starts: Array, ways: Iterable[Way]) -> tuple[Array, Array]:
+    """Distinct local maxima of a function, coordinate by coordinate from many states.
+
+    Args:
+        function: states, shape (n, k) -> values, shape (n,).
+        starts: states as shares of the half widths, shape (n, k).
+
+    Returns:
+        States, shape (n, k), and values, shape (n,).
+    """
+    states, values = starts, function(starts)
+
+    def at(k: int, level: Array | float) -> tuple[Array, Array]:
         trial = states.copy()
         trial[:, k] = np.clip(level, -1.0, 1.0)
-        new = value(trial)
+        return trial, function(trial)
+
+    def attempt(k: int, level: Array | float) -> None:
+        trial, new = at(k, level)
         better = new > values + 1e-9
         states[better], values[better] = trial[better], new[better]
 
-    for sweep in range(SWEEPS):
-        for k in draw.permutation(3 * n):
-            accelerates = k >= 2 * n
-            for level in (-1.0, 1.0) if accelerates else LEVELS if sweep == 0 else ():
-                attempt(k, level)
-            for step in () if accelerates else CLIMBS:
-                attempt(k, states[:, k] + step)
-                attempt(k, states[:, k] - step)
+    for k, levels, steps, quadratic in ways:
+        if quadratic:
+            low, mid, high = (at(k, level)[1] for level in (-1.0, 0.0, 1.0))
+            bend = (low + high) / 2 - mid
+            attempt(k, np.where(bend < -1e-12, (low - high) / np.minimum(4 * bend, -1e-12), np.sign(high - low)))
+        for level in levels:
+            attempt(k, level)
+        for step in steps:
+            attempt(k, states[:, k] + step)
+            attempt(k, states[:, k] - step)
     _, first = np.unique(np.round(states, 3), axis=0, return_index=True)
     return states[first], values[first]

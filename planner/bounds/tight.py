@@ -19,7 +19,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
-from planner.bounds.design import Design
+from planner.bounds.design import Design, Way, climb
 from planner.bounds.features import Features, Moments, Multipliers, combined, mixed, motion_moments
 
 Array = NDArray[np.float64]
@@ -76,7 +76,7 @@ def tight_design(
             multipliers = mixed(best[2], multipliers, KEPT)
         derivative = TightDerivative(features, features.form(inverse), multipliers)
         support = weights > NEGLIGIBLE
-        climbed, values = climb(derivative, states[support], draw)
+        climbed, values = climbed_from(derivative, states[support], draw)
         largest = float(values.max())
         bound = size * float(np.log(largest / size)) - float(np.linalg.slogdet(inverse)[1])
         if best is None or bound < best[0]:
@@ -137,47 +137,21 @@ def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[
     return solution / solution.sum(), combined(moments, equal.dual_value, at_most.dual_value)
 
 
-def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
-    """Distinct local maxima of h, coordinate by coordinate from many starts.
+def climbed_from(derivative: TightDerivative, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
+    """Distinct local maxima of h, from random states and known ones.
 
     Args:
         known: states to start from too, as shares of the box, shape (k, 18).
-        draw: function that draws the other starts.
+        draw: source of the other starts.
 
     Returns:
         States, shape (n, 18), and values, shape (n,).
     """
     random = _candidates(RANDOM, draw)
     best = np.argsort(-derivative.at(random))[:CLIMBERS]
-    states = np.vstack([random[best], known])
-    values = derivative.at(states)
-
-    def attempt(k: int, level: Array | float) -> None:
-        trial = states.copy()
-        trial[:, k] = np.clip(level, -1.0, 1.0)
-        new = derivative.at(trial)
-        better = new > values + 1e-9
-        states[better], values[better] = trial[better], new[better]
-
-    for _ in range(SWEEPS):
-        for k in draw.permutation(_ACTIVE):
-            if k >= 12:  # quadratic: three values tell the vertex
-                low, mid, high = (derivative.at(_with(states, k, v)) for v in (-1.0, 0.0, 1.0))
-                bend = (low + high) / 2 - mid
-                vertex = np.where(bend < -1e-12, (low - high) / np.minimum(4 * bend, -1e-12), np.sign(high - low))
-                attempt(k, vertex)
-            levels = (-1.0, 1.0) if k < 3 or k >= 12 else LEVELS
-            for level in levels:
-                attempt(k, level)
-            if k >= 3 and k < 12:
-                for step in STEPS:
-                    attempt(k, states[:, k] + step)
-                    attempt(k, states[:, k] - step)
-    _, first = np.unique(np.round(states, 3), axis=0, return_index=True)
-    return states[first], values[first]
-
-
-def _with(states: Array, k: int, value: float) -> Array:
-    result = states.copy()
-    result[:, k] = value
-    return result
+    every = (k for _ in range(SWEEPS) for k in draw.permutation(_ACTIVE))
+    ways = (
+        Way(k, (-1.0, 1.0) if k < 3 or k >= 12 else LEVELS, STEPS if 3 <= k < 12 else (), quadratic=k >= 12)
+        for k in every
+    )
+    return climb(derivative.at, np.vstack([random[best], known]), ways)

@@ -20,7 +20,7 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.certificate import TightDerivative
 from planner.bounds.features import Features, Moments, Multipliers, box_features, combined, motion_moments
-from planner.bounds.tight import climb
+from planner.bounds.tight import climbed_from
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def least_condition(case: Case, number: int, rounds: int = ROUNDS) -> float:
     for _ in range(rounds):
         derivative = TightDerivative(features, features.form(solved.inner), solved.multipliers)
         used = solved.weights > NEGLIGIBLE * solved.weights.max()
-        climbed, values = climb(derivative, states[used], draw)
+        climbed, values = climbed_from(derivative, states[used], draw)
         states = np.vstack([states[used], climbed[np.argsort(-values)[:FRESH]]])
         solved = _solve(features, moments, states)
     return solved.condition

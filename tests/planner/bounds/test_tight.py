@@ -17,7 +17,7 @@ from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design
 from planner.bounds.features import box_features, combined, motion_moments
 from planner.bounds.kept import box_bound, compute_bound
-from planner.bounds.tight import climb, tight_design
+from planner.bounds.tight import climbed_from, tight_design
 from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
@@ -153,7 +153,7 @@ def test_a_climb_ends_no_lower_than_it_began():
     derivative = random_derivative(3)
     draw = np.random.default_rng(0)
     known = draw.uniform(-1.0, 1.0, (20, 18))
-    states, values = climb(derivative, known, draw)
+    states, values = climbed_from(derivative, known, draw)
     assert values.max() >= derivative.at(known).max()
     assert np.allclose(derivative.at(states), values)
     assert np.abs(states).max() <= 1.0
