@@ -126,3 +126,10 @@ class ExecutionError(HexciteError, RuntimeError):
 
 class FileProblem(HexciteError, OSError):
     """A file or folder cannot be read or written."""
+
+
+class Interrupted(BaseException):
+    """Ctrl-C. Not a KeyboardInterrupt: the command-line library prints its own word for those.
+
+    Its argument is what the user reads instead of "nothing was written".
+    """

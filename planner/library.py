@@ -7,12 +7,11 @@ from typing import TypedDict, Unpack
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.errors import InfeasiblePlan
+from cases.errors import InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.model import full_model, identification_model, static_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
-from planner.interruption import Interrupted
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan

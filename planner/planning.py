@@ -11,7 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
-from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
+from cases.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
@@ -20,7 +20,6 @@ from identification.motion import Array, Trajectory
 from planner.families import Family
 from planner.families.settings import Spline
 from planner.found import Found, rated
-from planner.interruption import Interrupted, first_ctrl_c
 from planner.noise import without_pose_errors
 from planner.plans import Plan
 from planner.request import LONGEST, Request
@@ -33,6 +32,7 @@ from planner.search.parallel import (
     Runner,
     deadlines,
     enough,
+    first_ctrl_c,
     most_starts,
     run_here,
     workers,

@@ -5,8 +5,12 @@ Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
 
 import gc
 import os
+import signal
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
 
 import typer
 
@@ -15,9 +19,8 @@ import typer
 # not, and its worker processes take the setting from here.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from cases.errors import HexciteError
+from cases.errors import HexciteError, Interrupted
 from planner.cli import cases, compare, demo, force, identify, limits, plan, poses, programs, study
-from planner.interruption import Interrupted, ctrl_c_raises
 
 app = typer.Typer(
     name="hexcite",
@@ -63,6 +66,20 @@ def main() -> None:
         if os.environ.get("HEXCITE_TRACEBACK"):
             traceback.print_exc()
         _stop(f"internal error, {type(error).__name__}: {error}; please report it (HEXCITE_TRACEBACK=1 shows where)")
+
+
+@contextmanager
+def ctrl_c_raises() -> Iterator[None]:
+    """Inside, Ctrl-C raises `Interrupted`."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise Interrupted
+
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _stop(message: str) -> None:

@@ -85,10 +85,10 @@ def plan(
     from cases.loading import load_case
     from identification.model import full_model
     from planner.families.settings import family_class
-    from planner.interruption import first_ctrl_c
     from planner.library import planned
     from planner.request import Request
     from planner.search.inside import require_plannable
+    from planner.search.parallel import first_ctrl_c
 
     kind, options = family_class(family), context.params
     sources = {name: context.get_parameter_source(name) for name in BELONGS}

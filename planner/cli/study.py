@@ -23,10 +23,9 @@ def study(
     import os
     import time
 
-    from cases.errors import HexciteError
+    from cases.errors import HexciteError, Interrupted
     from cases.files import read_json, write_text
     from cases.loading import load_case
-    from planner.interruption import Interrupted
     from planner.reports.page import render
     from planner.study import ABOUT, DONE, PLANNED, check_study, load_spec, read_rows
     from planner.study.cluster import local_client, remote_client, require_dask

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.errors import FileProblem, HexciteError
+from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
 from cases.sensors import Disturbances
 from planner.comparison.experiment import Excitation, steps
 from planner.comparison.step import MethodStep
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
-from planner.interruption import Interrupted
 from planner.library import planned
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned

@@ -7,6 +7,7 @@ done first. `--starts N` asks for N of them instead, `--seconds S` for as many a
 
 import math
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -15,13 +16,13 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
-from threading import Event, Thread
-from types import ModuleType
+from threading import Event, Thread, current_thread, main_thread
+from types import FrameType, ModuleType
 from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
-from planner.interruption import ctrl_c_waits
+from cases.errors import Interrupted
 from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import Start, Task, run_safely
@@ -166,6 +167,39 @@ def _without_script() -> Iterator[None]:
         yield
     finally:
         sys.modules["__main__"] = main
+
+
+@contextmanager
+def first_ctrl_c() -> Iterator[Event]:
+    """An event that the first Ctrl-C inside sets; the second one raises `Interrupted`. In the main thread only."""
+    pressed = Event()
+
+    def press(number: int, frame: FrameType | None) -> None:
+        if pressed.is_set():
+            raise Interrupted
+        pressed.set()
+
+    if current_thread() is not main_thread():
+        yield pressed
+        return
+    before = signal.signal(signal.SIGINT, press)
+    try:
+        yield pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def ctrl_c_waits() -> Iterator[None]:
+    """Inside, Ctrl-C is held back where the system can; processes that are started inside never hear of it."""
+    if not hasattr(signal, "pthread_sigmask"):  # of POSIX only
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases.errors import HexciteError
-from planner.interruption import ctrl_c_waits
+from planner.search.parallel import ctrl_c_waits
 
 if TYPE_CHECKING:
     from distributed import Client, Future

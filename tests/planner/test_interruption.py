@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.errors import Interrupted
 from cases.schema import Case
 from planner import planning
+from planner.cli import ctrl_c_raises
 from planner.families.settings import family_class
-from planner.interruption import Interrupted, ctrl_c_raises
 from planner.plans import Plan
 from planner.request import Request
 from planner.search.parallel import SILENT, Listener, Outcome

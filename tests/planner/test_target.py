@@ -6,13 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cases.errors import HexciteError, InfeasiblePlan
+from cases.errors import HexciteError, InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.limit import LimitReport
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline, family_class
 from planner.found import Found as Searched
 from planner.found import notes
-from planner.interruption import Interrupted
 from planner.library import shortest_plan
 from planner.request import Request, parse_targets
 from tests.helpers import one_line

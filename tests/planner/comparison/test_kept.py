@@ -6,10 +6,9 @@ from typing import Any, NoReturn
 
 import pytest
 
-from cases.errors import FileProblem
+from cases.errors import FileProblem, Interrupted
 from planner.comparison.carrying_out import ValidationSettings, unfinished
 from planner.comparison.validation import validate
-from planner.interruption import Interrupted
 from tests.planner.comparison.excitations import CASE
 
 
