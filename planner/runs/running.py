@@ -24,7 +24,6 @@ from planner.runs.written import of_another, plan_of_program, read_for, written_
 from postprocessors.dialects import Program
 from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
-from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import motions, planned_excitation
@@ -126,12 +125,11 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != "linuxcnc":
         raise ExecutionError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
-    headroom = acceleration_headroom(read.reading, case)
-    log = run_linuxcnc(read.path, case, read.content, headroom=headroom)
+    log = run_linuxcnc(read, case)
     remark = ""
     if path_time := slowest_path(read.reading, log):
         # Blocks that come too slowly from a busy computer make the motion wait for them; a slower session tells.
-        slower = run_linuxcnc(read.path, case, read.content, headroom=headroom, speedup=SLOWER)
+        slower = run_linuxcnc(read, case, speedup=SLOWER)
         again = slowest_path(read.reading, slower)
         agree = again is not None and abs(again[2] - path_time[2]) <= TIME_TOLERANCE * path_time[1]
         reason = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"

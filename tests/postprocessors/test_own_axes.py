@@ -10,12 +10,12 @@ from cases.errors import HexciteError, ProgramError
 from cases.loading import load_case
 from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
-from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Untimed
 from postprocessors.writing import proven_program
 from tests.helpers import one_line
+from tests.postprocessors.execute.runs import run_text
 from tests.postprocessors.joint_walks import ROBOT, walk
 
 CASE = load_case("five_axis_table")
@@ -132,7 +132,7 @@ def test_paths_are_refused_by_the_writer() -> None:
 def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> None:
     file = tmp_path / "walk.ngc"
     file.write_text(TEXT)
-    log = run_linuxcnc(file, CASE, headroom=1.0)
+    log = run_text(file, CASE, headroom=1.0)
     reading = LANGUAGE.read(TEXT.encode(), "walk.ngc", CASE)
     guarantees = LANGUAGE.guarantees(reading, CASE)
     moved = np.append(np.any(np.diff(log.poses, axis=0) != 0.0, axis=1), False)

@@ -10,17 +10,22 @@ import sys
 import tempfile
 from functools import cache
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from cases.errors import ExecutionError, FileProblem
+from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.model import machine_of
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, preload_works, run_session
+from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
+from postprocessors.reading import Still, Timed
+
+if TYPE_CHECKING:
+    from postprocessors.dialects import Program
 
 HERE = Path(__file__).parent
 PROGRAM_FILE = "program.ngc"
@@ -58,9 +63,8 @@ def linuxcnc_missing() -> str | None:
 
 
 def run_linuxcnc(
-    program: Path,
+    program: "Program",
     case: Case,
-    content: bytes | None = None,
     *,
     headroom: float | None = None,
     speedup: float = 20.0,
@@ -75,9 +79,7 @@ def run_linuxcnc(
     Args:
         program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
         case: a case with machine, workspace, limits and controller.
-        content: content of the program, where it was read before; exactly this is run.
-        headroom: the axes' acceleration limits as a multiple of the case's; by default the case's own limits for a
-            program without timed blocks (G93), else `acceleration_headroom`.
+        headroom: the axes' acceleration limits as a multiple of the case's; by default `acceleration_headroom`.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
             depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
             cycles, waits for blocks or shortens dwells is repeated at half the speed-up and at a quarter; then that is
@@ -88,39 +90,34 @@ def run_linuxcnc(
     Raises:
         ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
             not end in time.
-        FileProblem: the program cannot be read.
         CaseError: the case lacks a part.
         ValueError: speedup is not positive and finite.
     """
+    path, reading = program.path, program.reading
     if (missing := linuxcnc_missing()) is not None:
-        raise ExecutionError(program, f"cannot be run: {missing}")
+        raise ExecutionError(path, f"cannot be run: {missing}")
     if not 0.0 < speedup < math.inf:
         raise ValueError(f"speedup is {speedup}, must be positive and finite")
-    lines = _lines(program, content)
-    timed = any(timing.is_inverse_time(line) for line in lines)
+    lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
+    timed = any(isinstance(part, Timed) for part in reading.stretches)
     if headroom is None:
-        settings = case.need_controller(configuration.PURPOSE)
-        headroom = settings.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
-    durations, switched = timing.dwells(program, lines), timing.switches(lines)
-    speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
-    copy = timing.with_dwells(lines, durations)
+        headroom = acceleration_headroom(reading, case)
+    standing = sum(part.duration for part in reading.stretches if isinstance(part, Still))
+    speedup = min(speedup, timing.fastest(reading)) if preload_works() else 1.0
     for attempt in range(timing.ATTEMPTS):
         speed = speedup / 2**attempt
-        usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + sum(durations.values())) / speed
+        usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + standing) / speed
         try:
             log, window = _session(
-                program, copy, case, headroom, timed, speed, usual if time_limit is None else time_limit
+                path, lines, case, headroom, timed, speed, usual if time_limit is None else time_limit
             )
         except LostCycles as error:
             problem = str(error)
         else:
-            reason = timing.supply_problem(log)
-            if durations or switched:
-                timing.check_order(program, log)
-                reason = reason or timing.dwell_problem(log, durations, switched, window)
+            reason = timing.supply_problem(log) or timing.dwell_problem(log, reading, window)
             if reason is None:
-                return timing.without_surplus(log, durations, switched, window)
-            problem = f"{program}, {reason}"
+                return timing.without_surplus(log, reading, window)
+            problem = f"{path}, {reason}"
         _log.info("%s", problem)
     raise ExecutionError(problem)
 
@@ -148,23 +145,6 @@ def _session(
             )
         report = read_report(program, folder)
         return read_log(program, folder, AxisLayout.of(case), report, speedup), (report["started"], report["ended"])
-
-
-def _lines(program: Path, content: bytes | None) -> list[str]:
-    """Lines as the controller sees them: bytes between line feeds."""
-    if content is None:
-        try:
-            content = program.read_bytes()
-        except OSError as error:
-            raise FileProblem(
-                program, f"cannot be read ({error.strerror})", "hexcite post --dialect linuxcnc writes programs"
-            ) from error
-    try:
-        return content.decode("ascii").split("\n")
-    except UnicodeDecodeError as error:
-        raise ExecutionError(
-            program, f"is not plain ASCII text (byte {error.start})", "give a LinuxCNC program"
-        ) from error
 
 
 def _compile_clock(folder: Path) -> None:

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from cases.errors import ExecutionError, FileProblem
+from cases.errors import ExecutionError
 from cases.schema import Case
 from postprocessors.execute.linuxcnc import configuration, isolation, session
-from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
-from tests.postprocessors.execute.runs import PROGRAM, log_of
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing
+from tests.postprocessors.execute.runs import PROGRAM, log_of, run_text
 
 
 def test_missing_installation_is_an_error_with_the_remedy(
@@ -21,22 +21,13 @@ def test_missing_installation_is_an_error_with_the_remedy(
 ) -> None:
     monkeypatch.setattr(session, "linuxcnc_missing", lambda: "it is not there; install it")
     with pytest.raises(ExecutionError, match=r"program\.ngc: cannot be run: it is not there; install it"):
-        run_linuxcnc(write(PROGRAM), hexapod_case)
+        run_text(write(PROGRAM), hexapod_case)
 
 
 @pytest.mark.parametrize("program", ["linuxcnc", "halcmd", "gcc"])
 def test_what_is_missing_is_named(program: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name, path: None if name == program else f"/usr/bin/{name}")
     assert re.search(rf"{program}.* missing.*; install the package", str(linuxcnc_missing.__wrapped__()))
-
-
-@pytest.mark.linuxcnc
-def test_a_program_that_cannot_be_read_is_named(tmp_path: Path, hexapod_case: Case) -> None:
-    with pytest.raises(FileProblem, match=r"none\.ngc: cannot be read"):
-        run_linuxcnc(tmp_path / "none.ngc", hexapod_case)
-    (tmp_path / "binary.ngc").write_bytes(b"\xff\xfe")
-    with pytest.raises(ExecutionError, match=r"binary\.ngc: is not plain ASCII text"):
-        run_linuxcnc(tmp_path / "binary.ngc", hexapod_case)
 
 
 REPORT = {"outcome": "done", "version": "2.9.4", "errors": [], "messages": [], "line": 7, "started": 0, "ended": 1}
@@ -95,8 +86,8 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
         monkeypatch.setattr(session, name, value)
     program = write("G21 G90 G94\nG1 X1 F600\nM2\n")
     if losses < 3:
-        assert run_linuxcnc(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]
+        assert run_text(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]
     else:
         with pytest.raises(ExecutionError, match="lost at 5"):
-            run_linuxcnc(program, hexapod_case)
+            run_text(program, hexapod_case)
     assert speeds == [20.0, 10.0, 5.0][: losses + 1]

@@ -15,8 +15,7 @@ import pytest
 from cases.errors import ExecutionError
 from cases.schema import Case
 from postprocessors.execute.linuxcnc import isolation, session
-from postprocessors.execute.linuxcnc.session import run_linuxcnc
-from tests.postprocessors.execute.runs import PROGRAM
+from tests.postprocessors.execute.runs import PROGRAM, run_text
 
 ENDLESS = "G21 G90 G94\nG1 X100 F1\nM2\n"
 
@@ -57,9 +56,7 @@ def test_nothing_remains_after_the_time_is_up(
     monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_LIMIT")
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     with pytest.raises(ExecutionError, match="near line 2: LinuxCNC was not through in time"):
-        run_linuxcnc(
-            write(ENDLESS), hexapod_case, time_limit=2.0
-        )  # long enough to be seen in motion on a busy computer
+        run_text(write(ENDLESS), hexapod_case, time_limit=2.0)  # long enough to be seen in motion on a busy computer
     assert marked_processes("HEXCITE_TEST_LIMIT") == []
     assert [path.name for path in folder.iterdir() if path.suffix != ".lock"] == []
 
@@ -75,7 +72,7 @@ def test_a_session_that_hangs_is_killed(
     monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_HANG")
     monkeypatch.setattr(session, "START_LIMIT", 3.0)
     with pytest.raises(ExecutionError, match=r"did not end within 3\.1 s and was killed"):
-        run_linuxcnc(write(ENDLESS), hexapod_case, time_limit=0.1)
+        run_text(write(ENDLESS), hexapod_case, time_limit=0.1)
     assert marked_processes("HEXCITE_TEST_HANG") == []
 
 
@@ -112,11 +109,11 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the
 from pathlib import Path
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc import isolation
-from postprocessors.execute.linuxcnc.session import run_linuxcnc
+from tests.postprocessors.execute.runs import run_text
 program, isolation._MARK, tempfile.tempdir, spaces = sys.argv[1:]
 if spaces == "none":
     isolation.namespaces_allowed = lambda: False
-log = run_linuxcnc(Path(program), load_case("hexapod"), time_limit=600.0)
+log = run_text(Path(program), load_case("hexapod"), time_limit=600.0)
 print(log.controller, log.trigger.any())
 """
 

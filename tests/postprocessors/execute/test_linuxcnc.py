@@ -12,9 +12,9 @@ from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from postprocessors.execute import ControllerLog
-from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.changed_case import changed
-from tests.postprocessors.execute.runs import PROGRAM
+from tests.postprocessors.execute.runs import PROGRAM, run_text
+from tests.postprocessors.programs import typed
 
 FIRST_TRIGGERED, FIRST_AFTER = 8, 13  # M62 and M63 act with the next motion
 
@@ -23,7 +23,7 @@ FIRST_TRIGGERED, FIRST_AFTER = 8, 13  # M62 and M63 act with the next motion
 def executed(hexapod_case: Case, tmp_path_factory: pytest.TempPathFactory) -> ControllerLog:
     program = tmp_path_factory.mktemp("executed") / "program.ngc"
     program.write_text(PROGRAM)
-    return run_linuxcnc(program, hexapod_case)
+    return run_text(program, hexapod_case)
 
 
 @pytest.mark.linuxcnc
@@ -71,7 +71,7 @@ def test_motion_does_not_depend_on_the_speedup(write: Callable[[str], Path], hex
     steps = np.linspace(0.0, 2.0 * np.pi, 51)
     blocks = [f"G1 X{20 * np.sin(s):.6f} Y{20 - 20 * np.cos(s):.6f} B{2 * np.sin(s):.6f} F6000" for s in steps[1:]]
     program = write("\n".join(["G21 G90 G94", "G64 P1 Q0", "G93", *blocks, "G94", "M2", ""]))
-    runs = [run_linuxcnc(program, hexapod_case, speedup=speedup) for speedup in (4.0, 2.0)]
+    runs = [run_text(program, hexapod_case, speedup=speedup) for speedup in (4.0, 2.0)]
     # On a busy computer the first blocks may come some cycles late; from there on every cycle is the same.
     fast, slow = (run.poses[run.lines > 0][-400:] for run in runs)
     np.testing.assert_array_equal(fast, slow)
@@ -79,7 +79,7 @@ def test_motion_does_not_depend_on_the_speedup(write: Callable[[str], Path], hex
 
 @pytest.mark.linuxcnc
 def test_pose_limits_themselves_are_allowed(write: Callable[[str], Path], hexapod_case: Case) -> None:
-    log = run_linuxcnc(write("G21 G90 G94\nG0 X250 A20\nG0 X-250 A-20\nM2\n"), hexapod_case)
+    log = run_text(write("G21 G90 G94\nG0 X250 A20\nG0 X-250 A-20\nM2\n"), hexapod_case)
     np.testing.assert_allclose(np.abs(log.poses[-1, [0, 3]]), [0.25, np.radians(20.0)], atol=1e-12)
 
 
@@ -100,7 +100,7 @@ def test_what_linuxcnc_refuses_is_one_line_with_place_and_reason(
 ) -> None:
     program = write(text)
     with pytest.raises(ExecutionError, match=re.escape(said)) as caught:
-        run_linuxcnc(program, hexapod_case)
+        run_text(program, hexapod_case)
     assert str(caught.value).startswith(f"{program}{place}: ")
     assert "\n" not in str(caught.value)
 
@@ -109,14 +109,7 @@ def test_what_linuxcnc_refuses_is_one_line_with_place_and_reason(
 def test_strut_limits_hold(write: Callable[[str], Path], hexapod_case: Case) -> None:
     narrow = changed(hexapod_case, workspace__strut_length_mm=(1000.0, 1100.0))
     with pytest.raises(ExecutionError, match=r"line 2: LinuxCNC stopped: .*joint \d.* limit"):
-        run_linuxcnc(write("G21 G90\nG0 X200 Y-100\nM2\n"), narrow)
-
-
-@pytest.mark.linuxcnc
-def test_loops_are_refused_where_dwells_stand_between(write: Callable[[str], Path], hexapod_case: Case) -> None:
-    loop = "G21 G90 G94\no1 repeat [2]\nG1 X1 F600\nG4 P0.1\nG1 X0\no1 endrepeat\nM2\n"
-    with pytest.raises(ExecutionError, match="line 3: LinuxCNC jumped back"):
-        run_linuxcnc(write(loop), hexapod_case)
+        run_text(write("G21 G90\nG0 X200 Y-100\nM2\n"), narrow)
 
 
 @pytest.mark.slow
@@ -126,8 +119,8 @@ def test_two_runs_at_the_same_time_do_not_disturb_each_other(tmp_path: Path, hex
 
     def run(name: str, target: float) -> None:
         program = tmp_path / f"{name}.ngc"
-        program.write_text(f"G21 G90\nG0 X{target}\nG4 P5\nG0 Y{target}\nM2\n")
-        logs[name] = run_linuxcnc(program, hexapod_case)
+        program.write_text(typed(f"G0 X{target}\nG4 P5\nG0 Y{target}"))
+        logs[name] = run_text(program, hexapod_case)
 
     threads = [threading.Thread(target=run, args=(str(k), 10.0 * k)) for k in (1, 2)]
     for thread in threads:

@@ -7,8 +7,9 @@ import pytest
 
 from cases.schema import Case
 from postprocessors.execute import windows
-from postprocessors.execute.linuxcnc.session import run_linuxcnc
+from tests.postprocessors.execute.runs import run_text
 from tests.postprocessors.execute.stuttering import stuttering
+from tests.postprocessors.programs import typed
 
 SETTLE, MEASURE = 0.5, 0.8
 PLACES = (40, -60, 80, -20)
@@ -24,9 +25,9 @@ def test_the_trigger_brackets_standstills_whenever_the_servo_thread_is_stopped(
     seed: int, tmp_path: Path, hexapod_case: Case
 ) -> None:
     program = tmp_path / "poses.ngc"
-    program.write_text(f"G21 G90 G94\nG61\n{POSES}\nG1 X0 A0\nM2\n")
+    program.write_text(typed(f"{POSES}\nG1 X0 A0"))
     with stuttering(0.1, 0.02, seed) as stops:
-        log = run_linuxcnc(program, hexapod_case)
+        log = run_text(program, hexapod_case)
     assert len(stops) > 10, "the servo thread was not stopped: not a test"
     moving = np.append(np.any(np.diff(log.drives, axis=0) != 0.0, axis=1), False)
     on = windows(log.trigger, 1.0).astype(int)

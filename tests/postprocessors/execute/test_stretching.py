@@ -12,7 +12,6 @@ from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove
 from planner.families.ptp import unit_profile
 from postprocessors.dialects import dialect
-from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import (
     CUT,
     NOTICEABLE,
@@ -29,6 +28,7 @@ from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import Written, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
+from tests.postprocessors.execute.runs import run_text
 from tests.postprocessors.programs import HOME, proof, small_excitation, timed, typed
 
 SPEED, STEP = 0.2, 0.01  # [m/s], [s]
@@ -146,7 +146,7 @@ def test_a_block_of_parts_of_a_cycle_is_refused(hexapod_case: Case):
 def test_linuxcnc_keeps_the_time_of_whole_cycles(tmp_path: Path, hexapod_case: Case):
     written = jerky(hexapod_case)
     (tmp_path / "p.ngc").write_bytes(written.content)
-    log = run_linuxcnc(tmp_path / "p.ngc", hexapod_case, headroom=25.0)
+    log = run_text(tmp_path / "p.ngc", hexapod_case, headroom=25.0)
     assert 0.9995 < log.trigger.sum() * log.period / written.proof.excitation < 1.005  # a cycle at each stop
 
 
@@ -156,7 +156,7 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     program = tmp_path / "p.ngc"
     program.write_text(small_excitation(hexapod_case))
     paths = triggered_paths(read_linuxcnc(program.read_text(), "p.ngc"))
-    log = run_linuxcnc(program, hexapod_case, headroom=1.0)
+    log = run_text(program, hexapod_case, headroom=1.0)
     assert predicted_stretch(paths, hexapod_case, 1.0) > 1.5
     assert log.trigger.sum() * log.period == pytest.approx(expected_duration(paths, hexapod_case, 1.0), rel=0.03)
 
@@ -170,6 +170,6 @@ def test_linuxcnc_stretches_long_blocks_as_predicted_too(block_ms: float, tmp_pa
     program = tmp_path / "p.ngc"
     program.write_text(small_excitation(changed(hexapod_case, controller__block_ms=block_ms), period=2.4))
     (path,) = triggered_paths(read_linuxcnc(program.read_text(), "p.ngc"))
-    log = run_linuxcnc(program, hexapod_case, headroom=1.0)
+    log = run_text(program, hexapod_case, headroom=1.0)
     assert predicted_stretch([path], hexapod_case, 1.0) > 1.05
     assert log.trigger.sum() * log.period == pytest.approx(expected_duration([path], hexapod_case, 1.0), rel=0.03)

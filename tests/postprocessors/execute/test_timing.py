@@ -8,48 +8,59 @@ import pytest
 from cases.errors import ExecutionError
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import timing
+from postprocessors.reading import Reading, Still, Untimed
+from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.execute.runs import PROGRAM, log_of
+from tests.postprocessors.programs import typed
 
-DWELLS = {5: 0.25, 11: 0.1, 12: 0.1, 14: 0.05}
-
-
-def test_dwells_are_found_by_line(tmp_path: Path) -> None:
-    assert timing.dwells(tmp_path, PROGRAM.split("\n")) == DWELLS
+FILE = Path("a.ngc")
 
 
-@pytest.mark.parametrize(
-    "line", ["G04 P1", "G4 P.5", "G4P1", "g4 P1", " G4 P1", "G4 P1 G0 X1", "G4 P#1", "N5 G4 P1", "G 4 P1"]
-)
+def read(text: str) -> Reading:
+    return read_linuxcnc(text, "a.ngc")
+
+
+@pytest.mark.parametrize("line", ["G04 P1", "G4 P.5", "G4P1", "g4 P1", " G4 P1", "G4 P1 G0 X1", "G 4 P1", "G4 P1 (c)"])
 def test_dwells_in_another_form_are_refused(line: str) -> None:
-    with pytest.raises(ExecutionError, match=r"a\.ngc, line 2: dwell .* cannot be timed; write it as G4 P<seconds>"):
-        timing.dwells(Path("a.ngc"), ["G21", line])
-
-
-@pytest.mark.parametrize("line", ["G40", "G43.1", "G49", "G64 P4", "(G4 P1)", "; G4 P1", "G0 X4 (G04)", "G1 X1 F4"])
-def test_what_is_no_dwell_is_left_alone(line: str) -> None:
-    assert timing.dwells(Path("a.ngc"), [line]) == {}
-    assert timing.with_dwells([line], {}) == [line]
+    text = typed(line)
+    with pytest.raises(ExecutionError, match=r"a\.ngc, line 4: dwell .* cannot be timed; write it as G4 P<seconds>"):
+        timing.with_dwells(FILE, text.split("\n"), read(text))
 
 
 def test_only_dwells_change_in_the_copy_that_is_run() -> None:
-    lines = PROGRAM.split("\n")
-    copy = timing.with_dwells(lines, DWELLS)
-    assert copy[4] == "o<dwell> call [0.250000]"
-    assert [line for k, line in enumerate(copy, 1) if k not in DWELLS] == [
-        line for k, line in enumerate(lines, 1) if k not in DWELLS
+    lines, dwells = PROGRAM.split("\n"), {5: 0.25, 11: 0.1, 12: 0.1, 14: 0.05}
+    copy = timing.with_dwells(FILE, lines, read(PROGRAM))
+    assert {k: copy[k - 1] for k in dwells} == {k: f"o<dwell> call [{s:.6f}]" for k, s in dwells.items()}
+    assert [line for k, line in enumerate(copy, 1) if k not in dwells] == [
+        line for k, line in enumerate(lines, 1) if k not in dwells
     ]
 
 
 def test_short_blocks_are_run_slower() -> None:
-    blocks = ["G94", "G1 X1 F60000", "G93", "G1 X2 F6000 (F60000)", "G1 X3 F3000", "G94 F90000"]
-    assert timing.fastest(blocks) == pytest.approx(0.010 / timing.BLOCK)
-    assert timing.fastest(["G94", "G1 X1 F60000"]) == np.inf
+    blocks = ["G1 X1 F60000", "G64 P1 Q0", "G93", "G1 X2 F6000 (F60000)", "G1 X3 F3000", "G94 F90000"]
+    assert timing.fastest(read(typed("\n".join(blocks)))) == pytest.approx(0.010 / timing.BLOCK)
+    assert timing.fastest(read(typed("G1 X1 F60000"))) == np.inf
+
+
+def moves_and_dwells(*stretches: tuple[int, float | None, bool], left_on: int = 0) -> Reading:
+    """A move in each line without seconds, else a dwell; with the state of the trigger."""
+    pose = np.zeros(6)
+    return Reading(
+        "p",
+        tuple(
+            Untimed(line, None, pose, None, True, None, on) if seconds is None else Still(line, seconds, on)
+            for line, seconds, on in stretches
+        ),
+        len(stretches),
+        left_on=left_on,
+    )
 
 
 @pytest.mark.parametrize(("cycles", "ok"), [(100, False), (101, True), (130, True), (20142, True)])
 def test_a_dwell_is_proven_by_the_cycles_without_motion(cycles: int, ok: bool) -> None:
     log = log_of([1] * 5 + [0] * cycles + [3] * 5)
-    problem = timing.dwell_problem(log, {2: 0.1}, {}, (0, len(log.lines)))
+    reading = moves_and_dwells((1, None, False), (2, 0.1, False), (3, None, False))
+    problem = timing.dwell_problem(log, reading, (0, len(log.lines)))
     if ok:
         assert problem is None
     else:
@@ -59,9 +70,10 @@ def test_a_dwell_is_proven_by_the_cycles_without_motion(cycles: int, ok: bool) -
 
 def test_dwells_next_to_no_motion_are_proven_within_the_run() -> None:
     log = log_of([0] * 150 + [2] * 5 + [0] * 150)
-    assert timing.dwell_problem(log, {1: 0.1, 3: 0.1}, {}, (40, 265)) is None
-    assert "line 1: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, {}, (60, 265)))
-    assert "line 3: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, {}, (40, 245)))
+    reading = moves_and_dwells((1, 0.1, False), (2, None, False), (3, 0.1, False))
+    assert timing.dwell_problem(log, reading, (40, 265)) is None
+    assert "line 1: " in str(timing.dwell_problem(log, reading, (60, 265)))
+    assert "line 3: " in str(timing.dwell_problem(log, reading, (40, 245)))
 
 
 @pytest.mark.parametrize("late", [0, 1, 107])
@@ -86,19 +98,12 @@ def standing(phases: list[tuple[int, bool]]) -> ControllerLog:
 
 
 FEW = timing.FEWEST_CYCLES
-POSE = ["G1 X1", "G4 P0.1", "M64 P0 (on)", "G4 P0.2", "M65 P0", "", "G4 P0.05", "", "G1 X2"]
-POSE_DWELLS = {2: 0.1, 4: 0.2, 7: 0.05}
-POSE_SWITCHES = timing.switches(POSE)
-
-
-def test_switches_are_found_by_line() -> None:
-    assert POSE_SWITCHES == {3: True, 5: False}
-    assert timing.switches(["m64p0", "M65 P1", "M62 P0", "(M64 P0)", "M65 P00", "M64"]) == {1: True, 5: False}
+POSE = moves_and_dwells((1, None, False), (2, 0.1, False), (4, 0.2, True), (7, 0.05, False), (9, None, False))
 
 
 def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> None:
     log = standing([(130, False), (204, True), (90, False)])
-    found = timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines)))
+    found = timing.without_surplus(log, POSE, (0, len(log.lines)))
     np.testing.assert_array_equal(np.flatnonzero(found.trigger), 5 + 100 + np.arange(200))
     assert np.count_nonzero(found.lines == 0) == 350 + 1
     assert found.left_out == 30 + 4 + 40 == len(log.lines) - len(found.lines)
@@ -116,23 +121,24 @@ def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> 
 )
 def test_each_dwell_is_proven_with_its_own_trigger(phases: list[tuple[int, bool]], ok: bool) -> None:
     log = standing(phases)
-    problem = timing.dwell_problem(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines)))
+    problem = timing.dwell_problem(log, POSE, (0, len(log.lines)))
     assert (problem is None) == ok, problem
 
 
 def test_what_the_log_does_not_show_as_programmed_stays() -> None:
     for phases in ([(130, False)], [(130, False), (204, True), (90, False), (10, True)]):
         log = standing(phases)
-        assert timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines))).left_out == 0
+        assert timing.without_surplus(log, POSE, (0, len(log.lines))).left_out == 0
     moved = standing([(130, False), (204, True), (90, False)])
     struts = moved.drives.copy()
     struts[5 + 60] += 1e-6
     creeping = ControllerLog("none", 1e-3, struts, moved.poses, moved.trigger, moved.lines)
-    assert timing.without_surplus(creeping, POSE_DWELLS, POSE_SWITCHES, (0, len(moved.lines))).left_out == 4 + 40
+    assert timing.without_surplus(creeping, POSE, (0, len(moved.lines))).left_out == 4 + 40
 
 
 def test_a_switch_between_motions_takes_few_cycles_however_late_it_came() -> None:
+    between = moves_and_dwells((1, None, False), (3, 0.0, True), (9, None, False))
     for late in (FEW, 60, 700):
         log = standing([(late, True), (FEW, False)])
-        found = timing.without_surplus(log, {}, {2: True, 5: False}, (0, len(log.lines)))
+        found = timing.without_surplus(log, between, (0, len(log.lines)))
         assert (found.trigger.sum(), np.count_nonzero(found.lines == 0)) == (FEW, 2 * FEW + 1)
