@@ -15,7 +15,7 @@ from planner.precision import bounds_text, share_text
 if TYPE_CHECKING:
     from cases.files import FolderKind
     from identification.limit import LimitCheck
-    from planner.reports.page import Shown
+    from planner.reports import Shown
 
 
 LONGEST_NUMBER = 12  # characters
@@ -169,8 +169,8 @@ def save_with_page(value: "Shown", kind: "FolderKind", folder: Path, overwrite: 
         FileProblem: the folder is somebody's, or cannot be written.
     """
     from cases.files import atomic_folder
-    from planner.reports.page import page, render
+    from planner.reports import page_of
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        (part / "report.html").write_text(render(page(value)), encoding="utf-8")
+        (part / "report.html").write_text(page_of(value), encoding="utf-8")

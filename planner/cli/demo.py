@@ -28,8 +28,8 @@ def demo(
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
+    from planner.reports import report
     from planner.reports.demo import demo_page, truth_cells
-    from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
     from planner.runs.written import usual_dialect
     from postprocessors.dialects import Program
@@ -97,7 +97,7 @@ def demo(
             [(name, estimate, std, unit, truth, ratio) for name, truth, estimate, std, _, ratio, unit in cells],
         )
     file = place / "report.html"
-    write_text(file, render(demo_page(chain, answer)))
+    write_text(file, demo_page(chain, answer))
     summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
     if json:
         print_json(summary | answer)

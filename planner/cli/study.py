@@ -26,7 +26,6 @@ def study(
     from cases.errors import HexciteError, Interrupted
     from cases.files import read_json, write_text
     from cases.loading import load_case
-    from planner.reports.page import render
     from planner.study import ABOUT, DONE, PLANNED, check_study, load_spec, read_rows
     from planner.study.cluster import local_client, remote_client, require_dask
     from planner.study.study_run import about_study, cells_of, missing, run_study
@@ -69,7 +68,7 @@ def study(
     table = read_rows(folder)
     best = best_groups(groups(table))
     report = folder / "report.html"
-    write_text(report, render(study_page(read_json(folder / ABOUT, "hexcite study"), table)))
+    write_text(report, study_page(read_json(folder / ABOUT, "hexcite study"), table))
     plans = [
         s for s, n in zip(table["status"].to_pylist(), table["noise_seed"].to_pylist(), strict=True) if n == PLANNED
     ]

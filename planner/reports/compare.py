@@ -1,7 +1,7 @@
 """The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from planner.comparison.advising import Comparison
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import colour_or_grey
-from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, plain
+from planner.reports.page import Chart, note, page, plain, section, table
 
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
 SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
@@ -95,42 +95,35 @@ CRITERIA_WORDS = (
 EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
 
 
-def compare_page(comparison: Comparison) -> Page:
+def compare_page(comparison: Comparison) -> str:
     """The page of `hexcite compare`."""
     groups, entries = comparison.groups, comparison.entries
     names = tuple(e.name for e in entries)
     execution = execution_rows(groups)
     sections = [
-        Section("Recommendation", tuple(Note(s) for s in comparison.advice.sentences)),
-        Section(
+        section("Recommendation", *map(note, comparison.advice.sentences)),
+        section(
             "Parameters side by side",
-            (
-                _std_plot(groups),
-                Table(parameter_columns(entries), parameter_rows(entries)),
-                Note(
-                    "std of plans and runs: predicted from the information alone, with white noise as the case states."
-                ),
-            ),
+            _std_chart(groups),
+            table(parameter_columns(entries), parameter_rows(entries)),
+            note("std of plans and runs: predicted from the information alone, with white noise as the case states."),
         ),
-        Section("Figures", (Table(("", *names), figure_rows(entries)), Note(CRITERIA_WORDS))),
-        Section("Per second of measuring time", (Table(("std · √time", *names), per_second_rows(entries)),)),
+        section("Figures", table(("", *names), figure_rows(entries)), note(CRITERIA_WORDS)),
+        section("Per second of measuring time", table(("std · √time", *names), per_second_rows(entries))),
     ]
     if execution:
-        items: tuple[Item, ...] = (Table(EXECUTION, execution, left=2),)
         words = (
             "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
+            "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
         )
-        note = Note(
-            words + "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
-        )
-        sections.append(Section("Planned and executed", (*items, note)))
+        sections.append(section("Planned and executed", table(EXECUTION, execution, left=2), note(words)))
     hashes = dict.fromkeys((f"case {e.conditions.case.name}", e.conditions.case.hash) for e in entries)
-    return Page(
-        title="Comparison of excitations",
-        lead=f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
-        inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
-        warnings=comparison.warnings,
-        sections=tuple(sections),
+    return page(
+        "Comparison of excitations",
+        f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
+        (*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
+        comparison.warnings,
+        *sections,
     )
 
 
@@ -139,17 +132,17 @@ def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
     return [(entry, colour_or_grey(k)) for k, group in enumerate(groups) for entry in group]
 
 
-def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
+def _std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
     symbols = ("circle-open", "diamond", "circle")
     series = [
         Series(entry.name, {n: t.std for n, t in entry.parameters.items()}, colour, symbols[entry.level - 1])
         for entry, colour in coloured(groups)
     ]
-    note = (
+    caption = (
         "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "
         "motion as executed, dots identified; a plan, its runs and their results have one colour."
     )
-    return Plot("std", ratio_figure(series).update_layout(height=420), note)
+    return ratio_chart("std", caption, series, height=420)
 
 
 class Series(NamedTuple):
@@ -161,16 +154,17 @@ class Series(NamedTuple):
     symbol: str = "circle"  # plotly's name of the marker
 
 
-def ratio_figure(series: Sequence[Series]) -> Chart:
+def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any) -> Chart:
     """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is left out."""
     names = list(dict.fromkeys(n for s in series for n in s.deviations))
     deviations = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
     best = {n: min(values) for n, values in deviations.items() if values}
-    figure = Chart()
+    figure = Chart(name, caption, y="times the smallest", **layout)
     for k, one in enumerate(series):
         parameters = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
         aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
-        figure.add_scatter(
+        figure.add(
+            "scatter",
             x=[names.index(n) + aside for n in parameters],
             y=[one.deviations[n] / best[n] for n in parameters],
             name=plain(one.name),
@@ -179,10 +173,10 @@ def ratio_figure(series: Sequence[Series]) -> Chart:
             text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in parameters],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
-    figure.update_xaxes(
+    figure.x_axis(
         range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
         ticktext=[plain(n) for n in names], tickangle=-90,
     )  # fmt: skip
     largest = max((one.deviations[n] / best[n] for one in series for n in one.deviations if n in best), default=1.0)
-    figure.update_yaxes(title="times the smallest", type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
+    figure.y_axis(type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
     return figure

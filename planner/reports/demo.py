@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from cases.schema import Case
 from identification.limit import Status
@@ -10,11 +11,11 @@ from identification.motion import sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_items
-from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
+from planner.reports.figures import colour, errors_chart, identifiability_blocks, limits_chart, motion_blocks
+from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
 from planner.reports.machine import pictured
-from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, Tiles, plain, thinned
-from planner.reports.plan import starts_items
+from planner.reports.page import Block, Chart, note, page, plain, section, table, thinned, tiles
+from planner.reports.plan import starts_blocks
 from planner.runs.running import RunOutcome
 from postprocessors.dialects import Program
 
@@ -22,7 +23,7 @@ DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
 
 
-def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
+def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
     """The page of a demo.
 
     Args:
@@ -34,58 +35,54 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
     run, plan = answer["run"], answer["plan"]
     settings = [f"{key} {value}" for key, value in plan["settings"].items() if not isinstance(value, list | dict)]
     source = case.need_simulation("the demo").source
-    return Page(
-        title=case.title,
-        lead=f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
+    return page(
+        case.title,
+        f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
         f"{result.record['model']}. Sensors and encoders are simulated, with the imperfections that the case states "
         f"({source}).",
-        inputs=(
+        (
             ("case", f"{case.name} (hash {case.hash})"),
             ("plan", f"{plan['family']}, criterion {plan['criterion']}, {', '.join(settings)}"),
             *run_inputs(run),
             *answer["identify"]["versions"].items(),
         ),
-        warnings=result.warnings,
-        sections=(
-            Section("What came out", (_headline(answer, chain), *_truth(chain))),
-            *pictured(case, outcome.planned),
-            Section("The planned motion and its limits", motion_items(case, sample(outcome.planned, DRAWN_RATE))),
-            Section("Proof of the program's text", _proof(chain.program)),
-            Section("What the controller made of it", _executed(case, answer, outcome)),
-            Section("Forces and residuals", residual_items(case, result.residuals)),
-            Section("What the run determines", identifiability_items(result.identifiability)),
-            Section("How the plan was found", starts_items(plan)),
-        ),
+        result.warnings,
+        section("What came out", _headline(answer, chain), *_truth(chain)),
+        *pictured(case, outcome.planned),
+        section("The planned motion and its limits", *motion_blocks(case, sample(outcome.planned, DRAWN_RATE))),
+        section("Proof of the program's text", *_proof(chain.program)),
+        section("What the controller made of it", _executed(case, answer, outcome)),
+        section("Forces and residuals", *residual_blocks(case, result.residuals)),
+        section("What the run determines", *identifiability_blocks(result.identifiability)),
+        section("How the plan was found", *starts_blocks(plan)),
     )
 
 
-def _headline(answer: dict[str, Any], chain: Demo) -> Tiles:
+def _headline(answer: dict[str, Any], chain: Demo) -> Markup:
     run, plan, parameters = answer["run"], answer["plan"], chain.result.parameters
     m, z = parameters["m"].std_robust, parameters["zC"].std_robust
-    return Tiles(
+    return tiles(
+        (f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
         (
-            (f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
-            (
-                f"{run['d_efficiency']:.2f}",
-                f"D-efficiency as executed, behind the evaluation's filter ({plan['d_efficiency']:.2f} planned, "
-                f"{run['d_efficiency_planned']:.2f} as programmed)",
-            ),
-            (f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
-            (f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
-            (f"{chain.worst:.2f}", "largest error in reported standard deviations"),
-            noise_tile(chain.result),
-        )
+            f"{run['d_efficiency']:.2f}",
+            f"D-efficiency as executed, behind the evaluation's filter ({plan['d_efficiency']:.2f} planned, "
+            f"{run['d_efficiency_planned']:.2f} as programmed)",
+        ),
+        (f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
+        (f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
+        (f"{chain.worst:.2f}", "largest error in reported standard deviations"),
+        noise_tile(chain.result),
     )
 
 
-def _truth(chain: Demo) -> tuple[Item, ...]:
+def _truth(chain: Demo) -> tuple[Block, ...]:
     rows = list(chain.truth)
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in rows)
     words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
     if (delay := delay_words(chain.result)) is not None:
         words += f" {delay}"
     columns = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
-    return (errors_plot(rows), Note(words), Table(columns, tuple(map(truth_cells, rows))))
+    return (errors_chart(rows), note(words), table(columns, map(truth_cells, rows)))
 
 
 def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
@@ -98,17 +95,18 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
-def _proof(program: Program) -> tuple[Item, ...]:
+def _proof(program: Program) -> tuple[Block, ...]:
     limits = program.proof.limits
-    words = f"{program.reading.blocks} blocks, {program.proof.duration:.2f} s, read back by code that shares "
-    items: list[Item] = [Note(words + "nothing with the writer; paths checked at 10 kHz."), limits_plot(limits)]
-    remarks = [f"{c.of}: {c.status}" for c in limits.checks if c.status is not Status.PROVEN]
-    if remarks:
-        items.append(Note("What the program does not determine and its text cannot prove: " + "; ".join(remarks) + "."))
-    return tuple(items)
+    words = (
+        f"{program.reading.blocks} blocks, {program.proof.duration:.2f} s, read back by code that shares nothing with "
+        "the writer; paths checked at 10 kHz."
+    )
+    remarks = "; ".join(f"{c.of}: {c.status}" for c in limits.checks if c.status is not Status.PROVEN)
+    unproven = f"What the program does not determine and its text cannot prove: {remarks}."
+    return (note(words), limits_chart(limits), *([note(unproven)] if remarks else []))
 
 
-def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> tuple[Item, ...]:
+def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> Chart:
     """Accelerations that the controller really made, along x, y, z or of each joint, beside the planned ones."""
     t = instants(outcome.run.trigger, RECORDED_RATE)
     execution, limits = outcome.run.execution, case.need_motion("the page of a demo")[1]
@@ -117,12 +115,12 @@ def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> tuple[
     executed = execution.kinematics(inside).twist_rate[:, :3] if of_pose else execution.struts(inside, 2)
     planned = sample(outcome.planned, DRAWN_RATE)
     unit = "acceleration [m/s²]" if of_pose else "acceleration [rad/s² or m/s²]"
-    figure = Chart("time since the trigger [s]", unit)
+    caption = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
+    figure = Chart("executed", caption, "time since the trigger [s]", unit, height=380)
     for k in range(executed.shape[1]):
         label, line = plain(limits.labels[k]), {"color": colour(k), "width": 1}
         x, y = thinned(t - t[0], executed[:, k])
-        figure.add_scatter(x=x, y=y, name=f"{label} executed", line=line)
+        figure.add("scatter", x=x, y=y, name=f"{label} executed", line=line)
         x, y = thinned(planned.t, planned.accelerations[:, k])
-        figure.add_scatter(x=x, y=y, name=f"{label} planned", line={**line, "width": 2, "dash": "dot"})
-    note = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
-    return (Plot("executed", figure.update_layout(height=380), note),)
+        figure.add("scatter", x=x, y=y, name=f"{label} planned", line={**line, "width": 2, "dash": "dot"})
+    return figure

@@ -14,7 +14,7 @@ from identification.criteria import Identifiability
 from identification.limit import LimitReport, Status
 from identification.motion import Array, Motion
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.page import Chart, Item, Note, Plot, Table, plain, thinned
+from planner.reports.page import Block, Chart, note, plain, table, thinned
 
 if TYPE_CHECKING:
     from identification.result import Residuals
@@ -25,7 +25,7 @@ MOST_SHARE = 120.0  # [%] of a limit that a chart shows
 MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 
-def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
+def motion_blocks(case: Case, motion: Motion) -> tuple[Block, ...]:
     """Position, velocity, acceleration and jerk over time, each axis with its own limits."""
     home, box = case.need_motion("the report")
     rows = (
@@ -34,7 +34,7 @@ def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
         ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
     )
-    plots: list[Item] = []
+    charts: list[Block] = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
         for kind, own, unit, factor in (
             ("translation", ~box.turns, length_unit, to_length),
@@ -43,20 +43,23 @@ def motion_items(case: Case, motion: Motion) -> tuple[Item, ...]:
             axes = [int(k) for k in np.flatnonzero(own)]
             if not axes:
                 continue
-            figure = Chart("time [s]", f"{name} [{unit}]")
+            caption = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
+            if name == "jerk" and not np.any(values) and np.any(motion.accelerations):
+                caption = (
+                    "Accelerations step, and the jerk between the steps is zero: limits of jerk do not count here."
+                )
+            key, half = f"{name.split()[0]}-{kind}", not own.all()
+            figure = Chart(key, caption, "time [s]", f"{name} [{unit}]", half=half, height=280)
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
-                figure.add_scatter(x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
+                figure.add("scatter", x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
             for row in limit[:, axes] * factor:  # grey where all axes share it
                 shared = bool(np.ptp(row) <= 1e-9 * np.abs(row).max())
                 own_colours = zip(row, map(colour, axes), strict=True)
                 for value, c in [(row[0], GREY)] if shared else list(own_colours):
-                    figure.add_hline(y=float(value), line={"color": c, "dash": "dash", "width": 1})
-            note = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
-            if name == "jerk" and not np.any(values) and np.any(motion.accelerations):
-                note = "Accelerations step, and the jerk between the steps is zero: limits of jerk do not count here."
-            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), note, half=not own.all()))
-    return (*plots, Note("Dashed: the limit of the axis in its colour, grey where axes share it."))
+                    figure.add_line({"y": float(value)}, c)
+            charts.append(figure)
+    return (*charts, note("Dashed: the limit of the axis in its colour, grey where axes share it."))
 
 
 def colour(k: int) -> str:
@@ -77,9 +80,16 @@ _KEEPERS = {Status.PROVEN: "proven", Status.ENFORCED: "kept by the controller"}
 _NOBODY = "kept by nobody"
 
 
-def limits_plot(report: LimitReport) -> Plot:
+def limits_chart(report: LimitReport) -> Chart:
     """Share of each limit that is used, in a colour for who answers for it: the proof, the controller, or nobody."""
-    figure = Chart()
+    caption = "Largest use of each limit; 100 % is the limit."
+    if nobody := [c.name for c in report.checks if c.status not in _KEEPERS]:
+        caption += (
+            f" No one keeps {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
+        )
+    names = [plain(c.name) for c in reversed(report.checks)]
+    height = 130 + 30 * len(names)
+    figure = Chart("limits", caption, "share of the limit [%]", height=height, showlegend=True, barmode="overlay")
     for label, colour in zip((*_KEEPERS.values(), _NOBODY), (COLOURS[5], COLOURS[2], COLOURS[1]), strict=True):
         checks = [c for c in reversed(report.checks) if _KEEPERS.get(c.status, _NOBODY) == label]
         if not checks:
@@ -96,83 +106,85 @@ def limits_plot(report: LimitReport) -> Plot:
             marker={"color": colour},
             textfont={"color": "#102a43" if label == "proven" else "#ffffff"},
         )
-    names = [plain(c.name) for c in reversed(report.checks)]
-    figure.add_vline(x=100, line={"color": GREY, "width": 2})
-    figure.update_xaxes(title="share of the limit [%]", range=[0, MOST_SHARE])
-    figure.update_yaxes(categoryorder="array", categoryarray=names)
-    layout = figure.update_layout(height=130 + 30 * len(names), showlegend=True, barmode="overlay")
-    nobody = [c.name for c in report.checks if c.status not in _KEEPERS]
-    note = "Largest use of each limit; 100 % is the limit."
-    if nobody:
-        note += f" No one keeps {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
-    return Plot("limits", layout, note)
+    figure.add_line({"x": 100}, GREY, 2, "solid")
+    figure.x_axis(range=[0, MOST_SHARE])
+    figure.y_axis(categoryorder="array", categoryarray=names)
+    return figure
 
 
-def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
+def forces_chart(residuals: "Residuals", channels: Sequence[str]) -> Chart:
     """Forces as the estimator saw them (lines) and the model's (dotted)."""
-    figure = Chart(y=f"force [{unit_of(channels)}]")
+    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    caption = f"Lines: {source}. Dotted: the identified model."
+    figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.seen[:, k])
-        figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
+        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
         x, y = thinned(residuals.t, residuals.predicted[:, k])
         dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
-        figure.add_scatter(x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
-    _over_samples(figure, residuals)
-    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
-    return Plot("forces", figure.update_layout(height=340), f"Lines: {source}. Dotted: the identified model.")
+        figure.add("scatter", x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
+    return _over_samples(figure, residuals)
 
 
-def residuals_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
-    """What the model leaves of each channel over time; a long run is drawn by its extremes."""
-    figure = Chart(y=f"recorded - model [{unit_of(channels)}]")
+def residuals_chart(residuals: "Residuals", channels: Sequence[str]) -> Chart:
+    """Residuals of each channel over time; a long run is drawn by its extremes."""
+    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
+    figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.left[:, k])
-        figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
-    _over_samples(figure, residuals)
-    note = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
-    return Plot("residuals", figure.update_layout(height=320), note)
+        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
+    return _over_samples(figure, residuals)
 
 
-def distribution_plot(residuals: "Residuals") -> Plot:
+def distribution_chart(residuals: "Residuals") -> Chart:
     """Residuals over the rms of their channel, with the density of the normal distribution."""
     values = residuals.left
     scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
     density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
     x = (edges[1:] + edges[:-1]) / 2
-    figure = Chart("residual / rms of its channel", "density")
+    caption = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
+    titles = "residual / rms of its channel", "density"
+    figure = Chart("distribution", caption, *titles, half=True, height=320, bargap=0.0)
     figure.add("bar", x=x, y=density, marker={"color": GREY}, name="residuals")
     normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
-    figure.add_scatter(x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
-    note = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
-    return Plot("distribution", figure.update_layout(height=320, bargap=0.0), note, half=True)
+    figure.add("scatter", x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
+    return figure
 
 
-def spectrum_plot(residuals: "Residuals", channels: Sequence[str], cutoff: float | None) -> Plot:
+def spectrum_chart(residuals: "Residuals", channels: Sequence[str], cutoff: float | None) -> Chart:
     """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
     frequency, density = residuals.spectrum()
-    figure = Chart()
+    caption = "Of the forces as recorded."
+    if cutoff is not None:
+        caption += (
+            f" Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as ripple of a controller, the "
+            "estimate does not see."
+        )
+    titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
+    figure = Chart("spectrum", caption, *titles, half=True, height=320)
     for k, name in enumerate(channels):
         line = {"color": COLOURS[k], "width": 1.2}
-        figure.add_scatter(
-            x=frequency[1:].astype(np.float32), y=density[1:, k].astype(np.float32), name=plain(name), line=line
+        figure.add(
+            "scatter",
+            x=frequency[1:].astype(np.float32),
+            y=density[1:, k].astype(np.float32),
+            name=plain(name),
+            line=line,
         )
     if cutoff is not None:
-        figure.add_vline(x=cutoff, line={"color": GREY, "dash": "dash", "width": 1})
-    figure.update_xaxes(title="frequency [Hz]", type="log")
-    figure.update_yaxes(title=f"residual [{unit_of(channels)}/√Hz]", type="log")
-    note = (
-        "Of the forces as recorded."
-        if cutoff is None
-        else f"Of the forces as recorded. Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as "
-        "ripple of a controller, the estimate does not see."
-    )
-    return Plot("spectrum", figure.update_layout(height=320), note, half=True)
+        figure.add_line({"x": cutoff}, GREY)
+    figure.x_axis(type="log")
+    figure.y_axis(type="log")
+    return figure
 
 
-def _over_samples(figure: Chart, residuals: "Residuals") -> None:
+def _over_samples(figure: Chart, residuals: "Residuals") -> Chart:
+    """The figure with its x axis: time, or standstills, each a marker."""
     if residuals.step is None:
-        figure.update_traces(mode="lines+markers", marker={"size": 4})
-    figure.update_xaxes(title="standstill" if residuals.step is None else "time [s]")
+        for trace in figure.data:
+            trace.update(mode="lines+markers", marker={"size": 4})
+    figure.x_axis(title={"text": "standstill" if residuals.step is None else "time [s]"})
+    return figure
 
 
 def unit_of(channels: Sequence[str]) -> str:
@@ -180,54 +192,62 @@ def unit_of(channels: Sequence[str]) -> str:
     return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
 
 
-def identifiability_items(found: Identifiability) -> tuple[Item, ...]:
+def identifiability_blocks(found: Identifiability) -> tuple[Block, ...]:
     """Chart 3 of the paper, magnitudes of correlations and of R of the scaled regressor, and the strongest pairs."""
     panels = (
         ("correlation", np.abs(found.correlation), "Magnitude of the correlation of the regressor's columns."),
         ("qr", np.abs(found.r), "Magnitude of R of the scaled regressor: what stands right of the diagonal is shared."),
     )
     names = [plain(name) for name in found.names]
-    plots = []
-    for name, values, note in panels:
+    charts = []
+    for name, values, caption in panels:
         bar = {"thickness": 12, "outlinewidth": 0}
-        figure = Chart()
+        figure = Chart(name, caption, half=True, height=460)
         figure.add(
             "heatmap", z=values.astype(np.float32), x=names, y=names, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar
         )
-        figure.update_yaxes(autorange="reversed", tickfont={"size": 10})
-        figure.update_xaxes(tickfont={"size": 10}, tickangle=-90)
-        plots.append(Plot(name, figure.update_layout(height=460), note, half=True))
-    rows = tuple((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
-    return (*plots, Table(("strongest correlations", "value"), rows))
+        figure.y_axis(autorange="reversed", tickfont={"size": 10})
+        figure.x_axis(tickfont={"size": 10}, tickangle=-90)
+        charts.append(figure)
+    rows = ((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
+    return (*charts, table(("strongest correlations", "value"), rows))
 
 
-def errors_plot(rows: Sequence[dict[str, Any]]) -> Plot:
+def errors_chart(rows: Sequence[dict[str, Any]]) -> Chart:
     """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
     names = [plain(r["name"]) for r in rows]
     errors = [r["error"] / r["std"] for r in rows]
-    figure = Chart()
+    caption = (
+        "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
+        "and 4 standard deviations."
+    )
+    figure = Chart("errors", caption, y="(estimate - truth) / std", height=380)
     for half, opacity in ((4.0, 0.10), (1.96, 0.16)):
-        figure.add_hrect(y0=-half, y1=half, fillcolor=COLOURS[0], opacity=opacity, line={"width": 0}, layer="below")
+        figure.add_band(half, COLOURS[0], opacity)
     bars = {"type": "constant", "value": 1.0, "thickness": 1.2, "width": 5}
-    figure.add_scatter(
-        x=names, y=errors, mode="markers", marker={"color": COLOURS[0], "size": 9}, error_y=bars, showlegend=False
+    figure.add(
+        "scatter",
+        x=names,
+        y=errors,
+        mode="markers",
+        marker={"color": COLOURS[0], "size": 9},
+        error_y=bars,
+        showlegend=False,
     )
     reach = max(5.0, 1.15 * max(abs(e) for e in errors))
-    figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title="(estimate - truth) / std", range=[-reach, reach])
-    note = (
-        "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
-    )
-    return Plot("errors", figure.update_layout(height=380), note + "and 4 standard deviations.")
+    figure.x_axis(tickangle=-45)
+    figure.y_axis(range=[-reach, reach])
+    return figure
 
 
-def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
+def parameters_chart(parameters: dict[str, dict[str, Any]]) -> Chart:
     """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
     names = list(parameters)
     largest: dict[str, float] = {}
     for p in parameters.values():
         largest[p["unit"]] = max(largest.get(p["unit"], 0.0), abs(p["value"]), 1e-300)
-    figure = Chart()
+    caption = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
+    figure = Chart("parameters", caption, y="half width of the 95 % interval [%]", height=360)
     for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
         width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
         text = [
@@ -235,11 +255,11 @@ def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
             f"{parameters[n]['unit']}"
             for n in names
         ]
-        figure.add_scatter(
+        figure.add(
+"scatter",
             x=[plain(n) for n in names], y=width, name=label, mode="markers", marker={"size": 9, "color": colour},
             hovertext=text, hoverinfo="text+name",
         )  # fmt: skip
-    figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title="half width of the 95 % interval [%]", type="log", dtick="D2")
-    note = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
-    return Plot("parameters", figure.update_layout(height=360), note)
+    figure.x_axis(tickangle=-45)
+    figure.y_axis(type="log", dtick="D2")
+    return figure

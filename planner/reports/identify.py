@@ -3,25 +3,27 @@
 from collections.abc import Mapping
 from typing import Any
 
+from markupsafe import Markup
+
 from cases.schema import Case
 from identification.outcome import TOLD_OF_RUNS, Result
 from identification.result import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import (
-    distribution_plot,
-    forces_plot,
-    identifiability_items,
-    parameters_plot,
-    residuals_plot,
-    spectrum_plot,
+    distribution_chart,
+    forces_chart,
+    identifiability_blocks,
+    parameters_chart,
+    residuals_chart,
+    spectrum_chart,
 )
-from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
+from planner.reports.page import Block, answers, note, page, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 ALIKE = 1.3  # times that robust deviations may be larger than those by (28) where noise is white
 
 
-def identify_page(result: Result) -> Page:
+def identify_page(result: Result) -> str:
     """The page of a result; residuals are shown where it was not loaded from a folder."""
     case, record, residuals = result.case, result.record, result.residuals
     samples = "averaged standstills" if record["delay_s"] is None else "samples"
@@ -31,54 +33,52 @@ def identify_page(result: Result) -> Page:
     origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record["inputs"])
     origin += tuple(record["versions"].items())
     sections = [
-        Section("Parameters with standard deviations", (_headline(result), _verdicts(result), *parameter_items(result)))
+        section("Parameters with standard deviations", _headline(result), _verdicts(result), *parameter_blocks(result))
     ]
     if result.identifiability is not None:
-        sections.append(Section("What the run determines", identifiability_items(result.identifiability)))
+        sections.append(section("What the run determines", *identifiability_blocks(result.identifiability)))
     if residuals is not None:
-        sections.append(Section("Forces and residuals", residual_items(case, residuals)))
-    return Page(
-        title=f"Identification: {case.title}",
-        lead=f"Model {record['model']} identified from {record['samples']} {samples} of {source}.",
-        inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
-        warnings=result.warnings,
-        sections=tuple(sections),
+        sections.append(section("Forces and residuals", *residual_blocks(case, residuals)))
+    return page(
+        f"Identification: {case.title}",
+        f"Model {record['model']} identified from {record['samples']} {samples} of {source}.",
+        (("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
+        result.warnings,
+        *sections,
     )
 
 
-def _headline(result: Result) -> Tiles:
+def _headline(result: Result) -> Markup:
     body = (("m", 1.0, "kg", "mass, with its standard deviation"), ("zC", 1e3, "mm", "centre of gravity, z"))
     parameters = result.parameters
-    tiles = [
+    figures = [
         (f"{with_deviation(parameters[name].value * scale, parameters[name].reported * scale)} {unit}", text)
         for name, scale, unit, text in body
         if name in parameters  # a frame that does not move tells offsets alone
     ]
     condition, rank = result.record["condition"], result.record["rank"]
-    tiles += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
-    return Tiles(tuple(tiles))
+    figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
+    return tiles(*figures)
 
 
-def _verdicts(result: Result) -> Answers:
+def _verdicts(result: Result) -> Markup:
     """Whether the parameters are determined, and which deviation counts."""
     record, parameters = result.record, [p for p in result.parameters.values() if p.std > 0.0]
     ratio = max((p.std_robust / p.std for p in parameters), default=1.0)
     rank, count = record["rank"], len(record["parameters"])
     warnings = len(result.warnings)
-    return Answers(
+    return answers(
+        (rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record['condition']:.3g}"),
         (
-            (rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record['condition']:.3g}"),
-            (
-                ratio <= ALIKE,
-                "The residuals look like white noise.",
-                f"std robust is at most {ratio:.2f} times std (28); the larger of them is reported",
-            ),
-            (
-                not warnings,
-                "Nothing odd was found in the recording and in the fit.",
-                "no warnings" if not warnings else f"warnings: {warnings}, at the top of this page",
-            ),
-        )
+            ratio <= ALIKE,
+            "The residuals look like white noise.",
+            f"std robust is at most {ratio:.2f} times std (28); the larger of them is reported",
+        ),
+        (
+            not warnings,
+            "Nothing odd was found in the recording and in the fit.",
+            "no warnings" if not warnings else f"warnings: {warnings}, at the top of this page",
+        ),
     )
 
 
@@ -92,7 +92,7 @@ def noise_tile(result: Result) -> tuple[str, str]:
     return (f"{record['s0']:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
 
 
-def parameter_items(result: Result) -> tuple[Item, ...]:
+def parameter_blocks(result: Result) -> tuple[Block, ...]:
     """Figure and table of the parameters."""
     rows, freedom, rods = [], float(result.record["degrees_of_freedom"]), carries_rods(result.parameters)
     for name, p in result.parameters.items():
@@ -102,15 +102,13 @@ def parameter_items(result: Result) -> tuple[Item, ...]:
         value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
         stds = (std_text(p.std * scale), std_text(p.std_robust * scale))
         rows.append((parameter_words(name, rods), value, std_text(widest), unit, *ends, *stds))
-    items: list[Item] = [
-        Table(PARAMETER_COLUMNS, tuple(rows)),
-        Note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
-        parameters_plot(result.record["parameters"]),
-    ]
-    if (words := delay_words(result)) is not None:
-        items.append(Note(words))
-    items += [Note(note) for note in result.notes]
-    return tuple(items)
+    delay = delay_words(result)
+    return (
+        table(PARAMETER_COLUMNS, rows),
+        note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
+        parameters_chart(result.record["parameters"]),
+        *map(note, [*([] if delay is None else [delay]), *result.notes]),
+    )
 
 
 def delay_words(result: Result) -> str | None:
@@ -122,22 +120,21 @@ def delay_words(result: Result) -> str | None:
     return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
 
 
-def residual_items(case: Case, residuals: Residuals) -> tuple[Item, ...]:
+def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     """Forces, residuals over time, their distribution and spectrum."""
     channels = case.sensor_frame.channels
-    plots: list[Plot] = [forces_plot(residuals, channels), residuals_plot(residuals, channels)]
-    plots.append(distribution_plot(residuals))
+    charts = [forces_chart(residuals, channels), residuals_chart(residuals, channels), distribution_chart(residuals)]
     if residuals.step is not None:
-        plots.append(spectrum_plot(residuals, channels, case.recording.filter_cutoff_Hz))
+        charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
     columns = [("residual, rms", residuals.left)]
     if residuals.filtered is not None:
         columns = [("residual behind the filter, rms", residuals.left), ("of the forces as recorded", residuals.values)]
     rms = [(values**2).mean(axis=0) ** 0.5 for _, values in columns]
-    rows = tuple(
+    rows = (
         (*name.rsplit("_", 1)[:1], *(f"{r[k]:.3g}" for r in rms), name.rsplit("_", 1)[1].replace("Nm", "N m"))
         for k, name in enumerate(channels)
     )
-    return (*plots, Table(("channel", *(words for words, _ in columns), "unit"), rows))
+    return (*charts, table(("channel", *(words for words, _ in columns), "unit"), rows))
 
 
 def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:

@@ -1,9 +1,10 @@
 """The machine along a motion: its picture in 3-D, its struts, the forces of its sensors, the information gathered."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from cases.machine import KeepOut, Tool
 from cases.schema import Case
@@ -17,8 +18,8 @@ from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import RIGID, nominal_parameters
 from identification.symbolic import over_samples
-from planner.reports.figures import COLOURS, GREY, identifiability_items, unit_of
-from planner.reports.page import Chart, Item, MachineItem, Note, Plot, Section, Table, plain, thinned
+from planner.reports.figures import COLOURS, GREY, identifiability_blocks, unit_of
+from planner.reports.page import Block, Chart, note, plain, player, section, table, thinned
 
 AROUND = 16  # corners of a ring around a tool
 BESIDE = 0.25  # of the machine's size: boxes are shown that far beside it
@@ -31,28 +32,27 @@ SECONDS_A_POSE = 0.5  # of a pose set, when played
 INFORMATION_RATE = 100.0  # [1/s] of the figures of information: its mean needs no more
 
 
-def pictured(case: Case, motion: Trajectory) -> tuple[Section, ...]:
+def pictured(case: Case, motion: Trajectory) -> tuple[Markup, ...]:
     """The machine along a motion; of a chain there is no picture yet."""
     if case.hexapod is None:
         return ()
-    picture = moving_machine(case, motion, "Drag to turn, wheel to zoom.")
-    return (Section("The machine along the plan", (picture,)),)
+    return (section("The machine along the plan", moving_machine(case, motion, "Drag to turn, wheel to zoom.")),)
 
 
-def moving_machine(case: Case, trajectory: Trajectory, note: str) -> MachineItem:
+def moving_machine(case: Case, trajectory: Trajectory, caption: str) -> Markup:
     """The machine of a case along a trajectory."""
     rate = min(FRAMES_A_SECOND, MOST_FRAMES / max(trajectory.duration, 1e-9))
     motion = sample(trajectory, rate)
-    return MachineItem(_scene(case, motion.t, motion.pose, steps=False), note)
+    return player(_scene(case, motion.t, motion.pose, steps=False), caption)
 
 
-def posing_machine(case: Case, poses: Array, note: str) -> MachineItem:
+def posing_machine(case: Case, poses: Array, caption: str) -> Markup:
     """The machine of a case in one pose after the other.
 
     Args:
         poses: shape (n, 6) [m, rad].
     """
-    return MachineItem(_scene(case, SECONDS_A_POSE * np.arange(float(len(poses))), poses, steps=True), note)
+    return player(_scene(case, SECONDS_A_POSE * np.arange(float(len(poses))), poses, steps=True), caption)
 
 
 def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
@@ -126,7 +126,7 @@ def tool_outlines(tools: Iterable[Tool]) -> list[Array]:
     return lines
 
 
-def strut_items(case: Case, motion: Motion) -> tuple[Item, ...]:
+def strut_charts(case: Case, motion: Motion) -> tuple[Chart, ...]:
     """Lengths, velocities and accelerations of struts, with their limits."""
     machine, workspace, box = case.need_machine("the page of a plan")
     length, velocity, acceleration = strut_motion(motion, machine)
@@ -139,17 +139,17 @@ def strut_items(case: Case, motion: Motion) -> tuple[Item, ...]:
         ("strut-velocities", velocity, "velocity [m/s]", (-v, v)),
         ("strut-accelerations", acceleration, "acceleration [m/s²]", (-a, a)),
     )
-    return tuple(
-        Plot(
-            n,
-            _lines(motion.t, values, names, unit, of, 280),
-            f"Strut {unit.split(' [')[0]} over time; dashed: its limits.",
+    figures = []
+    for name, values, unit, ends in panels:
+        figure = Chart(
+            name, f"Strut {unit.split(' [')[0]} over time; dashed: its limits.", "time [s]", unit, height=280
         )
-        for n, values, unit, of in panels
-    )
+        _add_lines(figure, motion.t, values, names, ends)
+        figures.append(figure)
+    return tuple(figures)
 
 
-def force_items(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
+def force_blocks(case: Case, motion: Motion, payload: int) -> tuple[Block, ...]:
     """Forces with what is mounted, and how much of the range each number of payloads would use."""
     model = identification_model(case, RIGID)
     matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
@@ -157,30 +157,27 @@ def force_items(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     of = case.sensors.range_N
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
     columns = case.sensor_frame.channels
-    unit = f"force [{unit_of(columns)}]"
-    words = f"With {payload_words(payload)}, offsets and compensation apart."
-    plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
+    caption = f"With {payload_words(payload)}, offsets and compensation apart."
+    figure = Chart("sensor-forces", caption, "time [s]", f"force [{unit_of(columns)}]", height=340)
+    _add_lines(figure, motion.t, forces, columns, limits)
     shares = load_shares(motion, case)
     if of is None or not len(shares):
-        return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
-    rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
+        return (figure, note("The case names no range of its sensors: nothing limits these forces."))
+    rows = ((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
     ends = f"{of:g} N" if (moments := case.sensors.range_Nm) is None else f"{of:g} N and {moments:g} N m"
-    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {ends}"), rows, left=0)
-    return (plot, table)
+    return (figure, table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {ends}"), rows, left=0))
 
 
-def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> Chart:
-    """Six lines over time, with the limits that they share."""
-    figure = Chart("time [s]", unit)
+def _add_lines(figure: Chart, x: Array, values: Array, names: Sequence[str], limits: tuple[float, ...]) -> None:
+    """Adds six lines over time, with the limits that they share."""
     for k, name in enumerate(names):
         thin_x, thin_y = thinned(x, values[:, k])
-        figure.add_scatter(x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
+        figure.add("scatter", x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
     for limit in limits:
-        figure.add_hline(y=limit, line={"color": GREY, "dash": "dash", "width": 1})
-    return figure.update_layout(height=height)
+        figure.add_line({"y": limit}, GREY)
 
 
-def information_items(case: Case, motion: Trajectory, model: Model) -> tuple[Item, ...]:
+def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Block, ...]:
     """What each parameter costs, its deviation if all others were known and as one of all, and what is determined."""
     count = max(200, int(motion.duration * INFORMATION_RATE))
     states = motion.at((np.arange(count) + 0.5) * motion.duration / count)
@@ -191,20 +188,19 @@ def information_items(case: Case, motion: Trajectory, model: Model) -> tuple[Ite
     alone = 1.0 / np.sqrt(np.diag(information))
     together = np.sqrt(np.diag(np.linalg.inv(information)))
     names = [plain(name) for name in model.names]
-    figure = Chart(y="std of one sample, scaled")
+    caption = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
+    figure = Chart("information", caption, y="std of one sample, scaled", height=360, barmode="group")
     figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
     figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
-    figure.update_xaxes(tickangle=-60)
-    words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
-    costs = Plot("information", figure.update_layout(height=360, barmode="group"), words)
+    figure.x_axis(tickangle=-60)
     return (
-        costs,
+        figure,
         _progress(states.t, motion.duration, matrices),
-        *identifiability_items(analyse(matrices, model.names)),
+        *identifiability_blocks(analyse(matrices, model.names)),
     )
 
 
-def _progress(times: Array, duration: float, matrices: Array) -> Plot:
+def _progress(times: Array, duration: float, matrices: Array) -> Chart:
     """How the information grows while the motion runs: the D-criterion of what was gathered so far."""
     per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
     steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
@@ -212,16 +208,11 @@ def _progress(times: Array, duration: float, matrices: Array) -> Plot:
     sign, logdet = np.linalg.slogdet(gathered)
     whole = logdet[-1]
     share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
-    figure = Chart()
-    figure.add_scatter(x=times[steps], y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered")
-    figure.add_scatter(
-        x=[0.0, duration],
-        y=[0.0, 100.0],
-        line={"color": GREY, "dash": "dash", "width": 1},
-        name="at an even pace",
-    )
-    figure.update_traces(mode="lines")
-    figure.update_xaxes(title="time [s]", range=[0.0, duration])
-    figure.update_yaxes(title="information gathered [%]", range=[0, 105])
-    words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
-    return Plot("progress", figure.update_layout(height=300), words)
+    caption = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
+    figure = Chart("progress", caption, "time [s]", "information gathered [%]", height=300)
+    gathering, even = {"color": COLOURS[0], "width": 2}, {"color": GREY, "dash": "dash", "width": 1}
+    figure.add("scatter", x=times[steps], y=100 * share, line=gathering, name="gathered", mode="lines")
+    figure.add("scatter", x=[0.0, duration], y=[0.0, 100.0], line=even, name="at an even pace", mode="lines")
+    figure.x_axis(range=[0.0, duration])
+    figure.y_axis(range=[0, 105])
+    return figure

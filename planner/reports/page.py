@@ -1,7 +1,7 @@
 """The report page: one HTML file that needs no network, put together from tiles, tables, notes and figures.
 
-Values are typed here and drawn by the template, which escapes every text; plotly, compressed, the figures' data and the
-script are part of the file. Words of the field are explained where they stand. Text from outside that goes into a
+Every function here returns HTML in which texts are escaped; plotly, compressed, the figures' data and the script are
+part of the file. Words of the field are explained where they stand. Text from outside that goes into a
 figure passes `plain`, for plotly reads some HTML in labels.
 """
 
@@ -10,28 +10,17 @@ import gzip
 import html
 import json
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import resources
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from itertools import starmap
+from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
-from cases.files import write_text
 from identification.motion import Array
-
-if TYPE_CHECKING:
-    from identification.outcome import Result
-    from planner.comparison.advising import Comparison
-    from planner.comparison.validation import Validation
-    from planner.plans import Plan
-
-    Shown = Plan | Result | Comparison | Validation
 
 MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 
@@ -55,60 +44,6 @@ TERMS = {
 }
 """Words that a page explains where they stand."""
 _TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in sorted(TERMS, key=len, reverse=True)))
-
-
-class Chart:
-    """An interactive figure, traces and layout; keyword arguments are attributes of plotly's reference.
-
-    Plotly's Python classes check each value anew, which took longer than all else on a page; tests let them check it.
-    """
-
-    def __init__(self, x: str | None = None, y: str | None = None) -> None:
-        self.data: list[dict[str, Any]] = []
-        self.layout: dict[str, Any] = {"xaxis": {}, "yaxis": {}, "shapes": []}
-        self.update_xaxes(x)
-        self.update_yaxes(y)
-
-    def add(self, kind: str, **attributes: Any) -> None:
-        """Adds a trace of a type: scatter, bar, heatmap, box."""
-        self.data.append({"type": kind, **attributes})
-
-    def add_scatter(self, **attributes: Any) -> None:
-        """Adds lines or points."""
-        self.add("scatter", **attributes)
-
-    def add_hline(self, y: float, **attributes: Any) -> None:
-        """Adds a line at `y` across the whole figure."""
-        self._add_shape("line", {"xref": "x domain", "x0": 0, "x1": 1, "y0": y, "y1": y}, attributes)
-
-    def add_vline(self, x: float, **attributes: Any) -> None:
-        """Adds a line at `x` over the whole height."""
-        self._add_shape("line", {"yref": "y domain", "y0": 0, "y1": 1, "x0": x, "x1": x}, attributes)
-
-    def add_hrect(self, y0: float, y1: float, **attributes: Any) -> None:
-        """Adds a band from `y0` to `y1` across the whole figure."""
-        self._add_shape("rect", {"xref": "x domain", "x0": 0, "x1": 1, "y0": y0, "y1": y1}, attributes)
-
-    def _add_shape(self, kind: str, place: dict[str, Any], attributes: dict[str, Any]) -> None:
-        self.layout["shapes"].append({"type": kind, "xref": "x", "yref": "y"} | place | attributes)
-
-    def update_traces(self, **attributes: Any) -> None:
-        """Sets attributes of all traces."""
-        for trace in self.data:
-            trace.update(attributes)
-
-    def update_xaxes(self, title: str | None = None, **attributes: Any) -> None:
-        """Sets the title and attributes of the x axis."""
-        self.layout["xaxis"].update(attributes if title is None else {"title": {"text": title}, **attributes})
-
-    def update_yaxes(self, title: str | None = None, **attributes: Any) -> None:
-        """Sets the title and attributes of the y axis."""
-        self.layout["yaxis"].update(attributes if title is None else {"title": {"text": title}, **attributes})
-
-    def update_layout(self, **attributes: Any) -> "Chart":
-        """Sets attributes of the layout; returns the chart."""
-        self.layout.update(attributes)
-        return self
 
 
 def script_json(value: Any) -> Markup:
@@ -145,87 +80,161 @@ def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32
     return x[indices].astype(np.float32), y[indices].astype(np.float32)
 
 
-@dataclass(frozen=True, slots=True)
-class Tiles:
+class Chart:
+    """An interactive figure, traces and layout; keyword arguments are attributes of plotly's reference.
+
+    Plotly's Python classes check each value anew, which took longer than all else on a page; tests let them check it.
+
+    Args:
+        name: unique on the page, also the name of the file to which a browser saves the figure.
+        caption: says what to see; also what a screen reader says of the figure.
+        x: title of the x axis.
+        y: title of the y axis.
+        half: whether it may stand beside another one where the window is wide.
+        layout: attributes of the layout; colours of text, grid and background are the page's.
+    """
+
+    def __init__(self, name: str, caption: str, x: str = "", y: str = "", *, half: bool = False, **layout: Any) -> None:
+        self.name, self.caption, self.half = name, caption, half
+        self.data: list[dict[str, Any]] = []
+        titles = {f"{axis}axis": {"title": {"text": text}} if text else {} for axis, text in (("x", x), ("y", y))}
+        self.layout: dict[str, Any] = {**titles, "shapes": [], **layout}
+
+    def add(self, kind: str, **attributes: Any) -> None:
+        """Adds a trace of a type: scatter, bar, heatmap, box."""
+        self.data.append({"type": kind, **attributes})
+
+    def add_line(self, at: dict[str, float], colour: str, width: float = 1, dash: str = "dash") -> None:
+        """Adds a straight line across the whole figure, at `{"x": 3.0}` or `{"y": 3.0}`."""
+        ((axis, value),) = at.items()
+        along = "y" if axis == "x" else "x"
+        place = {f"{along}ref": f"{along} domain", f"{axis}ref": axis, f"{along}0": 0, f"{along}1": 1}
+        ends = {f"{axis}0": value, f"{axis}1": value}
+        line = {"color": colour, "dash": dash, "width": width}
+        self.layout["shapes"].append({"type": "line", **place, **ends, "line": line})
+
+    def add_band(self, half: float, colour: str, opacity: float) -> None:
+        """Adds a band across the whole figure, from -half to half of the y axis."""
+        place = {"xref": "x domain", "yref": "y", "x0": 0, "x1": 1, "y0": -half, "y1": half}
+        look = {"fillcolor": colour, "opacity": opacity, "line": {"width": 0}, "layer": "below"}
+        self.layout["shapes"].append({"type": "rect", **place, **look})
+
+    def x_axis(self, **attributes: Any) -> None:
+        """Sets attributes of the x axis."""
+        self.layout["xaxis"].update(attributes)
+
+    def y_axis(self, **attributes: Any) -> None:
+        """Sets attributes of the y axis."""
+        self.layout["yaxis"].update(attributes)
+
+    def __html__(self) -> Markup:
+        """The figure as it stands on a page."""
+        kind = Markup(' class="half"') if self.half else ""
+        plot = _plot(f"plot-{self.name}", self.caption, self.layout.get("height", 300))
+        script = Markup('<script type="application/json" data-plot="{}">{}</script>')
+        data = script.format(self.name, script_json({"data": self.data, "layout": self.layout}))
+        caption = Markup("<figcaption>{}</figcaption>").format(explained(self.caption))
+        return Markup("<figure{}>\n{}\n{}\n{}\n</figure>").format(kind, plot, data, caption)
+
+
+def _plot(name: str, words: str, height: int) -> Markup:
+    text = '<div class="plot" id="{}" role="img" aria-label="{}" style="min-height: {}px"></div>'
+    return Markup(text).format(name, words, height)
+
+
+Block = Markup | Chart
+"""What stands on a page: HTML, or what knows its own."""
+
+
+def _joined(parts: Iterable[Block]) -> Markup:
+    return Markup("\n").join(parts)
+
+
+def tiles(*figures: tuple[str, str]) -> Markup:
     """The figures that matter, side by side: each a value with its unit, and what it means in a line."""
+    each = (Markup("<div><b>{}</b><span>{}</span></div>").format(value, explained(text)) for value, text in figures)
+    return Markup('<div class="tiles">\n{}\n</div>').format(_joined(each))
 
-    tiles: tuple[tuple[str, str], ...]
 
-
-@dataclass(frozen=True, slots=True)
-class Note:
+def note(text: str) -> Markup:
     """A paragraph."""
+    return Markup('<p class="note">{}</p>').format(explained(text))
 
-    text: str
 
-
-@dataclass(frozen=True, slots=True)
-class Answers:
+def answers(*claims: tuple[bool, str, str]) -> Markup:
     """Claims that figures bear out or not, one below the other: whether each holds, the claim and the figures."""
+    line = Markup('<li class="{}"><b>{}</b>\n<div>{}<span>{}</span></div></li>')
+    each = (
+        line.format("holds" if holds else "fails", "Yes" if holds else "No", explained(claim), explained(figures))
+        for holds, claim, figures in claims
+    )
+    return Markup('<ul class="answers">\n{}\n</ul>').format(_joined(each))
 
-    answers: tuple[tuple[bool, str, str], ...]
 
-
-@dataclass(frozen=True, slots=True)
-class Table:
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> Markup:
     """A table; the first `left` columns hold words, the others numbers."""
 
-    columns: tuple[str, ...]
-    rows: Sequence[Sequence[str]]
-    left: int = 1
+    def row(texts: Sequence[str | Markup], cell: str) -> Markup:
+        kinds = (Markup(' class="word"') if k < left else "" for k in range(len(texts)))
+        cells = (Markup(cell).format(kind, text) for kind, text in zip(kinds, texts, strict=True))
+        return Markup("<tr>{}</tr>").format(Markup("").join(cells))
+
+    head = row([explained(column) for column in columns], '<th scope="col"{}>{}</th>')
+    body = (row([cell.replace("kg m^2", "kg m²") for cell in each], "<td{}>{}</td>") for each in rows)
+    return _scrolling("table", f"table: {', '.join(filter(None, columns))}", _joined((head, *body)))
 
 
-@dataclass(frozen=True, slots=True)
-class Plot:
-    """An interactive figure."""
-
-    name: str  # unique on the page, also the name of the file it is saved to from the browser
-    figure: Chart  # drawn in the colours of the page, so it sets none for text, grid and background
-    note: str  # caption, which says what to see; also what a screen reader says of the figure
-    half: bool = False  # may stand beside another one where the window is wide
+def _scrolling(tag: str, words: str, rows: Markup) -> Markup:
+    text = '<div class="scroll" tabindex="0" role="region" aria-label="{}"><{}>\n{}\n</table></div>'
+    return Markup(text).format(words, Markup(tag), rows)
 
 
-@dataclass(frozen=True, slots=True)
-class MachineItem:
-    """The hexapod moving in 3-D, with buttons to play and a slider to scrub."""
+def player(scene: dict[str, Any], caption: str = "") -> Markup:
+    """The hexapod moving in 3-D, with buttons to play and a slider to scrub; a scene of `planner.reports.machine`."""
+    text = """<figure>
+{}
+<div class="player">
+<button id="play" type="button">Play</button>
+<input id="scrub" type="range" min="0" max="1" step="1" value="0" aria-label="time">
+<output id="instant"></output>
+</div>
+<script type="application/json" id="scene">{}</script>
+{}
+</figure>"""
+    plot = _plot("machine", "the machine in 3-D along its path", 560)
+    words = Markup("<figcaption>{}</figcaption>").format(explained(caption)) if caption else ""
+    return Markup(text).format(plot, script_json(scene), words)
 
-    scene: dict[str, Any]  # what `planner.reports.machine` makes of a motion
-    note: str = ""  # caption
 
-
-Item = Tiles | Note | Answers | Table | Plot | MachineItem
-
-
-@dataclass(frozen=True, slots=True)
-class Section:
+def section(title: str, *blocks: Block) -> Markup:
     """A heading and what stands below it."""
-
-    title: str
-    items: tuple[Item, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Page:
-    """A report."""
-
-    title: str  # heading
-    lead: str  # what was done, in a sentence or two
-    inputs: tuple[tuple[str, str], ...]  # what it was done with, versions too: names and values
-    warnings: tuple[str, ...]  # stand first
-    sections: tuple[Section, ...]
+    text = '<section>\n<h2>{}</h2>\n<div class="items">\n{}\n</div>\n</section>'
+    return Markup(text).format(title, _joined(blocks))
 
 
-def render(page: Page) -> str:
-    """The page as HTML."""
-    environment = Environment(
-        loader=PackageLoader("planner.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+def page(title: str, lead: str, inputs: Iterable[tuple[str, str]], warnings: Sequence[str], *sections: Markup) -> str:
+    """A page as HTML.
+
+    Args:
+        lead: what was done, in a sentence or two.
+        inputs: what it was done with, versions too: names and values.
+        warnings: stand first.
+    """
+    row = Markup('<tr><td class="word">{}</td><td class="word">{}</td></tr>')
+    used = _scrolling('table class="wrap"', "inputs and versions: table", _joined(starmap(row.format, inputs)))
+    given = [Markup("<li>{}</li>").format(explained(warning)) for warning in warnings]
+    listed = Markup('<ul class="warnings" aria-label="warnings">\n{}\n</ul>').format(_joined(given)) if given else ""
+    last = Markup("<section>\n<h2>Inputs and versions</h2>\n{}\n</section>").format(used)
+    files = resources.files("planner.reports") / "templates"
+    parts = {name: Markup((files / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js", "html")}
+    return parts.pop("html").format(
+        **parts,
+        title=title,
+        lead=explained(lead),
+        warnings=listed,
+        sections=_joined((*sections, last)),
+        plotly=_plotly(),
     )
-    environment.filters |= {"explained": explained, "script": script_json}
-    return environment.get_template("page.html.j2").render(page=page, plotly=_plotly())
 
 
 @cache
@@ -243,37 +252,3 @@ def explained(text: str) -> Markup:
         parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
         end = match.end()
     return Markup("").join([*parts, escape(text[end:])])
-
-
-# What only one kind of value needs is imported for that: SciPy takes a second.
-
-
-def report(value: "Shown", file: Path | str) -> None:
-    """Writes the page of a value, one HTML file that needs no network.
-
-    Args:
-        value: a plan, a result, a comparison, a validation.
-        file: file to write.
-    """
-    write_text(Path(file), render(page(value)))
-
-
-def page(value: Any) -> Page:
-    """The page of a value."""
-    match type(value).__name__:  # to import the types of all takes a second
-        case "Plan":
-            from planner.reports.plan import plan_page, poses_page
-
-            return poses_page(value) if len(value.poses) else plan_page(value)
-        case "Result":
-            from planner.reports.identify import identify_page
-
-            return identify_page(value)
-        case "Comparison":
-            from planner.reports.compare import compare_page
-
-            return compare_page(value)
-        case _:
-            from planner.reports.validation import validation_page
-
-            return validation_page(value)

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from cases.errors import HexciteError
 from cases.files import provenance
@@ -19,16 +20,16 @@ from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import places
 from planner.precision import legible, parameter_words, solver_text, std_text
-from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_items
-from planner.reports.machine import force_items, information_items, pictured, posing_machine, strut_items
-from planner.reports.page import Answers, Chart, Item, Note, Page, Plot, Section, Table, Tiles, plain
+from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limits_chart, motion_blocks
+from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
+from planner.reports.page import Chart, answers, note, page, plain, section, table, tiles
 from planner.request import PoseRequest
 from planner.worth import bound_by, worst_std
 
 DRAWN_RATE = 500.0  # [1/s]
 
 
-def plan_page(plan: Plan) -> Page:
+def plan_page(plan: Plan) -> str:
     """The page of `hexcite plan`."""
     case, (request, worth) = plan.case, plan.of_motion
     model = identification_model(case, request.model)
@@ -50,25 +51,20 @@ def plan_page(plan: Plan) -> Page:
     origin = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
         origin += f", re-timed with {method}"
-    return Page(
-        title=f"Plan: {case.title}",
-        lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {origin}, to identify model {request.model} "
+    return page(
+        f"Plan: {case.title}",
+        f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {origin}, to identify model {request.model} "
         f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {_ends(plan)}.",
-        inputs=tuple(inputs),
-        warnings=_warnings(plan),
-        sections=(
-            Section(
-                "What the plan promises",
-                (_headline(plan), _verdicts(plan), *_deviations(plan, model), *_notes(plan)),
-            ),
-            *pictured(case, plan.motion),
-            Section("How close it comes to each limit", (limits_plot(plan.limits), Note(shaped))),
-            Section("The motion and its limits", motion_items(case, motion)),
-            *([Section("Struts", strut_items(case, motion))] if case.hexapod is not None else []),
-            Section("Predicted sensor forces", force_items(case, motion, request.payload)),
-            Section("Information of the motion", information_items(plan.case, plan.motion, model)),
-            Section("How the plan was found", starts_items(plan.to_json())),
-        ),
+        inputs,
+        _warnings(plan),
+        section("What the plan promises", _headline(plan), _verdicts(plan), *_deviations(plan, model), *_notes(plan)),
+        *pictured(case, plan.motion),
+        section("How close it comes to each limit", limits_chart(plan.limits), note(shaped)),
+        section("The motion and its limits", *motion_blocks(case, motion)),
+        *([section("Struts", *strut_charts(case, motion))] if case.hexapod is not None else []),
+        section("Predicted sensor forces", *force_blocks(case, motion, request.payload)),
+        section("Information of the motion", *information_blocks(plan.case, plan.motion, model)),
+        section("How the plan was found", *starts_blocks(plan.to_json())),
     )
 
 
@@ -85,14 +81,14 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _notes(plan: Plan) -> tuple[Item, ...]:
-    notes = [f"{note[0].upper()}{note[1:]}." for note in plan.of_motion[1].notes]
+def _notes(plan: Plan) -> tuple[Markup, ...]:
+    notes = [f"{text[0].upper()}{text[1:]}." for text in plan.of_motion[1].notes]
     if plan.case.chain is not None:
         notes.append(
             "D-efficiency is an estimate here, perhaps too large: the most information that a chain of joints can have "
             "is searched for, not proven."
         )
-    return tuple(map(Note, notes))
+    return tuple(map(note, notes))
 
 
 def _ends(plan: Plan) -> str:
@@ -100,9 +96,9 @@ def _ends(plan: Plan) -> str:
     return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
 
 
-def _headline(plan: Plan) -> Tiles:
+def _headline(plan: Plan) -> Markup:
     worth = plan.of_motion[1]
-    tiles = [
+    figures = [
         (f"{plan.motion.duration:.2f} s", "duration, from rest to rest"),
         (f"{worth.d_efficiency:.3f}", f"D-efficiency against the box bound ({worth.bound.label})"),
         (f"{worth.condition:.3g}", "condition in reference scaling"),
@@ -113,22 +109,20 @@ def _headline(plan: Plan) -> Tiles:
             f"{worth.d_efficiency_tight:.3f}",
             f"D-efficiency against motions of limited jerk from rest to rest ({worth.bound_tight.label})",
         )
-        tiles.insert(2, tight)
-    return Tiles(tuple(tiles))
+        figures.insert(2, tight)
+    return tiles(*figures)
 
 
-def _verdicts(plan: Plan) -> Answers:
+def _verdicts(plan: Plan) -> Markup:
     """Whether the motion keeps all limits, and whether a controller that limits jerk can follow it."""
     steps = [c.name for c in plan.limits.checks if c.status is Status.STEPS]
     proven = [c for c in plan.limits.checks if c.status is Status.PROVEN]
     most = max(proven, key=lambda c: c.ratio)
     used = f"{len(proven)} limits are proven; most used is {most.name} with {100 * most.ratio:.1f} %"
     jerk = f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit" if steps else "proven too"
-    return Answers(
-        (
-            (all(c.kept for c in proven), "Is the motion inside the limits?", used),
-            (not steps, "Is its jerk inside the limits?", jerk),
-        )
+    return answers(
+        (all(c.kept for c in proven), "Is the motion inside the limits?", used),
+        (not steps, "Is its jerk inside the limits?", jerk),
     )
 
 
@@ -158,24 +152,24 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
         return f"there is no hand-made motion to compare with: {error.typed}"
 
 
-def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:
+def _deviations(plan: Plan, model: Model) -> tuple[Markup, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     worth = plan.of_motion[1]
     noise_text = " and noise of the accelerations as the case states it" if worth.noise_of_accelerations else ""
     if (field := PoseField.of(plan.case.sensors)) is not None:
         noise_text += f" and errors of {field.words} that depend on the pose"
     noise, rate = f"{plan.assumed_noise:g} N{noise_text}", plan.case.recording.rate_Hz
-    note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
+    words = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
     columns = ["parameter", "predicted std"]
     other = None
     if plan.of_motion[0].family.optimised:
         manual = beside_manual(plan)
         if isinstance(manual, str):
-            note += f" {manual[0].upper()}{manual[1:]}."
+            words += f" {manual[0].upper()}{manual[1:]}."
         else:
             other, seconds, averaging = manual
             columns += ["hand-made, equal time" if averaging else "hand-made", "times smaller"]
-            note += f" The hand-made motion of the case takes {seconds:.2f} s; its deviations are those of " + (
+            words += f" The hand-made motion of the case takes {seconds:.2f} s; its deviations are those of " + (
                 "as much measuring time as the plan's, repeated or broken off." if averaging else "one run."
             )
     rows = []
@@ -186,34 +180,34 @@ def _deviations(plan: Plan, model: Model) -> tuple[Item, ...]:
         if other is not None:
             row += [std_text(other[p.name] * scale), f"{other[p.name] / std:.2f}"]
         rows.append((*row, unit))
-    return (Table((*columns, "unit"), tuple(rows)), Note(note))
+    return (table((*columns, "unit"), rows), note(words))
 
 
-def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
+def starts_blocks(plan: dict[str, Any]) -> tuple[Markup, ...]:
     """Starts of a search, and the bound that its result is measured by; of the JSON of a plan."""
     bound = plan["bound"]
     words = f"Log det of the mean information in reference scaling; bound {bound['logdet']:.3f} ({bound['method']})."
     if not plan["starts"]:
         source = plan["settings"].get("retimed_from")
         origin = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
-        return (Note(f"{origin}. {words}"),)
+        return (note(f"{origin}. {words}"),)
     columns = ("seed", "how far", "log det at start", "log det at end", "iterations", "time", "solver")
     rows = []
     for s in plan["starts"]:
         begin = "singular" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}"
         end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", solver_text(s["solver"]))
         rows.append((str(s["seed"]), "refined" if s["refined"] else "explored", begin, *end))
-    failed = tuple(Note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
-    return (Table(columns, rows, left=2), *failed, Note(words))
+    failed = (note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
+    return (table(columns, rows, left=2), *failed, note(words))
 
 
-def poses_page(plan: Plan) -> Page:
+def poses_page(plan: Plan) -> str:
     """The page of `hexcite poses`."""
     model = standing_model(plan.case, plan.model)
     found = analyse(pose_regressors(model, plan.poses), model.names)
     about = plan.to_json()
     case, settings = plan.case, about["settings"]
-    tiles = (
+    figures = (
         (str(about["count"]), f"poses of {about['candidates']} candidates"),
         (f"{about['duration_s']:.1f} s", f"measuring time, of it {about['travel_s']:.1f} s of travel"),
         (f"{about['efficiency']:.3f}", "D-efficiency of the best design over the candidates (lower bound)"),
@@ -222,39 +216,36 @@ def poses_page(plan: Plan) -> Page:
     words = (
         f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {about['remark']}."
     )
-    deviations = Table(("parameter", "predicted std", "unit"), plan.deviation_rows())
+    deviations = table(("parameter", "predicted std", "unit"), plan.deviation_rows())
     noise = f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N"
     pictures = []  # of a chain there are none yet
     if case.chain is None:
         picture = posing_machine(case, plan.poses, "In the order of visit.")
-        pictures.append(Section("The machine in each pose", (picture,)))
+        pictures.append(section("The machine in each pose", picture))
     inputs = [("case", f"{case.name} (hash {case.hash})"), *((k, str(v)) for k, v in settings.items())]
-    return Page(
-        title=f"Poses: {case.title}",
-        lead=f"{about['count']} poses {words}",
-        inputs=(*inputs, *provenance([])["versions"].items()),
-        warnings=(),
-        sections=(
-            Section(
-                "What the set promises", (Tiles(tiles), deviations, Note(f"{noise}, independently from pose to pose."))
-            ),
-            *pictures,
-            Section("Where the poses are", (_places(plan),)),
-            Section("What the poses determine", identifiability_items(found)),
-        ),
+    noise_words = note(f"{noise}, independently from pose to pose.")
+    return page(
+        f"Poses: {case.title}",
+        f"{about['count']} poses {words}",
+        (*inputs, *provenance([])["versions"].items()),
+        (),
+        section("What the set promises", tiles(*figures), deviations, noise_words),
+        *pictures,
+        section("Where the poses are", _places(plan)),
+        section("What the poses determine", *identifiability_blocks(found)),
     )
 
 
-def _places(plan: Plan) -> Plot:
+def _places(plan: Plan) -> Chart:
     assert isinstance(plan.request, PoseRequest)
-    figure = Chart()
+    figure = Chart("places", "Seen from above; several orientations share a place.", "x [mm]", "y [mm]", height=460)
     for poses, name, size, colour in (
         (candidates_of(plan.request, plan.case, plan.poses).poses, "candidates", 5, GREY),
         (plan.poses, "chosen", 10, COLOURS[1]),
     ):
         at = places(plan.case, poses)
         marker = {"size": size, "color": colour}
-        figure.add_scatter(x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
-    figure.update_xaxes(title="x [mm]", constrain="domain")
-    figure.update_yaxes(title="y [mm]", scaleanchor="x", constrain="domain")
-    return Plot("places", figure.update_layout(height=460), "Seen from above; several orientations share a place.")
+        figure.add("scatter", x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
+    figure.x_axis(constrain="domain")
+    figure.y_axis(scaleanchor="x", constrain="domain")
+    return figure

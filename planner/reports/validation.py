@@ -4,15 +4,16 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
+from markupsafe import Markup
 
 from cases.files import provenance
 from planner.comparison.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
 from planner.comparison.validation import Validation
 from planner.comparison.verdict import OFF_COLUMNS, off_rows
 from planner.precision import legible, parameter_words
-from planner.reports.compare import Series, ratio_figure
+from planner.reports.compare import Series, ratio_chart
 from planner.reports.figures import COLOURS, colour_or_grey
-from planner.reports.page import Answers, Chart, Item, Note, Page, Plot, Section, Table, plain
+from planner.reports.page import Block, Chart, answers, note, page, plain, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first step is its own theory
@@ -38,47 +39,44 @@ def _methods(steps: Sequence[MethodStep]) -> list[str]:
     return list(dict.fromkeys(step.method for step in steps))
 
 
-def validation_page(validation: Validation) -> Page:
+def validation_page(validation: Validation) -> str:
     """The page of `hexcite validate`."""
     case, steps, payloads = validation.case, validation.steps, validation.case.payloads
     assert payloads is not None
     warnings = tuple(f"{method} was not run: {reason}" for method, reason in validation.failed.items())
     warnings += tuple(_warnings(steps))
     loads = ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps))
-    tables: list[Item] = []
+    tables: list[Block] = []
     for method in _methods(steps):
         own = [s for s in steps if s.method == method]
         text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
-        tables += [
-            Note(f"{method}{text}, model {own[0].estimate.model.number}"),
-            Table(TABLE_7, table_7(own)),
-        ]
+        tables += [note(f"{method}{text}, model {own[0].estimate.model.number}"), table(TABLE_7, table_7(own))]
     sections = [
-        Section("What it comes to", (Answers(tuple((f.holds, f.claim, f.figures) for f in validation.findings)),)),
-        Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
-        Section("Values and deviations from theory (Table 7)", (Note(THEORY), *tables, *_error_plots(steps))),
-        Section("Residuals grow with the load", (_s0_plot(steps),)),
+        section("What it comes to", answers(*((f.holds, f.claim, f.figures) for f in validation.findings))),
+        section("Which method gives the smallest standard deviations", *_std_charts(steps), _std_table(steps)),
+        section("Values and deviations from theory (Table 7)", note(THEORY), *tables, *_error_blocks(steps)),
+        section("Residuals grow with the load", _s0_chart(steps)),
     ]
     if off := off_rows(steps):
-        note = (
+        words = (
             "Errors of more than 3 reported standard deviations, and what they consist of, in these: forces that each "
             "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
             "one without which the error would be smallest. Where it is the structural mode, hexcite identify "
             "--flexible estimates it too."
         )
-        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, off, left=3))))
-    return Page(
-        title=f"Validation with payloads: {case.title}",
-        lead=f"Known weights of {loads} kg mounted one after the other and identified by "
+        sections.insert(3, section("What is off, and why", note(words), table(OFF_COLUMNS, off, left=3)))
+    return page(
+        f"Validation with payloads: {case.title}",
+        f"Known weights of {loads} kg mounted one after the other and identified by "
         f"{len(_methods(steps))} methods on {validation.machine}.",
-        inputs=(
+        (
             ("case", f"{case.name} (hash {case.hash})"),
             ("machine", validation.machine),
             ("weights", payloads.source),
             *provenance([])["versions"].items(),
         ),
-        warnings=warnings,
-        sections=tuple(sections),
+        warnings,
+        *sections,
     )
 
 
@@ -103,35 +101,35 @@ THEORY = (
 )
 
 
-def _std_plots(steps: Sequence[MethodStep]) -> list[Plot]:
+def _std_charts(steps: Sequence[MethodStep]) -> list[Chart]:
     """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
     bare = [s for s in steps if s.weights == 0]
     timed = [s for s in bare if s.duration is not None]
     reported = [{n: v.reported for n, v in s.estimate.physical.items()} for s in bare]
-    note = "Reported standard deviations without payload, at each method's own residuals"
-    kinds = [("std", bare, reported, note)]
+    caption = "Reported standard deviations without payload, at each method's own residuals"
+    kinds = [("std", bare, reported, caption)]
     if bare and all(s.scatter for s in bare):
-        note = (
+        caption = (
             "What these deviations are in truth: over simulated machines whose errors of the pose differ, and which "
             "therefore repeat wherever a motion comes back to a pose"
         )
-        kinds.append(("std-true", bare, [dict(s.scatter) for s in bare], note))
+        kinds.append(("std-true", bare, [dict(s.scatter) for s in bare], caption))
     if timed:
         times = [(s, float(np.sqrt(s.duration or 1.0))) for s in timed]
         each = [{n: v.reported * time for n, v in s.estimate.physical.items()} for s, time in times]
-        note = "The same for one second of measuring: times the square root of the measuring time"
-        kinds.append(("std-per-second", timed, each, note))
-    plots = []
-    for name, shown, deviations, note in kinds:
+        caption = "The same for one second of measuring: times the square root of the measuring time"
+        kinds.append(("std-per-second", timed, each, caption))
+    charts = []
+    for name, shown, deviations, caption in kinds:
         series = [
             Series(s.method, d, colour_or_grey(k)) for k, (s, d) in enumerate(zip(shown, deviations, strict=True))
         ]
-        figure = ratio_figure(series).update_layout(height=400, showlegend=True)
-        plots.append(Plot(name, figure, f"{note}, over the smallest of each parameter."))
-    return plots
+        caption += ", over the smallest of each parameter."
+        charts.append(ratio_chart(name, caption, series, height=400, showlegend=True))
+    return charts
 
 
-def _std_table(steps: Sequence[MethodStep]) -> Table:
+def _std_table(steps: Sequence[MethodStep]) -> Markup:
     bare = [s for s in steps if s.weights == 0]
     names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
@@ -140,40 +138,37 @@ def _std_table(steps: Sequence[MethodStep]) -> Table:
         estimates = [s.estimate.physical.get(name) for s in bare]
         scale, unit = legible(next(v.unit for v in estimates if v is not None))
         rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in estimates)))
-    return Table(("without payload", *(s.method for s in bare)), tuple(rows))
+    return table(("without payload", *(s.method for s in bare)), rows)
 
 
-def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
+def _error_blocks(steps: Sequence[MethodStep]) -> list[Block]:
     """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
-    plots: list[Item] = []
+    charts: list[Chart] = []
     for name in COMPARED:
-        figure = _over_load(steps, [step.error(name) for step in steps])
-        figure.add_hrect(
-            y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line={"width": 0}, layer="below"
+        caption = f"{parameter_words(name).capitalize()}: points inside the band may be chance."
+        figure = Chart(
+            f"error-{name}", caption, "load [kg]", f"error of {name} / std", half=True, height=320, showlegend=True
         )
-        figure.update_yaxes(title=f"error of {name} / std")
+        _add_over_load(figure, steps, [step.error(name) for step in steps])
+        figure.add_band(SUSPICIOUS, COLOURS[0], 0.12)
         if figure.data:
-            note = f"{parameter_words(name).capitalize()}: points inside the band may be chance."
-            plots.append(Plot(f"error-{name}", figure.update_layout(height=320), note, half=True))
-    if plots:
-        caption = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
-        plots.insert(0, Note(caption))
-    return plots
+            charts.append(figure)
+    words = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
+    return [note(words), *charts] if charts else []
 
 
-def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
-    figure = _over_load(steps, [step.s0 for step in steps])
-    figure.update_yaxes(title="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
-    note = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
-    return Plot("s0", figure.update_layout(height=340), note)
+def _s0_chart(steps: Sequence[MethodStep]) -> Chart:
+    caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
+    figure = Chart("s0", caption, "load [kg]", "s0 [N]", height=340, showlegend=True)
+    _add_over_load(figure, steps, [step.s0 for step in steps])
+    figure.y_axis(type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
+    return figure
 
 
-def _over_load(steps: Sequence[MethodStep], values: Sequence[float | None]) -> Chart:
-    """A line for each method that has values: these over the load."""
-    figure = Chart("load [kg]")
+def _add_over_load(figure: Chart, steps: Sequence[MethodStep], values: Sequence[float | None]) -> None:
+    """Adds a line for each method that has values: these over the load."""
     for k, method in enumerate(_methods(steps)):
         own = [(s.load, v) for s, v in zip(steps, values, strict=True) if s.method == method and v is not None]
         if own:
             x, y = zip(*own, strict=True)
-            figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})
-    return figure.update_layout(showlegend=True)
+            figure.add("scatter", x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from markupsafe import Markup
 
-from planner.reports.page import Chart, Item, Note, Page, Plot, Section, Table, Tiles
+from planner.reports.page import Chart, note, page, section, table, tiles
 from planner.study import DONE, FAILED, PLANNED, SETTINGS, CellSettings
 
 if TYPE_CHECKING:
@@ -97,53 +98,53 @@ MOST_BOXES = 60
 MOST_REASONS = 20
 
 
-def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
+def study_page(about: dict[str, Any], cells: "pa.Table") -> str:
     """The page of a study folder."""
-    settings_groups = groups(table)
-    outcomes = zip(table["status"].to_pylist(), table["reason"].to_pylist(), strict=True)
+    settings_groups = groups(cells)
+    outcomes = zip(cells["status"].to_pylist(), cells["reason"].to_pylist(), strict=True)
     failures = Counter(str(reason) for status, reason in outcomes if status == FAILED)
     failure_count = failures.total()
     warnings = (f"{failure_count} rows failed; their reasons stand below",) if failure_count else ()
     cell_count = sum(g.done for g in settings_groups)
-    tiles = [(f"{cell_count} of {about['cells']}", "cells planned"), (str(failure_count), "rows failed")]
+    figures = [(f"{cell_count} of {about['cells']}", "cells planned"), (str(failure_count), "rows failed")]
     intervals = sum(g.intervals for g in settings_groups)
     if intervals:
         inside = sum(g.inside * g.intervals for g in settings_groups if g.intervals) / intervals
-        tiles.append((f"{100 * inside:.1f} %", f"of {intervals} 95 % intervals hold the truth"))
+        figures.append((f"{100 * inside:.1f} %", f"of {intervals} 95 % intervals hold the truth"))
     sections = [
-        Section("In short", (Tiles(tuple(tiles)), *_best(settings_groups, about["case_file"]))),
-        Section("Settings", (_table(settings_groups),)),
+        section("In short", tiles(*figures), *_best(settings_groups, about["case_file"])),
+        section("Settings", _table(settings_groups)),
+        section("Spread over seeds", *_boxes(settings_groups)),
     ]
-    sections.append(Section("Spread over seeds", _boxes(settings_groups)))
     if failures:
-        rows = tuple((reason, str(count)) for reason, count in failures.most_common(MOST_REASONS))
-        sections.append(Section("What failed", (Table(("reason", "rows"), rows),)))
-    return Page(
-        title=f"Study {about['name']}: {about['case']}",
-        lead=f"{len(table)} rows of {about['cells']} cells; a cell is one start of an optimisation, and what it gave.",
-        inputs=(("case", f"{about['case']} (hash {about['case_hash']})"), ("hexcite", about["version"])),
-        warnings=warnings,
-        sections=tuple(sections),
+        rows = ((reason, str(count)) for reason, count in failures.most_common(MOST_REASONS))
+        sections.append(section("What failed", table(("reason", "rows"), rows)))
+    return page(
+        f"Study {about['name']}: {about['case']}",
+        f"{len(cells)} rows of {about['cells']} cells; a cell is one start of an optimisation, and what it gave.",
+        (("case", f"{about['case']} (hash {about['case_hash']})"), ("hexcite", about["version"])),
+        warnings,
+        *sections,
     )
 
 
-def _best(settings_groups: list[SettingsGroup], case_file: str) -> tuple[Item, ...]:
-    rows = tuple(
+def _best(settings_groups: list[SettingsGroup], case_file: str) -> tuple[Markup, ...]:
+    rows = [
         (letter, command_of(group.settings, case_file), f"{group.best:.4g}", f"{group.median:.4g}")
         for letter, group in sorted(best_groups(settings_groups).items())
-    )
+    ]
     if not rows:
-        return (Note("No cell is done yet."),)
+        return (note("No cell is done yet."),)
     return (
-        Table(("criterion", "command that plans it", "best", "median"), rows, left=2),
-        Note("The larger the better: A is minus the trace, K minus the condition, in the reference scaling."),
+        table(("criterion", "command that plans it", "best", "median"), rows, left=2),
+        note("The larger the better: A is minus the trace, K minus the condition, in the reference scaling."),
     )
 
 
-def _table(settings_groups: list[SettingsGroup]) -> Table:
+def _table(settings_groups: list[SettingsGroup]) -> Markup:
     varied = [name for name in GROUPED if len({g.settings.get(name) for g in settings_groups}) > 1]
     columns = (*varied, "cells", "done", "converged", "best", "median", "iterations", "s a cell", "coverage")
-    rows = tuple(
+    rows = (
         (
             *(str(g.settings.get(name, "-")) for name in varied),
             str(g.cells),
@@ -157,7 +158,7 @@ def _table(settings_groups: list[SettingsGroup]) -> Table:
         )
         for g in settings_groups
     )
-    return Table(columns, rows, left=len(varied))
+    return table(columns, rows, left=len(varied))
 
 
 def _number(value: float) -> str:
@@ -168,18 +169,18 @@ def _share(value: float) -> str:
     return f"{100 * value:.1f} %" if np.isfinite(value) else "-"
 
 
-def _boxes(settings_groups: list[SettingsGroup]) -> tuple[Item, ...]:
-    plots: list[Item] = []
+def _boxes(settings_groups: list[SettingsGroup]) -> list[Chart]:
+    charts: list[Chart] = []
     for letter in sorted({g.settings["criterion"] for g in settings_groups}):
         members = [g for g in settings_groups if g.settings["criterion"] == letter and g.done]
         members = sorted(members, key=lambda g: -g.best)[:MOST_BOXES]
         if not members:
             continue
         varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in members}) > 1]
-        figure = Chart(y=f"criterion {letter}")
+        caption = f"{len(members)} best settings for {letter}, a box each."
+        figure = Chart(f"spread-{letter}", caption, y=f"criterion {letter}", showlegend=False)
         for g in members:
             name = ", ".join(f"{n} {g.settings.get(n)}" for n in varied if n in g.settings) or "all"
             figure.add("box", y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers")
-        figure.update_layout(showlegend=False)
-        plots.append(Plot(f"spread-{letter}", figure, note=f"{len(members)} best settings for {letter}, a box each."))
-    return tuple(plots)
+        charts.append(figure)
+    return charts

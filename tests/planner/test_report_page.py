@@ -17,19 +17,18 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.figures import motion_items
+from planner.reports.figures import motion_blocks
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import (
     TERMS,
     Chart,
-    Note,
-    Page,
-    Section,
-    Table,
     explained,
+    note,
+    page,
     plain,
-    render,
     script_json,
+    section,
+    table,
     thinned,
 )
 from tests.helpers import Harmonic
@@ -53,21 +52,20 @@ def motion() -> Harmonic:
 @pytest.fixture(scope="module")
 def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A page with everything that outsiders can name named in HTML."""
-    plots = motion_items(hexapod_case, sample(motion, 200.0))
-    plots[0].figure.update_traces(name=plain(HOSTILE))
+    plots = motion_blocks(hexapod_case, sample(motion, 200.0))
+    for trace in plots[0].data:
+        trace["name"] = plain(HOSTILE)
     wide = tuple(f"a wide column {k}" for k in range(30))
-    page = Page(
-        title=HOSTILE,
-        lead=HOSTILE,
-        inputs=((HOSTILE, HOSTILE),),
-        warnings=(HOSTILE,),
-        sections=(
-            Section(HOSTILE, (Note(HOSTILE), Table(wide, ((HOSTILE, *wide[1:]),)), *plots)),
-            Section("machine", (moving_machine(hexapod_case, motion, HOSTILE),)),
-        ),
+    text = page(
+        HOSTILE,
+        HOSTILE,
+        ((HOSTILE, HOSTILE),),
+        (HOSTILE,),
+        section(HOSTILE, note(HOSTILE), table(wide, ((HOSTILE, *wide[1:]),)), *plots),
+        section("machine", moving_machine(hexapod_case, motion, HOSTILE)),
     )
     file = tmp_path_factory.mktemp("page") / "report.html"
-    file.write_text(render(page), encoding="utf-8")
+    file.write_text(text, encoding="utf-8")
     return file
 
 
@@ -205,7 +203,7 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
 
 
 def test_numbers_of_a_chart_reach_the_page_whatever_they_are():
-    chart = Chart()
+    chart = Chart("numbers", "Numbers.")
     values = np.array([[1.0, np.nan], [np.inf, 2.0]], np.float32)
     chart.add("heatmap", z=values, x=[np.float64(1.0), None, float("nan")])
     chart.add("bar", x=np.arange(2), y=np.array([1.5, 2.5]), name="</script>")
@@ -225,9 +223,9 @@ def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, mot
     tool = {"name": "spindle", "to_mm": [0.0, 0.0, 200.0], "radius_mm": 30.0}
     case = changed(hexapod_case, workspace__keep_out=[box], workspace__tool=[tool])
     poses = motion.at(np.linspace(0.0, 4.0, 7)).pose
-    page = Page("poses", "", (), (), (Section("machine", (posing_machine(case, poses, ""),)),))
     file = tmp_path / "report.html"
-    file.write_text(render(page), encoding="utf-8")
+    text = page("poses", "", (), (), section("machine", posing_machine(case, poses, "")))
+    file.write_text(text, encoding="utf-8")
     with opened(browser, file) as tab:
         scrub(tab.page, 4)
         assert tab.page.locator("#instant").inner_text() == "pose 5 of 7"
@@ -240,10 +238,8 @@ def test_twenty_seconds_are_at_most_three_megabytes_beside_plotly(hexapod_case: 
     from plotly.offline import get_plotlyjs
 
     motion = Harmonic(seed=0, duration=20.0)
-    page = Page("long", "", (), (), (Section("motion", (
-        *motion_items(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion, ""),
-    )),))  # fmt: skip
-    assert len(render(page)) - len(get_plotlyjs()) < 3e6
+    drawn = *motion_blocks(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion, "")
+    assert len(page("long", "", (), (), section("motion", *drawn))) - len(get_plotlyjs()) < 3e6
 
 
 def test_a_thinned_line_keeps_its_extremes():

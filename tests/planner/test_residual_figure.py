@@ -9,14 +9,14 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.result import Residuals, residuals_of
 from identification.simulate import simulate_recording
-from planner.reports.figures import distribution_plot
+from planner.reports.figures import distribution_chart
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
 
 
 def test_gaussian_residuals_lie_on_the_density_whatever_the_forces_are() -> None:
     drawn = np.random.default_rng(0).normal(size=(3000, 6)) * [1.0, 2.0, 3.0, 0.1, 0.2, 0.01]
-    bars, normal = distribution_plot(Residuals(np.arange(3000) * 1e-3, drawn, np.zeros_like(drawn), 1e-3)).figure.data
+    bars, normal = distribution_chart(Residuals(np.arange(3000) * 1e-3, drawn, np.zeros_like(drawn), 1e-3)).data
     assert bars["y"].max() == pytest.approx(normal["y"].max(), rel=0.15)
 
 

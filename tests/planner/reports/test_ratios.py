@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.reports.compare import SPREAD, Series, ratio_figure
+from planner.reports.compare import SPREAD, Series, ratio_chart
 
 SERIES = (
     Series("a", {"m": 0.2, "zC": 3e-5, "k0": 0.0}, "#000"),
@@ -13,7 +13,7 @@ SERIES = (
 
 
 def test_each_parameter_is_measured_by_its_smallest_deviation():
-    a, b, c = ratio_figure(SERIES).data
+    a, b, c = ratio_chart("std", "Ratios.", SERIES).data
     assert a["y"] == pytest.approx([2.0, 2.0])
     assert b["y"] == pytest.approx([1.0, 1.0])
     assert c["y"] == pytest.approx([1.0])
@@ -21,7 +21,7 @@ def test_each_parameter_is_measured_by_its_smallest_deviation():
 
 
 def test_markers_stand_at_their_parameter_and_side_by_side():
-    figure = ratio_figure(SERIES)
+    figure = ratio_chart("std", "Ratios.", SERIES)
     ticks = figure.layout["xaxis"]["ticktext"]
     assert ticks == ["m", "zC", "k0", "IC33"]
     places = np.concatenate([trace["x"] for trace in figure.data])
@@ -32,11 +32,11 @@ def test_markers_stand_at_their_parameter_and_side_by_side():
 
 
 def test_names_are_text():
-    assert "<b>" not in ratio_figure(SERIES).data[2]["name"]
+    assert "<b>" not in ratio_chart("std", "Ratios.", SERIES).data[2]["name"]
 
 
 @pytest.mark.parametrize("largest", [1.3, 3.0, 30.0])
 def test_the_axis_has_labels_where_the_markers_are(largest: float):
-    figure = ratio_figure([Series("a", {"m": 1.0}, "#000"), Series("b", {"m": largest}, "#111")])
+    figure = ratio_chart("std", "Ratios.", [Series("a", {"m": 1.0}, "#000"), Series("b", {"m": largest}, "#111")])
     ticks = figure.layout["yaxis"]["tickvals"]
     assert sum(1.0 <= tick <= largest for tick in ticks) >= 3
