@@ -13,11 +13,10 @@ from identification.model import full_model, identification_model, static_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
-from planner.planning import make_until_ctrl_c
+from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
 from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
-from planner.search.inside import require_plannable
 from planner.search.parallel import SILENT, Listener, without_gain
 from planner.search.solving import Start
 

@@ -22,9 +22,9 @@ from planner.families.settings import Spline
 from planner.found import Found, rated
 from planner.noise import without_pose_errors
 from planner.plans import Plan
-from planner.request import LONGEST, Request
+from planner.request import LONGEST, Request, parse_targets
 from planner.search import Failed
-from planner.search.inside import keep_limits, remedy, require_plannable
+from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
 from planner.search.parallel import (
     SILENT,
     Listener,
@@ -62,6 +62,24 @@ def _shipped() -> dict[str, Array]:
     """Names of families -> their tables, shape (n, columns)."""
     tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
     return {name: np.array(tables[name]["table"]) for name in tables}
+
+
+def require_plannable(request: Request, case: Case) -> None:
+    """Refuses what no search can mend.
+
+    Raises:
+        CaseError: the case has no machine, limits, controller or payload of this number.
+        IdentificationError: an unknown model, or one that no motion of the machine determines.
+        HexciteError: targets that cannot be read, a duration too short for the machine.
+        InfeasiblePlan: standing still in the middle of the motion box passes a limit.
+        FileProblem: the sequence cannot be used.
+    """
+    case.need_motion("planning")
+    require_identifiable(case, identification_model(case, request.model))
+    case.body(request.payload)
+    parse_targets(request.targets, case, request.model)
+    request.family.require_plannable(case, request.duration)
+    require_rest(case)
 
 
 def _of_families(results: Sequence[Start | Failed], request: Request) -> tuple[list[Start], list[Start]]:

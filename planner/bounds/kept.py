@@ -25,7 +25,7 @@ from identification.model import Model, full_model, identification_model
 from planner.bounds.design import Design, optimal_design, searched_design
 from planner.bounds.features import box_features
 from planner.bounds.tight import tight_design
-from planner.search.inside import require_identifiable
+from planner.search.feasibility import require_identifiable
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"

@@ -86,8 +86,8 @@ def plan(
     from identification.model import full_model
     from planner.families.settings import family_class
     from planner.library import planned
+    from planner.planning import require_plannable
     from planner.request import Request
-    from planner.search.inside import require_plannable
     from planner.search.parallel import first_ctrl_c
 
     kind, options = family_class(family), context.params

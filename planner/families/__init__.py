@@ -1,25 +1,19 @@
 """What every family of excitations offers to the optimiser: unknowns -> motion, with CasADi's exact derivatives.
 
-Families whose coordinates are linear in their unknowns (Fourier series, B-splines) are a `LinearFamily`. `controlled`
-says which limits count for the controller that moves are planned for.
+Families whose coordinates are linear in their unknowns (Fourier series, B-splines) are a `LinearFamily`.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, NamedTuple, Protocol, Self
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limit import LimitKind, LimitReport, Status
-from identification.limit_proof import PROOF_RATE
 from identification.motion import Trajectory
 from planner.search.rows import LinearRows, Rows
 from planner.search.states import States, linear_states
-from postprocessors.dialects import dialect
-from postprocessors.proving.guarantees import limits_jerk
-from postprocessors.reading import Reading
 
 Array = NDArray[np.float64]
 
@@ -111,52 +105,6 @@ class Family(Protocol):
         ...
 
 
-class Controlled(NamedTuple):
-    """A case as a controller executes point-to-point moves."""
-
-    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
-    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
-    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
-
-    def reported(self, report: LimitReport) -> LimitReport:
-        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
-        if not self.step_time:
-            return report
-        share = 1.0 / (PROOF_RATE * self.step_time)
-        return LimitReport(
-            tuple(
-                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
-                if c.kind.family is LimitKind.JERK
-                else c
-                for c in report.checks
-            )
-        )
-
-
-def controlled(case: Case, controller: str | None) -> Controlled:
-    """The case as a controller executes point-to-point moves.
-
-    Args:
-        controller: a name of `CONTROLLERS`; None for none.
-
-    Raises:
-        CaseError: the case has no limits, or no settings of this controller.
-    """
-    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
-        return Controlled(case, controller)
-    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
-    if limits_jerk(guarantees.law):
-        return Controlled(case, controller)
-    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
-
-
-def box_middle(case: Case) -> tuple[Array, Array]:
-    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
-    home, limits = case.need_motion("planning")
-    low, high = limits.pose
-    return home + (low + high) / 2, np.asarray((high - low) / 2)
-
-
 @dataclass(frozen=True)
 class LinearMaps:
     """How coordinates depend on their own unknowns, all in the same way: matrices from q unknowns to half widths."""
@@ -180,7 +128,8 @@ class LinearFamily(Protocol):
     """
 
     name: ClassVar[str]
-    middle: Array  # of the box of coordinates, shape (n,) [m or rad]
+    middle: Array  # middle of the box of coordinates, shape (n,) [m or rad]
+    half: Array  # half of its width, shape (n,) [m or rad]
 
     @property
     def shipped(self) -> str:
@@ -198,7 +147,7 @@ class LinearFamily(Protocol):
         """
         from scipy.sparse import csr_array, kron, vstack
 
-        maps, (middle, half) = self.maps(), box_middle(case)
+        maps, middle, half = self.maps(), self.middle, self.half
         box = case.need_motion("planning")[1]
         rows, first, orders = [], [], []
         bounds = np.ones(len(half))  # what is known to bound the derivative before, in half widths

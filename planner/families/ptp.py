@@ -20,7 +20,8 @@ from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove
 from identification.trajectories.profile import Profile, fastest_profile
-from planner.families import Layout, box_middle
+from planner.families import Layout
+from planner.search.feasibility import box_middle
 from planner.search.rows import LinearRows, StateRows
 from planner.search.states import Kernel, KernelStates, LinearStates, state_size
 

@@ -11,9 +11,10 @@ from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
-from planner.families import CONTROLLERS, Controlled, Family, box_middle, controlled, ptp, spline
+from planner.families import CONTROLLERS, Family, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
+from planner.search.feasibility import Controlled, box_middle, controlled
 
 MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned

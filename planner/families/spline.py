@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.trajectories.curves import Piece, PolynomialMotion
-from planner.families import LinearFamily, LinearMaps, box_middle
+from planner.families import LinearFamily, LinearMaps
+from planner.search.feasibility import box_middle
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

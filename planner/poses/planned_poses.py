@@ -32,7 +32,7 @@ from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_
 from planner.poses.space import space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseMethod, PoseRequest
-from planner.search.inside import remedy
+from planner.search.feasibility import remedy
 from planner.worth import PoseWorth, predicted_std_at_poses
 
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second

@@ -20,7 +20,7 @@ from identification.model import identification_model
 from identification.motion import StandingPoses
 from planner.precision import share_text
 from planner.reach import Reach
-from planner.search.inside import remedy
+from planner.search.feasibility import remedy
 
 GRID = (-1.0, 0.0, 1.0)
 MOST_COORDINATES = 7  # whose corners and middles are all looked at

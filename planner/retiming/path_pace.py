@@ -18,7 +18,7 @@ from identification.motion import Array, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from planner.families.spline import in_pieces
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
-from planner.search.inside import MARGIN, remedy
+from planner.search.feasibility import MARGIN, remedy
 
 STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers tell a cubic spline by its points
 ROUNDS = 4

@@ -28,7 +28,7 @@ from planner.noise import mean_information
 from planner.plans import Plan
 from planner.request import LONGEST
 from planner.retiming.path_pace import retimed_path
-from planner.search.inside import MARGIN
+from planner.search.feasibility import MARGIN
 
 METHODS = ("ruckig", "ipopt")
 

@@ -20,8 +20,9 @@ from identification.model import Model, identification_model, machine_of
 from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
-from planner.families import Family, Layout, box_middle
+from planner.families import Family, Layout
 from planner.noise import PoseErrors
+from planner.search.feasibility import box_middle
 from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows

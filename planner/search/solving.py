@@ -1,6 +1,6 @@
 """Solves an excitation problem from one start.
 
-The solver's own word is not taken: criterion and limits of every result are computed anew (`planner.search.inside`). A
+Criterion and limits of every result are computed anew, whatever the solver reports (`planner.search.feasibility`). A
 motion that exceeds a limit between the instants at which it was constrained is solved for again, more tightly.
 """
 
@@ -22,7 +22,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search import Failed, Tried
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.inside import MARGIN, Inside, keep_limits, rate, require_rest
+from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
 
@@ -136,7 +136,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     unknowns = run.begun = run.begin()
     before = run.rate(unknowns, "D")
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
-    best: tuple[float, Inside] | None = None
+    best: tuple[float, Feasible] | None = None
     if run.close or (task.step is Step.GLANCE and task.moves):  # of a glance the annealed walk tells enough
         inside = keep_limits(task.case, run.family.once, unknowns, QUICK_RATE)
         best = run.rate(inside.unknowns), inside
@@ -194,7 +194,7 @@ class _Run:
         return self.stopped
 
     def rate(self, unknowns: Array, letter: str | None = None) -> float:
-        """What a motion is worth by the criterion asked for, or another; see `planner.search.inside.rate`."""
+        """What a motion is worth by the criterion asked for, or another; see `planner.search.feasibility.rate`."""
         return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
 
     def begin(self) -> Array:
@@ -242,17 +242,17 @@ class _Run:
             unknowns = self.solve(unknowns, again)
         return unknowns
 
-    def inside(self, unknowns: Array, stage: _Stage) -> Inside:
+    def inside(self, unknowns: Array, stage: _Stage) -> Feasible:
         """Draws a motion back inside the limits; where much is lost by that, searches again.
 
         First from the motion itself, with limits lowered by what it exceeds them; then from inside, from the better of
         the motions found so far and of the one at which the search began, drawn back as well.
         """
 
-        def retraction(unknowns: Array) -> Inside:
+        def retraction(unknowns: Array) -> Feasible:
             return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
 
-        def worth(candidate: Inside) -> float:
+        def worth(candidate: Feasible) -> float:
             return self.rate(candidate.unknowns, stage.letter)
 
         candidates = [retraction(unknowns)]

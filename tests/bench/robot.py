@@ -25,7 +25,7 @@ from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import execute
 from planner.runs.written import write
-from planner.search.inside import keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.parallel import SILENT, run_here
 from planner.worth import predicted_std
 

@@ -25,7 +25,7 @@ from planner.families.settings import PointToPoint
 from planner.noise import mean_information
 from planner.planning import make
 from planner.request import Request
-from planner.search.inside import keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.parallel import SILENT, run_here
 
 ROBOTS = Path(__file__).parent / "robots"

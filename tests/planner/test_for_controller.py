@@ -17,9 +17,9 @@ from identification.limit_proof import prove
 from identification.motion import Joined
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, has_steps
-from planner.families import controlled
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import load_plan, motion_entries, motion_of_entries
+from planner.search.feasibility import controlled
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 

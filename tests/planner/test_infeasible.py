@@ -9,7 +9,7 @@ from cases.errors import CaseError, HexciteError, InfeasiblePlan, ProgramError
 from cases.schema import Case
 from identification.model import identification_model
 from planner.families.fourier import FourierFamily
-from planner.search.inside import keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.solving import Task, run_start
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed

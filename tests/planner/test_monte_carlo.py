@@ -5,9 +5,8 @@ import pytest
 
 from cases.schema import Case
 from identification.trajectories.curves import FourierMotion
-from planner.families import box_middle
 from planner.families.fourier import FourierFamily
-from planner.search.inside import keep_limits
+from planner.search.feasibility import box_middle, keep_limits
 from tests.planner.monte_carlo import monte_carlo
 
 RUNS = 600

@@ -14,14 +14,13 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.symbolic import over_samples
 from identification.trajectories.curves import FourierMotion
-from planner.families import box_middle
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.settings import Spline
 from planner.found import Found, notes
 from planner.noise import mean_information
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.inside import MARGIN, keep_limits
+from planner.search.feasibility import MARGIN, box_middle, keep_limits
 from planner.search.problem import build_problem
 from tests.postprocessors.independent import strut_lengths
 

@@ -13,7 +13,7 @@ from planner.families.settings import PointToPoint
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
-from planner.search.inside import require_rest
+from planner.search.feasibility import require_rest
 from planner.search.parallel import SILENT, run_here
 from tests.bench.machines.description import case_of, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED

@@ -13,13 +13,14 @@ from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, Loads
-from planner.families import Family, box_middle
+from planner.families import Family
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
 from planner.found import Found, notes
 from planner.request import Request
+from planner.search.feasibility import box_middle
 from planner.search.problem import build_problem, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
 from planner.search.states import state_size

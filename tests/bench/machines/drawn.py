@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.hexapod import Hexapod as Kinematics
-from planner.search.inside import require_rest
+from planner.search.feasibility import require_rest
 from tests.bench.machines.description import Hexapod, Range, case_of, reachable
 from tests.helpers import pose_shares
 

@@ -9,10 +9,9 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
 from identification.trajectories.moves import StraightMove
-from planner.families import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
-from planner.search.inside import MARGIN, keep_limits
+from planner.search.feasibility import MARGIN, controlled, keep_limits
 from planner.search.problem import Problem, build_problem
 from planner.search.rows import StateRows
 from planner.search.solving import Start, Task, run_start

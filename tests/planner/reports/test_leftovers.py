@@ -13,9 +13,9 @@ from cases.loading import built_in_cases, load_case
 from cases.scaffold import NEEDS, readiness
 from cases.schema import Case
 from planner.families.settings import Fourier
+from planner.planning import require_plannable
 from planner.reports.case_figures import leftovers
 from planner.request import Request
-from planner.search.inside import require_plannable
 from tests.planner.command_line import call, refused
 
 

@@ -11,10 +11,10 @@ from cases.schema import Case
 from identification.criteria import uniform_states
 from identification.model import Model, identification_model
 from identification.symbolic import over_samples
-from planner.families import box_middle
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
 from planner.poses.removal import log_determinant
+from planner.search.feasibility import box_middle
 from planner.search.program import regressor_kernel
 
 

@@ -1,9 +1,10 @@
-"""Inside every limit: a motion drawn back, and requests that cannot be met refused, with the keys to change.
+"""Feasible motions: which limits count, a motion drawn inside every limit, and the keys to change where none is.
 
-What a motion is worth and whether it is inside every limit is computed anew, whatever a solver says.
+What a motion is worth and whether it is feasible is computed anew, whatever a solver says.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,20 +13,68 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values, uniform_states
-from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
-from identification.limit_proof import prove
-from identification.model import Model, identification_model, machine_of
+from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport, Status
+from identification.limit_proof import PROOF_RATE, prove
+from identification.model import Model, machine_of
 from identification.motion import Standstill
 from identification.symbolic import over_samples
-from planner.families import Family, box_middle
+from planner.families import Family
 from planner.noise import PoseErrors, information_of
-from planner.request import Request, parse_targets
+from postprocessors.dialects import dialect
+from postprocessors.proving.guarantees import limits_jerk
+from postprocessors.reading import Reading
 
 Array = NDArray[np.float64]
 
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
 SMALLEST = 1e-6  # share of all ways below which nothing moves
+
+
+class Controlled(NamedTuple):
+    """A case as a controller executes point-to-point moves."""
+
+    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
+    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
+    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
+
+    def reported(self, report: LimitReport) -> LimitReport:
+        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
+        if not self.step_time:
+            return report
+        share = 1.0 / (PROOF_RATE * self.step_time)
+        return LimitReport(
+            tuple(
+                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
+                if c.kind.family is LimitKind.JERK
+                else c
+                for c in report.checks
+            )
+        )
+
+
+def controlled(case: Case, controller: str | None) -> Controlled:
+    """The case as a controller executes point-to-point moves.
+
+    Args:
+        controller: a name of `CONTROLLERS`; None for none.
+
+    Raises:
+        CaseError: the case has no limits, or no settings of this controller.
+    """
+    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
+        return Controlled(case, controller)
+    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
+    if limits_jerk(guarantees.law):
+        return Controlled(case, controller)
+    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
+
+
+def box_middle(case: Case) -> tuple[Array, Array]:
+    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
+    home, limits = case.need_motion("planning")
+    low, high = limits.pose
+    return home + (low + high) / 2, np.asarray((high - low) / 2)
 
 
 def rate(
@@ -43,7 +92,7 @@ def rate(
     return CRITERIA[criterion](mu)
 
 
-class Inside(NamedTuple):
+class Feasible(NamedTuple):
     """A motion that satisfies every limit."""
 
     unknowns: Array  # unknowns of the motion
@@ -51,7 +100,7 @@ class Inside(NamedTuple):
     share: float  # share of all ways that are left
 
 
-def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Inside:
+def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Feasible:
     """Draws a motion towards the middle of the box until it satisfies every limit, less a margin, on a grid of `rate`.
 
     From small steps to large ones: lengths of struts need not fall on the way, so that a smaller motion is not always
@@ -61,11 +110,11 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Ins
         InfeasiblePlan: it exceeds a limit even where all but nothing moves; the message names the limit.
     """
 
-    def attempt(share: float) -> tuple[Inside | None, LimitReport]:
+    def attempt(share: float) -> tuple[Feasible | None, LimitReport]:
         trial = family.shrunk(unknowns, share)
         report = prove(family.motion(trial), case, rate)
         good = report.worst_ratio <= 1.0 - MARGIN + TOLERANCE
-        return Inside(trial, report, share) if good else None, report
+        return Feasible(trial, report, share) if good else None, report
 
     best, report = attempt(1.0)
     share, failed, step = 1.0, 1.0, CLOSE_ENOUGH
@@ -153,24 +202,6 @@ def require_rest(case: Case) -> None:
 
 STATES, SEED = 400, 0  # of the box, at which the regressor is looked at
 HIDDEN = 1e-9  # of a column, below which a direction counts as unseen
-
-
-def require_plannable(request: Request, case: Case) -> None:
-    """Refuses what no search can mend.
-
-    Raises:
-        CaseError: the case has no machine, limits, controller or payload of this number.
-        IdentificationError: an unknown model, or one that no motion of the machine determines.
-        HexciteError: targets that cannot be read, a duration too short for the machine.
-        InfeasiblePlan: standing still in the middle of the motion box passes a limit.
-        FileProblem: the sequence cannot be used.
-    """
-    case.need_motion("planning")
-    require_identifiable(case, identification_model(case, request.model))
-    case.body(request.payload)
-    parse_targets(request.targets, case, request.model)
-    request.family.require_plannable(case, request.duration)
-    require_rest(case)
 
 
 def require_identifiable(case: Case, model: Model) -> None:
