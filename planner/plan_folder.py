@@ -21,8 +21,7 @@ from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
-from identification.trajectories.moves import CircularMove, Plane, StraightMove
-from identification.trajectories.profile import Profile
+from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove
 from planner.families import Array
 from planner.families.ptp import unit_profile
 from planner.noise import standing_model

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.profile import Profile
+from identification.trajectories.moves import CircularMove, Profile, StraightMove
 
 Array = NDArray[np.float64]
 

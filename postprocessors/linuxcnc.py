@@ -15,8 +15,7 @@ from cases.units import MINUTE
 from identification.limited_quantities import Box
 from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.profile import limits_along
+from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.blocks import Array, Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG

@@ -15,8 +15,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited_quantities import Box
-from identification.trajectories.moves import CircularMove, Plane, StraightMove
-from identification.trajectories.profile import limits_along
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
 from postprocessors.blocks import Array, Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 

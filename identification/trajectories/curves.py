@@ -12,8 +12,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Motion
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Profile
+from identification.trajectories.moves import Profile, StraightMove
 
 Array = NDArray[np.float64]
 

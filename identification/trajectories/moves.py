@@ -1,18 +1,184 @@
-"""Moves from rest to rest: straight in the coordinates, as a controller times them, and circular ones of the origin.
+"""Moves from rest to rest, and their time laws.
 
-A circular move lies in a coordinate plane; the angles ride along linearly.
+Straight moves lie in the coordinates; a circular one turns the origin in a coordinate plane, and the angles ride along
+linearly. Time laws have seven segments in closed form, with or without a limit of jerk; controllers compute theirs
+online: jerk-limited, in whole controller cycles, here by ruckig. It is called for one move from rest to rest at a time,
+of one coordinate. Its other features stay closed: intermediate waypoints are computed by a service in the network, and
+vectors of wrong length are read out of bounds; neither can be reached here.
 """
 
+import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Joined, Motion, Trajectory
-from identification.trajectories.profile import UNLIMITED, Profile, TimeLaw, fastest_profile, limits_along
 
 Array = NDArray[np.float64]
+
+UNLIMITED = math.inf  # no limit of jerk in any coordinate
+
+
+class TimeLaw(Protocol):
+    """How a way is covered over time, from rest to rest."""
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+
+    @property
+    def peak_velocity(self) -> float:
+        """Largest velocity [unit of the distance per second]."""
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
+
+    def slowed(self, speed: float) -> "TimeLaw":
+        """The same way at a share of the speed."""
+
+
+class Profile(NamedTuple):
+    """Jerk +j, 0, -j, 0, -j, 0, +j over the times jerk, hold, jerk, cruise, jerk, hold, jerk.
+
+    Without a jerk limit the times with jerk are 0: accelerations step, a trapezoid of velocity.
+    """
+
+    acceleration: float  # peak of the acceleration [1/s^2 of the unit of the distance]
+    jerk_time: float  # duration of each segment with jerk; 0 where the acceleration steps [s]
+    hold_time: float  # duration of each segment of constant acceleration [s]
+    cruise_time: float  # duration of the segment of constant velocity [s]
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Durations of the seven segments [s]."""
+        ramp = (self.jerk_time, self.hold_time, self.jerk_time)
+        return (*ramp, self.cruise_time, *ramp)
+
+    @property
+    def jerk(self) -> float:
+        """Magnitude of the jerk, infinite where the acceleration steps."""
+        return self.acceleration / self.jerk_time if self.jerk_time > 0.0 else math.inf
+
+    @property
+    def duration(self) -> float:
+        """Duration of the whole move [s]."""
+        return 4 * self.jerk_time + 2 * self.hold_time + self.cruise_time
+
+    @property
+    def peak_velocity(self) -> float:
+        """Largest velocity."""
+        return self.acceleration * (self.jerk_time + self.hold_time)
+
+    def slowed(self, speed: float) -> "Profile":
+        """The same way at a share of the speed."""
+        times = (self.jerk_time / speed, self.hold_time / speed, self.cruise_time / speed)
+        return Profile(self.acceleration * speed**2, *times)
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,).
+
+        Where the acceleration steps, the value after the step counts, at the end that before it; the jerk is 0 there.
+        """
+        time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
+        s, v, a, j = (np.zeros_like(time) for _ in range(4))
+        start, s0, v0, a0 = 0.0, 0.0, 0.0, 0.0
+        for length, sign in zip(self.lengths, (1, 0, -1, 0, -1, 0, 1), strict=True):
+            step = sign * self.acceleration
+            if length > 0.0:
+                rows = time >= start
+                tau, jerk = np.minimum(time[rows] - start, length), step / length
+                s[rows] = s0 + v0 * tau + a0 * tau**2 / 2 + jerk * tau**3 / 6
+                v[rows] = v0 + a0 * tau + jerk * tau**2 / 2
+                a[rows] = a0 + jerk * tau
+                j[rows] = jerk
+            s0 += v0 * length + a0 * length**2 / 2 + step * length**2 / 6
+            v0 += a0 * length + step * length / 2
+            a0 += step
+            start += length
+        return s, v, a, j
+
+
+def fastest_profile(distance: float, velocity: float, acceleration: float, jerk: float = math.inf) -> Profile:
+    """The fastest rest-to-rest profile over a distance within limits, all above 0 and in one unit of distance.
+
+    Only the jerk may be unlimited.
+    """
+    jerk_time = float(min(acceleration / jerk, np.sqrt(velocity / jerk), np.cbrt(distance / (2 * jerk))))
+    peak, hold_time = jerk * jerk_time, 0.0
+    if jerk_time == acceleration / jerk:  # only then does the acceleration reach its limit and can be held
+        by_velocity = velocity / acceleration - jerk_time
+        by_distance = (-3 * jerk_time + np.sqrt(jerk_time**2 + 4 * distance / acceleration)) / 2
+        peak, hold_time = acceleration, max(0.0, float(min(by_velocity, by_distance)))
+    fastest = peak * (jerk_time + hold_time)
+    cruise_time = max(0.0, distance / fastest - 2 * jerk_time - hold_time)
+    return Profile(peak, jerk_time, hold_time, float(cruise_time))
+
+
+def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
+    """What limits of each coordinate leave of share rates on a straight way.
+
+    Args:
+        way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
+        limits: limits of rates, accelerations or jerks, shapes (n,), or one number for all.
+    """
+    moves = way > 0.0
+    return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]
+
+
+SAME = 1e-4  # of the way, the largest velocity and acceleration: rounding where the limit of jerk is next to none
+
+
+class UntimedMotion(ValueError):
+    """A move or path that cannot be timed; the message says why."""
+
+
+def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: float | None = None) -> Profile:
+    """The fastest time law over a way of 1 that ruckig finds within three limits.
+
+    Args:
+        velocity: limit [1/s].
+        acceleration: limit [1/s^2].
+        jerk: limit [1/s^3]; infinite, without a cycle, where accelerations step.
+        cycle: cycle of the controller [s], of which the law then lasts a whole number.
+
+    Raises:
+        UntimedMotion: a limit is not a finite number above 0, or ruckig finds no law of seven segments.
+    """
+    from ruckig import DurationDiscretization, InputParameter, Result, Ruckig, RuckigError, Trajectory
+
+    numbers = {
+        "velocity": velocity,
+        "acceleration": acceleration,
+        "jerk": jerk,
+        "cycle": 1.0 if cycle is None else cycle,
+    }
+    for name, value in numbers.items():
+        if not (value > 0.0 and (math.isfinite(value) or (name == "jerk" and cycle is None))):
+            raise UntimedMotion(f"{name} {value:g} is not a finite number above 0")
+    request, answer = InputParameter(1), Trajectory(1)
+    request.current_position, request.target_position = [0.0], [1.0]
+    request.max_velocity, request.max_acceleration, request.max_jerk = [velocity], [acceleration], [jerk]
+    if cycle is not None:
+        request.duration_discretization = DurationDiscretization.Discrete
+    try:
+        result = (Ruckig(1) if cycle is None else Ruckig(1, cycle)).calculate(request, answer)
+    except RuckigError as error:
+        raise UntimedMotion(f"no time law within these limits ({' '.join(str(error).split())})") from error
+    if result != Result.Working:  # offline, this is what success is called
+        raise UntimedMotion(f"no time law within these limits (ruckig: {result.name})")
+    phases = answer.profiles[0][0]
+    jerking, holding = (phases.t[0], phases.t[1] * (phases.j[1] == 0.0)) if math.isfinite(jerk) else (0.0, phases.t[0])
+    cruising = max(0.0, answer.duration - 4 * jerking - 2 * holding)
+    profile = Profile(1.0 / ((jerking + holding) * (2 * jerking + holding + cruising)), jerking, holding, cruising)
+    lengths = np.array(phases.t)
+    middles = (np.cumsum(lengths) - lengths / 2)[lengths > 0.0]
+    theirs = np.array([[values[0] for values in answer.at_time(float(t))[:3]] for t in middles]).T
+    if any(np.abs(a - b).max() > SAME * np.abs(b).max() for a, b in zip(profile.at(middles)[:3], theirs, strict=True)):
+        raise UntimedMotion("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
+    return profile
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.hexapod import kinetic
 from identification.motion import Motion, Trajectory
-from identification.trajectories.profile import UntimedMotion
+from identification.trajectories.moves import UntimedMotion
 
 Array = NDArray[np.float64]
 

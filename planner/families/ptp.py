@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.limited_quantities import Box
 from identification.motion import Joined
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Profile, fastest_profile
+from identification.trajectories.moves import Profile, StraightMove, fastest_profile
 from planner.families import Layout
 from planner.search.feasibility import box_middle
 from planner.search.rows import LinearRows, StateRows

@@ -15,8 +15,7 @@ from identification.hexapod import kinetic
 from identification.limit_proof import MARGIN, slowed_for_forces
 from identification.motion import Array
 from identification.overload import Loads
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Profile, fastest_profile, ruckig_profile
+from identification.trajectories.moves import Profile, StraightMove, fastest_profile, ruckig_profile
 from planner.poses.space import space_of
 
 INSTANTS = 161  # of a move, at which its struts are looked at

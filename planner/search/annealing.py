@@ -64,9 +64,8 @@ class EqualMoves:
     def of(cls, case: Case, model: Model, scaling: Array, family: PointToPointFamily) -> "EqualMoves":
         """The moves of a family, each of its mean duration; times are those that give the longest steps."""
         times, steps = family.longest_steps()
-        n = len(steps)
-        move = ca.SX.sym("move", 2 * n)
-        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in (move[:n], move[n:])]
+        move = ca.SX.sym("move", 2 * len(steps))
+        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in ca.vertsplit(move, len(steps))]
         rows = ca.Function("rows", [move], [_rows(model, scaling, ends, times)], {"cse": True})
         excess = ca.Function("excess", [move], [_excess(case, ends, times)], {"cse": True})
         return cls(times, steps, len(scaling), rows, excess)
@@ -75,18 +74,11 @@ class EqualMoves:
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
     """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
     square = (4 / 3 * times[0] + 2 * times[1]) / (times @ [4.0, 2.0, 1.0])  # mean of the squared acceleration
-    pose, rates, accelerations = states_of_move(((1, 0.5), (5, 0.5)), model.coordinates).call(
-        [*ends, ca.DM(times)], True, False
-    )
-    weight = ca.diag(ca.DM(scaling)) / np.sqrt(2)
-    return ca.densify(
-        ca.vertcat(
-            *(
-                model.coordinate_regressor(pose[:, k], rates[:, k], np.sqrt(square) * accelerations[:, k]) @ weight
-                for k in range(2)
-            )
-        )
-    )
+    states = states_of_move(((1, 0.5), (5, 0.5)), model.coordinates)
+    pose, rates, accelerations = states.call([*ends, ca.DM(times)], True, False)
+    accelerations = np.sqrt(square) * accelerations
+    rows = [model.coordinate_regressor(pose[:, k], rates[:, k], accelerations[:, k]) for k in range(2)]
+    return ca.densify(ca.vertcat(*rows) @ ca.diag(ca.DM(scaling)) / np.sqrt(2))
 
 
 # A jerk-limited move uses most of an acceleration where a phase of constant acceleration begins or ends.
@@ -128,8 +120,7 @@ class Walk:
 
     def __init__(self, moves: EqualMoves, points: Array, draw: np.random.Generator) -> None:
         self.moves, self.count, self.draw = moves, len(points) - 1, draw
-        self.ways = moves.steps + SLACK
-        self.points = points
+        self.points, self.ways = points, moves.steps + SLACK
         self.rows = _in_blocks(moves.rows, points[:-1], points[1:])  # R of each move, shape (n, 12, u)
         self.passed = _in_blocks(moves.excess, points[:-1], points[1:])[:, 0]
         self.batch = FEWEST

@@ -11,8 +11,8 @@ from cases.schema import Case
 from identification.model import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
+from identification.trajectories.moves import TimeLaw, UntimedMotion, ruckig_profile
 from identification.trajectories.path_timing import keeps_pace, retime
-from identification.trajectories.profile import TimeLaw, UntimedMotion, ruckig_profile
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import motions

@@ -18,8 +18,7 @@ from identification.limit_proof import load_motion
 from identification.limited_quantities import Box
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import Loads
-from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.profile import limits_along
+from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
 PATH_SAMPLES = 1000  # of a timed path

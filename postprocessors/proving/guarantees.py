@@ -13,7 +13,7 @@ from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.limited_quantities import Box
 from identification.motion import Array
 from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
+from identification.trajectories.moves import Profile, TimeLaw, fastest_profile
 from postprocessors.blocks import path_speed_deviation
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.reading import Reading, Timed

@@ -18,8 +18,7 @@ from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import prove
 from identification.limited_quantities import Box
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.moves import CircularMove, StraightMove
-from identification.trajectories.profile import limits_along
+from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.limit import LimitKind
 from identification.motion import TimedPoints
-from identification.trajectories.profile import TimeLaw, fastest_profile
+from identification.trajectories.moves import TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading import Reading, Timed

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import UntimedMotion, fastest_profile, limits_along, ruckig_profile
+from identification.trajectories.moves import StraightMove, UntimedMotion, fastest_profile, limits_along, ruckig_profile
 
 RATE = np.array([0.6, 0.6, 0.6, 1.0, 1.0, 1.0])
 ACCELERATION = np.array([6.0, 6.0, 6.0, 10.0, 10.0, 10.0])

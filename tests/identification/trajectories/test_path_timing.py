@@ -11,9 +11,8 @@ from cases.schema import Case
 from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.motion import Joined, Motion, Standstill, TimedPoints
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import StraightMove, UntimedMotion
 from identification.trajectories.path_timing import FASTEST, retime
-from identification.trajectories.profile import UntimedMotion
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ruckig import InputParameter, Result, Ruckig, Trajectory
 
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import Profile, fastest_profile
+from identification.trajectories.moves import Profile, StraightMove, fastest_profile
 
 size = st.floats(1e-3, 1e3)
 limits = st.tuples(size, size, size, size)  # distance, velocity, acceleration, jerk

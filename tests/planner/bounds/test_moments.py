@@ -12,8 +12,7 @@ from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion
-from identification.trajectories.moves import CircularMove, Plane, StraightMove
-from identification.trajectories.profile import fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from planner.bounds.features import Moments, box_features, combined, mean_square_share, mixed, motion_moments
 
 CASE = load_case("hexapod")

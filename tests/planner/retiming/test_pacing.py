@@ -5,8 +5,7 @@ import pytest
 
 from cases.loading import load_case
 from identification.motion import Joined
-from identification.trajectories.moves import StraightMove
-from identification.trajectories.profile import fastest_profile
+from identification.trajectories.moves import StraightMove, fastest_profile
 from planner.retiming.pacing import Course, PacedMotion, paced
 from planner.retiming.path_pace import fitted_spline
 

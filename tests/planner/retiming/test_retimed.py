@@ -12,8 +12,7 @@ from cases.loading import load_case
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints
-from identification.trajectories.moves import CircularMove, Plane, StraightMove
-from identification.trajectories.profile import fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from planner.families.settings import Manual
 from planner.plan_folder import load_plan
 from planner.request import Request

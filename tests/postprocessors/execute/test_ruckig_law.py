@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig, Trajectory
 
-from identification.trajectories.profile import fastest_profile, ruckig_profile
+from identification.trajectories.moves import fastest_profile, ruckig_profile
 from postprocessors.execute.virtual import by_ruckig
 
 limits = st.tuples(st.floats(0.05, 20.0), st.floats(0.1, 200.0), st.floats(1.0, 5000.0))

@@ -7,8 +7,7 @@ from cases.loading import load_case
 from identification.limited_quantities import rotation_motion
 from identification.motion import Motion
 from identification.overload import Loads
-from identification.trajectories.moves import CircularMove, Plane, StraightMove
-from identification.trajectories.profile import fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from postprocessors.proving.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed
