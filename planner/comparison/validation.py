@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cases.arguments import checked
 from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
@@ -66,6 +67,7 @@ class Validation:
         return "\n".join([f"Validation of {self.case.name}", *(finding.sentence() for finding in self.findings)])
 
 
+@checked
 def validate(
     case: Case,
     methods: Sequence[str] = METHODS,
@@ -73,7 +75,7 @@ def validate(
     settings: ValidationSettings = USUAL,
     *,
     undisturbed: bool = False,
-    folder: Path | None = None,
+    folder: Path | str | None = None,
     count: Count = lambda remark, steps: None,
 ) -> Validation:
     """The payload experiment on the case's simulated machine.
@@ -94,7 +96,7 @@ def validate(
     disturbances = disturbances_of(case, settings, undisturbed)
     mounted = mounted_weights(case, None) if mounted is None else mounted
     with ExitStack() as places:
-        work = folder or Path(places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
+        work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
         steps, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
         origin = {

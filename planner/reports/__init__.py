@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cases.arguments import checked, wrong_type
 from cases.files import write_text
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     Shown = Plan | Result | Comparison | Validation
 
 
+@checked
 def report(value: "Shown", file: Path | str) -> None:
     """Writes the page of a value, one HTML file that needs no network.
 
@@ -39,7 +41,9 @@ def page_of(value: Any) -> str:
             from planner.reports.compare import compare_page
 
             return compare_page(value)
-        case _:
+        case "Validation":
             from planner.reports.validation import validation_page
 
             return validation_page(value)
+        case _:
+            raise wrong_type("report", "value", value, ["Plan", "Result", "Comparison", "Validation"])

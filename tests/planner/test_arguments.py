@@ -1,0 +1,63 @@
+"""Arguments of a wrong type: every public function names the argument, its value and what it should be."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hexcite as hx
+from cases.arguments import checked
+from cases.schema import Case
+
+WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
+    "retime": (lambda case: hx.retime("folder"), ("plan = 'folder'", "a Plan", "hx.Plan.load")),
+    "report": (lambda case: hx.report(3, "x.html"), ("value = 3", "a Result")),
+    "report a case": (lambda case: hx.report(case, "x.html"), ("value = a Case", "a Plan")),
+    "force": (lambda case: hx.force(3, 3), ("recording = 3", "a Recording", "hx.read")),
+    "tare": (lambda case: hx.tare("run.csv", 3), ("recording = 'run.csv'", "a Recording")),
+    "plan": (lambda case: hx.plan("hexapod"), ("case = 'hexapod'", "a Case", "hx.load_case")),
+    "plan a family": (lambda case: hx.plan(case, "ptp"), ("family = 'ptp'", "hx.PointToPoint")),
+    "plan for long": (lambda case: hx.plan(case, duration="3"), ("duration = '3'", "a number")),
+    "plan by starts": (lambda case: hx.plan(case, starts=1.5), ("starts = 1.5", "a whole number or None")),
+    "plan to a target": (lambda case: hx.plan(case, targets="m=1kg"), ("targets = 'm=1kg'", "a list", "a text")),
+    "plan_poses": (lambda case: hx.plan_poses(case, count="9"), ("count = '9'", "a whole number or None")),
+    "bound": (lambda case: hx.bound("hexapod"), ("case = 'hexapod'", "a Case")),
+    "write": (lambda case: hx.write("plan"), ("plan = 'plan'", "a Plan")),
+    "run": (lambda case: hx.run(3, case), ("program = 3", "a Program or a path")),
+    "identify": (lambda case: hx.identify("run.csv"), ("recording = 'run.csv'", "a Recording")),
+    "compare": (lambda case: hx.compare("plan"), ("things = 'plan'", "a list, each entry a Plan")),
+    "compare numbers": (lambda case: hx.compare([3]), ("things = [3]", "a list, each entry a Plan")),
+    "validate": (lambda case: hx.validate("hexapod"), ("case = 'hexapod'", "a Case")),
+    "demo": (lambda case: hx.demo("hexapod", "x"), ("case = 'hexapod'", "a Case")),
+    "export": (lambda case: hx.export("result", "c"), ("result = 'result'", "a Result")),
+    "read": (lambda case: hx.read(3, case), ("paths = 3", "a path")),
+    "look": (lambda case: hx.look(3), ("file = 3", "a path")),
+    "read_program": (lambda case: hx.read_program(3, case), ("file = 3", "a path")),
+    "load_case": (lambda case: hx.load_case(3), ("name = 3", "a text")),
+    "method": (lambda case: hx.method(3), ("name = 3", "a text")),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_type_is_refused_by_name(name: str, hexapod_case: Case):
+    call, words = WRONG[name]
+    with pytest.raises(hx.HexciteError) as caught:
+        call(hexapod_case)
+    for word in (name.split()[0], *words):
+        assert word in str(caught.value)
+
+
+def test_every_public_function_is_here():
+    functions = {name for name in dir(hx) if callable(f := getattr(hx, name)) and not isinstance(f, type)}
+    assert functions == {name.split()[0] for name in WRONG}
+
+
+def test_what_does_as_well_is_taken():
+    @checked
+    def taken(count: int, length: float, file: Path, names: tuple[str, ...] = ()) -> tuple[Any, ...]:
+        return count, length, file, names
+
+    assert taken(np.int64(3), 2, "x", ["a"]) == (3, 2, "x", ["a"])
+    assert taken(3, np.float32(2.0), Path("x"), names=("a",))[1] == 2.0
