@@ -65,7 +65,13 @@ def tight_design(
     best: tuple[float, Array, Multipliers, float] | None = None
     attained = -np.inf
     for _ in range(rounds):
-        weights, multipliers = _best_weights(features, moments, states)
+        try:
+            weights, multipliers = _best_weights(features, moments, states)
+        except HexciteError:
+            if best is None:
+                raise
+            break  # the best dual point until now gives a bound all the same
+        solved = states, weights
         matrices = features.matrices(states)
         information = np.einsum("n,nki,nkj->ij", weights, matrices, matrices, optimize=True)
         attained = max(attained, float(np.linalg.slogdet(information)[1]))
@@ -97,7 +103,7 @@ def tight_design(
     )
     certified = maximum.upper <= max(lower_bound, maximum.lower) * (1.0 + gap) * (1.0 + 1e-9)
     dmax = maximum.upper if certified else max(largest, maximum.lower)
-    return Design(states, weights, attained, logdet, max(dmax, size), max(maximum.upper, size), certified)
+    return Design(*solved, attained, logdet, max(dmax, size), max(maximum.upper, size), certified)
 
 
 def _candidates(count: int, draw: np.random.Generator) -> Array:

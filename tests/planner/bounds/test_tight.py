@@ -8,11 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cases.errors import HexciteError
 from cases.units import DEG, MM
 from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
+from planner.bounds import tight
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design
 from planner.bounds.features import box_features, combined, motion_moments
@@ -162,6 +164,23 @@ def test_without_time_for_the_proof_it_is_an_estimate():
     hasty = tight_design(CASE, FEATURES, 0.01, time.process_time(), rounds=1)
     assert not hasty.certified
     assert hasty.proven >= hasty.dmax
+
+
+def test_a_solver_that_fails_later_on_leaves_the_bound_found_until_then(monkeypatch: pytest.MonkeyPatch):
+    answers = iter([tight._best_weights])
+
+    def failing(*arguments: object) -> object:
+        solve = next(answers, None)
+        if solve is None:
+            raise HexciteError("the tight information limit was not found (Clarabel: failed)")
+        return solve(*arguments)
+
+    monkeypatch.setattr(tight, "_best_weights", failing)
+    found = tight_design(CASE, FEATURES, 0.05, time.process_time() + 60, rounds=3)
+    assert found.attained <= bound_of(found)
+    assert len(found.states) == len(found.weights)
+    with pytest.raises(HexciteError):
+        tight_design(CASE, FEATURES, 0.05, time.process_time() + 60, rounds=3)
 
 
 @pytest.mark.slow
