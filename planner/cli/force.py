@@ -26,28 +26,30 @@ def export(
 ) -> None:
     """Write the calibrated model for a controller."""
     from cases.errors import HexciteError
-    from postprocessors.export.calibration import load_calibration
+    from cases.loading import load_case
+    from identification.outcome import Result
     from postprocessors.export.targets import TARGETS
-    from postprocessors.export.targets import export_calibration as write
+    from postprocessors.export.targets import export as write
 
     if to not in TARGETS:
         raise HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
-    calibration = load_calibration(result, case, force, stale)
-    files = write(calibration, to, output, overwrite)
+    identified = Result.load(result, None if case is None else load_case(case), stale)
+    files = write(identified, to, output, force=force, overwrite=overwrite)
+    warnings = [*identified.warnings, *identified.remarks]
     answer: dict[str, Any] = {
         "file": str(files[0]),
         "files": [str(file) for file in files],
         "target": to,
-        "case": calibration.case.name,
-        "model": calibration.model.number,
-        "warnings": list(calibration.warnings),
+        "case": identified.case.name,
+        "model": identified.model.number,
+        "warnings": warnings,
     }
     if json:
         print_json(answer)
         return
-    for warning in calibration.warnings:
+    for warning in warnings:
         print(f"warning, also in the file: {warning}")
-    print(f"model {calibration.model.number} of case {calibration.case.name} written: {', '.join(answer['files'])}")
+    print(f"model {identified.model.number} of case {identified.case.name} written: {', '.join(answer['files'])}")
 
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")

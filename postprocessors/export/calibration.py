@@ -1,8 +1,7 @@
-"""A saved result together with its case and model: what is exported, and whether it may be; all of it as JSON."""
+"""A result as it is exported: whether it may be, all of it as JSON, and what every language is told of it."""
 
 import hashlib
 import re
-from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -10,106 +9,44 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from numpy.typing import NDArray
 
 from cases.errors import FileProblem
 from cases.files import json_text
-from cases.loading import load_case
 from cases.schema import Case
-from identification.hexapod import Hexapod
-from identification.model import Model
 from identification.outcome import Result
-from identification.result import Value
-
-Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Calibration:
-    """The calibrated measurement model."""
-
-    result: Result
-    case: Case  # the machine that they belong to, unchanged since
-    model: Model
-    hexapod: Hexapod | None  # kinematics, None where the case has no machine
-    physical: dict[str, Value]  # physical parameters by name
-    recording: str  # what they were identified from, and what the offsets were tared with
-    samples: int  # how many samples that were
-    s0: float  # (27)
-    result_hash: str  # fingerprint of the file of the result
-    warnings: tuple[str, ...]  # warnings that the result carries
-
-    @property
-    def deviations(self) -> Array:
-        """Standard deviations of u, the larger of (28) and the robust ones, shape (u,)."""
-        both = np.maximum(self.result.covariance.diagonal(), self.result.covariance_robust.diagonal())
-        return np.asarray(np.sqrt(np.maximum(both, 0.0)))
-
-    @property
-    def origin(self) -> tuple[str, ...]:
-        """Which result, case, model and version made a file, and every warning: one sentence a line."""
-        terms = f" ({', '.join(self.result.terms)})" if self.result.terms else ""
-        return (
-            f"made by hexcite {version('hexcite')}",
-            f"result {self.result.source} (sha256 {self.result_hash}), from {self.recording}: {self.samples} samples, "
-            f"s0 {self.s0:.4g}",
-            f"case {self.case.name}, hash {self.case.hash}; model {self.model.number}{terms} with "
-            f"{len(self.model.names)} parameters",
-            *(f"WARNING: {warning}" for warning in self.warnings),
-        )
-
-
-def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool = False) -> Calibration:
-    """Loads a result for export.
-
-    Args:
-        path: `result.json` or the folder that holds it.
-        case_name: built-in name, folder or file of the case; by default the one that the result names.
-        stale: export although the case has changed since; the file says so.
-
-    Raises:
-        FileProblem: the result is damaged, belongs to another case, or carries warnings and `force` is not set.
-        CaseError: no such case.
-    """
-    return calibration_of(Result.load(path, None if case_name is None else load_case(case_name), stale), force)
-
-
-def calibration_of(result: Result, force: bool = False) -> Calibration:
-    """A result for export; errors as `load_calibration`."""
-    model, file, data = result.model, result.source, result.record
-    warnings, recording = result.warnings, data["recording"]
-    if "tared_with" in data:
-        recording += f", tared with {data['tared_with']}"
+def require_exportable(result: Result, force: bool = False) -> None:
+    """Raises FileProblem where a mass is not positive, or where a result carries warnings and `force` is not set."""
     if not result.values[0] > 0.0:
-        raise FileProblem(file, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
-    if warnings and not force:
-        more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
+        raise FileProblem(result.source, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
+    if result.warnings and not force:
+        more = f" (and {len(result.warnings) - 1} more)" if len(result.warnings) > 1 else ""
         raise FileProblem(
-            file,
-            f"carries a warning{more}: {warnings[0]}",
+            result.source,
+            f"carries a warning{more}: {result.warnings[0]}",
             "identify from a better run, or export with --force, which writes the warning into the file",
         )
-    content = json_text(dict(data)).encode() if result.file is None else result.file.read_bytes()
-    return Calibration(
-        result=result,
-        case=result.case,
-        model=model,
-        hexapod=Hexapod.of(result.case) if result.case.hexapod is not None else None,
-        physical=result.parameters,
-        recording=recording,
-        samples=data["samples"],
-        s0=data["s0"],
-        result_hash=hashlib.sha256(content).hexdigest()[:16],
-        warnings=(*warnings, *result.remarks),
-    )
 
 
-def json_document(calibration: Calibration) -> str:
+def result_hash(result: Result) -> str:
+    """Fingerprint of the file of a result."""
+    content = json_text(dict(result.record)).encode() if result.file is None else result.file.read_bytes()
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def _recording(result: Result) -> str:
+    """What the parameters were identified from, and what the offsets were tared with."""
+    tared = f", tared with {result.record['tared_with']}" if "tared_with" in result.record else ""
+    return f"{result.record['recording']}{tared}"
+
+
+def json_document(result: Result) -> str:
     """The calibrated model as JSON, everything that an implementation of its own needs, in SI units and radians.
 
     `calibration.schema.json` beside this file, a JSON Schema, describes each entry.
     """
-    case, result, model = calibration.case, calibration.result, calibration.model
+    case, model = result.case, result.model
     kinematics = None
     if case.hexapod is not None:
         drives = case.recording.drives
@@ -128,14 +65,14 @@ def json_document(calibration: Calibration) -> str:
             "origin": {
                 "hexcite": version("hexcite"),
                 "result": result.source,
-                "result_sha256": calibration.result_hash,
-                "recording": calibration.recording,
-                "samples": calibration.samples,
-                "s0": calibration.s0,
+                "result_sha256": result_hash(result),
+                "recording": _recording(result),
+                "samples": result.record["samples"],
+                "s0": result.record["s0"],
                 "case": case.name,
                 "case_hash": case.hash,
             },
-            "warnings": calibration.warnings,
+            "warnings": (*result.warnings, *result.remarks),
             "model": model.number,
             "error_terms": result.terms,
             "gravity_m_s2": case.gravity.tolist(),
@@ -151,7 +88,7 @@ def json_document(calibration: Calibration) -> str:
             "covariance_robust": result.covariance_robust.tolist(),
             "physical": [
                 {"name": name, "unit": v.unit, "value": v.value, "std": v.std, "std_robust": v.std_robust}
-                for name, v in calibration.physical.items()
+                for name, v in result.parameters.items()
             ],
         }
     )
@@ -176,9 +113,9 @@ def environment() -> Environment:
     )
 
 
-def default_name(calibration: Calibration) -> str:
+def default_name(case: Case) -> str:
     """Name of the model in the written language, short enough for a number behind it."""
-    return f"{calibration.case.name[:22].rstrip('_')}_force"
+    return f"{case.name[:22].rstrip('_')}_force"
 
 
 def checked_name(stem: str, file: Path) -> str:
@@ -196,29 +133,41 @@ def checked_name(stem: str, file: Path) -> str:
     return stem
 
 
-def comment_lines(calibration: Calibration) -> list[str]:
-    """Where the parameters are from, as printable ASCII that ends no comment in C, Structured Text or NC programs."""
+def comment_lines(result: Result) -> list[str]:
+    """Which result, case, model and version made a file, and every warning, one sentence a line.
+
+    As printable ASCII that ends no comment in C, Structured Text or NC programs.
+    """
+    case, model, record = result.case, result.model, result.record
+    terms = f" ({', '.join(result.terms)})" if result.terms else ""
     lines = []
-    for line in calibration.origin:
+    for line in (
+        f"made by hexcite {version('hexcite')}",
+        f"result {result.source} (sha256 {result_hash(result)}), from {_recording(result)}: {record['samples']} samples"
+        f", s0 {record['s0']:.4g}",
+        f"case {case.name}, hash {case.hash}; model {model.number}{terms} with {len(model.names)} parameters",
+        *(f"WARNING: {warning}" for warning in (*result.warnings, *result.remarks)),
+    ):
         plain = " ".join(line.split()).encode("ascii", "backslashreplace").decode()
         plain = "".join(c if c.isprintable() else "?" for c in plain)
         lines.append(plain.replace("*/", "* /").replace("*)", "* )").replace("(*", "( *").replace("/*", "/ *"))
     return lines
 
 
-def rendered(template: str, calibration: Calibration, name: str, **own: Any) -> str:
+def rendered(template: str, result: Result, name: str, **own: Any) -> str:
     """A template filled with what every language is told of a model called `name`, and with values of its own."""
-    case, model = calibration.case, calibration.model
-    drives = case.recording.drives if calibration.hexapod is not None else None
-    rows = zip(model.parameters, calibration.result.values, calibration.deviations, strict=True)
+    case, model = result.case, result.model
+    drives = case.recording.drives if case.hexapod is not None else None
+    variances = np.maximum(result.covariance.diagonal(), result.covariance_robust.diagonal())  # (28) or the robust one
+    rows = zip(model.parameters, result.values, np.sqrt(np.maximum(variances, 0.0)), strict=True)
     shared: dict[str, Any] = {
         "name": name,
         "NAME": name.upper(),
-        "origin": comment_lines(calibration),
-        "hexapod": calibration.hexapod is not None,
+        "origin": comment_lines(result),
+        "hexapod": case.hexapod is not None,
         "home": [number(v) for v in (np.zeros(6) if case.hexapod is None else case.hexapod.home.vector)],
         "force_units": "N, N m" if case.sensor_frame.has_moments else "N",
-        "delay": number(calibration.result.delay),
+        "delay": number(result.delay),
         "most_steps": MOST_STEPS,
         "drives": drives
         and {

@@ -13,8 +13,9 @@ from cases.schema import Case
 from cases.units import DEG
 from identification.hexapod import Hexapod
 from identification.model import Model
+from identification.outcome import Result
 from identification.symbolic import rotation, twist, twist_rate
-from postprocessors.export.calibration import Calibration, number, rendered
+from postprocessors.export.calibration import number, rendered
 
 RING = 256
 """Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
@@ -31,28 +32,28 @@ def half_window(case: Case) -> float:
     return 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
 
 
-def c_sources(calibration: Calibration, name: str) -> tuple[str, str]:
+def c_sources(result: Result, name: str) -> tuple[str, str]:
     """Header and source in C99 of a model called `name`."""
-    declarations, definitions = c_parts(calibration, name, "")
+    declarations, definitions = c_parts(result, name, "")
     return (
-        rendered("header.h.jinja", calibration, name, declarations=declarations),
-        rendered("source.c.jinja", calibration, name, definitions=definitions),
+        rendered("header.h.jinja", result, name, declarations=declarations),
+        rendered("source.c.jinja", result, name, definitions=definitions),
     )
 
 
-def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str]:
+def c_parts(result: Result, name: str, linkage: str) -> tuple[str, str]:
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
-    half, functions = half_window(calibration.case), functions_of(calibration.model, calibration.hexapod)
+    half, functions = half_window(result.case), functions_of(result)
     values = {
         "linkage": linkage,
         "ring": RING,
         "half_window": number(half),
         "window_meaning": f"half gain at {_HALF_GAIN / half:.3g} Hz",
-        "functions": [_c_function(f, name, calibration.model.names) for f in functions],
+        "functions": [_c_function(f, name, result.model.names) for f in functions],
     }
     return (
-        rendered("declarations.c.jinja", calibration, name, **values),
-        rendered("definitions.c.jinja", calibration, name, **values),
+        rendered("declarations.c.jinja", result, name, **values),
+        rendered("definitions.c.jinja", result, name, **values),
     )
 
 
@@ -73,28 +74,28 @@ def _c_function(function: ca.Function, name: str, parameters: list[str]) -> dict
 AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N m]"), ("mz", "[N m]"))
 
 
-def linuxcnc_component(calibration: Calibration, name: str) -> str:
+def linuxcnc_component(result: Result, name: str) -> str:
     """The text of a component called `name`."""
-    declarations, definitions = c_parts(calibration, name, "static ")
+    declarations, definitions = c_parts(result, name, "static ")
     return rendered(
         "component.comp.jinja",
-        calibration,
+        result,
         name,
         hal=name.replace("_", "-"),
         wrench=AXES,
-        half_window=number(half_window(calibration.case)),
+        half_window=number(half_window(result.case)),
         degree=number(DEG),
         declarations=declarations,
         definitions=definitions,
     )
 
 
-def structured_text(calibration: Calibration, name: str) -> str:
+def structured_text(result: Result, name: str) -> str:
     """The text of a model called `name`: structure, constants, functions and function block."""
     camel = "".join(part.capitalize() for part in name.split("_"))
-    functions = functions_of(calibration.model, calibration.hexapod)
-    spelled = [_st_function(f, camel, calibration.model.names) for f in functions]
-    return rendered("model.st.jinja", calibration, name, Name=camel, functions=spelled)
+    functions = functions_of(result)
+    spelled = [_st_function(f, camel, result.model.names) for f in functions]
+    return rendered("model.st.jinja", result, name, Name=camel, functions=spelled)
 
 
 def _st_function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:
@@ -232,9 +233,10 @@ def mechanics(hexapod: Hexapod) -> tuple[ca.Function, ...]:
     return struts, newton, drift
 
 
-def functions_of(model: Model, hexapod: Hexapod | None) -> list[ca.Function]:
+def functions_of(result: Result) -> list[ca.Function]:
     """All functions of a model; those of the mechanics where there is a hexapod."""
-    return [measurement(model), coordinates(), *(() if hexapod is None else mechanics(hexapod))]
+    own = mechanics(Hexapod.of(result.case)) if result.case.hexapod is not None else ()
+    return [measurement(result.model), coordinates(), *own]
 
 
 def signature(function: ca.Function) -> str:

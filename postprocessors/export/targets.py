@@ -1,4 +1,4 @@
-"""From a calibration to files: which targets there are, what each is called, and how it appears as a whole or not."""
+"""From a result to files: which targets there are, what each is called, and how it appears as a whole or not."""
 
 from collections.abc import Callable, Iterable
 from itertools import permutations, product
@@ -15,22 +15,21 @@ from cases.units import DEG, MM
 from identification.outcome import Result
 from identification.parameters import INERTIA
 from postprocessors.export.calibration import (
-    Calibration,
-    calibration_of,
     checked_name,
     comment_lines,
     default_name,
     json_document,
+    require_exportable,
 )
 from postprocessors.export.code import c_sources, linuxcnc_component, structured_text
 
 # target that is one file -> its suffix, what it holds, and whether the file's name becomes the name of the model
-SINGLE_FILES: dict[str, tuple[str, Callable[[Calibration, str], str], bool]] = {
+SINGLE_FILES: dict[str, tuple[str, Callable[[Result, str], str], bool]] = {
     "linuxcnc": (".comp", linuxcnc_component, True),
     "st": (".st", structured_text, True),
-    "json": (".json", lambda calibration, _: json_document(calibration), False),
-    "urscript": (".script", lambda calibration, _: urscript_payload(calibration), False),
-    "isg-load": (".nc", lambda calibration, _: isg_load(calibration), False),
+    "json": (".json", lambda result, _: json_document(result), False),
+    "urscript": (".script", lambda result, _: urscript_payload(result), False),
+    "isg-load": (".nc", lambda result, _: isg_load(result), False),
 }
 
 TARGETS = ("c", *SINGLE_FILES)
@@ -61,33 +60,29 @@ def export(
         HexciteError: the target is unknown, cannot carry the model or cannot be written.
         FileProblem: the result carries warnings and `force` is not set.
     """
+    require_exportable(result, force)
     place = None if output is None else Path(output)
-    return export_calibration(calibration_of(result, force), target, place, overwrite)
-
-
-def export_calibration(calibration: Calibration, target: str, output: Path | None, overwrite: bool) -> list[Path]:
-    """Writes a calibration for a target; arguments, files and errors as `export`."""
     if target == "c":
-        return _c_folder(calibration, output, overwrite)
+        return _c_folder(result, place, overwrite)
     if target not in SINGLE_FILES:
         raise HexciteError(f"target {target!r} is unknown; choose {', '.join(TARGETS)}")
     suffix, text, named = SINGLE_FILES[target]
-    usual = Path(f"{default_name(calibration)}{suffix}")
-    file = output_place(output, usual, overwrite, "_" if named else "-")  # no name of a model holds "-"
-    check_file(file, [suffix], [Path(calibration.result.source)], overwrite)
-    write_text(file, text(calibration, checked_name(file.stem, file) if named else file.stem))
+    usual = Path(f"{default_name(result.case)}{suffix}")
+    file = output_place(place, usual, overwrite, "_" if named else "-")  # no name of a model holds "-"
+    check_file(file, [suffix], [Path(result.source)], overwrite)
+    write_text(file, text(result, checked_name(file.stem, file) if named else file.stem))
     return [file]
 
 
-def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) -> list[Path]:
-    name = default_name(calibration)
+def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path]:
+    name = default_name(result.case)
     folder = output_place(output, Path(f"{name}-c"), overwrite)
     if folder.suffix in (".c", ".h"):
         raise FileProblem(folder, f"--to c writes a folder with {name}.h and {name}.c", "name a folder with -o")
     names = [f"{name}.c", f"{name}.h"]
     kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))  # what a compiler leaves there may go too
-    check_folder(folder, kind, [Path(calibration.result.source)], overwrite)
-    header, source = c_sources(calibration, name)
+    check_folder(folder, kind, [Path(result.source)], overwrite)
+    header, source = c_sources(result, name)
     with atomic_folder(folder, kind, overwrite) as part:
         (part / names[0]).write_text(source, encoding="ascii")
         (part / names[1]).write_text(header, encoding="ascii")
@@ -97,7 +92,7 @@ def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) ->
 LARGEST = 133.0  # [kg m^2] of an element of the inertia
 
 
-def urscript_payload(calibration: Calibration) -> str:
+def urscript_payload(result: Result) -> str:
     """A URScript program that sets the identified body as payload.
 
     Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
@@ -106,15 +101,15 @@ def urscript_payload(calibration: Calibration) -> str:
     Raises:
         IdentificationError: a static model, which has no inertia, or a body that is none or too large.
     """
-    mass, centre, inertia = identified_load(calibration, "set_target_payload")
+    mass, centre, inertia = identified_load(result, "set_target_payload")
     elements = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     if max(map(abs, elements)) > LARGEST:
         raise IdentificationError(
-            f"{calibration.result.source}: an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
+            f"{result.source}: an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
             f"takes ({LARGEST:g}); is this the load of a robot?"
         )
     lines = [
-        *(f"# {line}" for line in comment_lines(calibration)),
+        *(f"# {line}" for line in comment_lines(result)),
         "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
         "# tool flange = sensor frame {P} of the case; m from it, kg m^2 about the centre of gravity",
         f"set_target_payload({mass:.4f}, {_list(centre, 5)}, {_list(elements, 6)})",
@@ -147,7 +142,7 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
     return best
 
 
-def identified_load(calibration: Calibration, command: str) -> tuple[float, Array, Array]:
+def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:
     """What the force sensors carry, as a rigid body in {P}, for a controller's command of some name.
 
     Mass [kg], centre of gravity, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2].
@@ -156,19 +151,19 @@ def identified_load(calibration: Calibration, command: str) -> tuple[float, Arra
         IdentificationError: a static model, which has no inertia, an inertia that no body has, or sensors in struts at
             the drive, whose body is the platform with the rods.
     """
-    source, number = calibration.result.source, calibration.model.number
-    if INERTIA not in calibration.model.blocks:
+    source, number = result.source, result.model.number
+    if INERTIA not in result.model.blocks:
         raise IdentificationError(
             f"{source}: model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
         )
-    struts = calibration.model.struts
+    struts = result.model.struts
     if struts is not None and struts.sensors.at == "drive":
         raise IdentificationError(
             source,
             f"{command} describes a load, and sensors at the drives' end of the struts cannot tell it from the rods",
             "export --to c, linuxcnc or st",
         )
-    value = {name: v.value for name, v in calibration.physical.items()}
+    value = {name: v.value for name, v in result.parameters.items()}
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     smallest, middle, largest = moments = np.linalg.eigvalsh(inertia)
@@ -180,7 +175,7 @@ def identified_load(calibration: Calibration, command: str) -> tuple[float, Arra
     return value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia
 
 
-def isg_load(calibration: Calibration) -> str:
+def isg_load(result: Result) -> str:
     """NC code that defines the identified body as load 1 and selects it.
 
     Beckhoff infosys, TF5200: P-CHAN-00763 to 00772 (mass, centre of gravity, rotation, main moments of inertia) and
@@ -190,7 +185,7 @@ def isg_load(calibration: Calibration) -> str:
     Raises:
         IdentificationError: a static model, which has no inertia, or an inertia that no body has.
     """
-    mass, centre, inertia = identified_load(calibration, "#LIMIT LOAD")
+    mass, centre, inertia = identified_load(result, "#LIMIT LOAD")
     moments, turn = principal_axes(inertia)
     rx, ry, rz = Rotation.from_matrix(turn).as_euler("xyz") / DEG
     words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", centre / MM, strict=True)]
@@ -199,7 +194,7 @@ def isg_load(calibration: Calibration) -> str:
     words.append(f"MASS={mass:.4f}")
     load = " ".join(words)
     comments = [
-        *comment_lines(calibration),
+        *comment_lines(result),
         "load: everything that the force sensors carry, as a rigid body",
         "flange coordinate system = platform frame {P} of the case",
         "X Y Z: centre of gravity [mm]; RX RY RZ: principal axes, R = Rz Ry Rx [degrees]",

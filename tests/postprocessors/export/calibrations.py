@@ -12,9 +12,9 @@ from cases.loading import load_case
 from cases.recording_format import Drives
 from cases.schema import Case
 from identification.model import Model, identification_model
+from identification.outcome import Result
 from identification.parameters import body_parameters
 from identification.result import physical_values
-from postprocessors.export.calibration import Calibration, load_calibration
 
 Array = NDArray[np.float64]
 
@@ -74,12 +74,12 @@ DRIVES = {
 """Strut k = sign_k * drive order_k + offset_k."""
 
 
-def with_drives(made: Calibration) -> Calibration:
-    """The calibration of a machine whose case says how drives move its struts."""
+def with_drives(made: Result) -> Result:
+    """The result of a machine whose case says how drives move its struts."""
     recording = made.case.recording.model_copy(update={"drives": Drives.model_validate(DRIVES)})
     return replace(made, case=made.case.model_copy(update={"recording": recording}))
 
 
-def calibration(folder: Path, name: str, number: int, values: Array | None = None, **changes: Any) -> Calibration:
-    """The calibration of a built-in case."""
-    return load_calibration(write_result(folder, load_case(name), number, values, **changes), None, True)
+def calibration(folder: Path, name: str, number: int, values: Array | None = None, **changes: Any) -> Result:
+    """The result of a built-in case."""
+    return Result.load(write_result(folder, load_case(name), number, values, **changes))

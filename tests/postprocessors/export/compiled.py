@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocessors.export.calibration import Calibration
+from identification.outcome import Result
 from postprocessors.export.code import RING, c_sources
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Signals(ctypes.Structure):
 class Compiled:
     """A model in use."""
 
-    def __init__(self, calibration: Calibration, folder: Path, name: str = "hexapod_force") -> None:
+    def __init__(self, calibration: Result, folder: Path, name: str = "hexapod_force") -> None:
         header, source = c_sources(calibration, name)
         (folder / f"{name}.h").write_text(header, encoding="ascii")
         (folder / f"{name}.c").write_text(source, encoding="ascii")

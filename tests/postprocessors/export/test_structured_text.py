@@ -11,8 +11,9 @@ from cases.loading import load_case
 from identification.external import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
+from identification.outcome import Result
 from identification.simulate import simulate_recording
-from postprocessors.export.calibration import MOST_STEPS, Calibration
+from postprocessors.export.calibration import MOST_STEPS, result_hash
 from postprocessors.export.code import structured_text
 from tests.helpers import HOME
 from tests.postprocessors.export.calibrations import calibration, with_drives
@@ -41,12 +42,12 @@ class Block:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Calibration:
+def made(tmp_path_factory: pytest.TempPathFactory) -> Result:
     return calibration(tmp_path_factory.mktemp("nine"), "hexapod", 9)
 
 
 @pytest.fixture(scope="module")
-def loaded(made: Calibration) -> Plc:
+def loaded(made: Result) -> Plc:
     return Plc().load(structured_text(made, "hexapod_force"))
 
 
@@ -55,8 +56,8 @@ def block(loaded: Plc) -> Callable[[], Block]:
     return lambda: Block(loaded, "FB_HexapodForce")
 
 
-def test_the_function_block_computes_the_papers_model(made: Calibration, block: Callable[[], Block]) -> None:
-    u = dict(zip(made.model.names, made.result.values, strict=True))
+def test_the_function_block_computes_the_papers_model(made: Result, block: Callable[[], Block]) -> None:
+    u = dict(zip(made.model.names, made.values, strict=True))
     s = states(CASE, 6, 0)
     for k in range(len(s.pose)):
         expected = external(CASE, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
@@ -91,7 +92,7 @@ def test_a_force_torque_sensors_block_needs_no_struts(tmp_path: Path) -> None:
     case, number = load_case("ft_wrist"), 4
     made = calibration(tmp_path, "ft_wrist", number)
     block = Block(Plc().load(structured_text(made, "ft_wrist_force")), "FB_FtWristForce")
-    u = dict(zip(made.model.names, made.result.values, strict=True))
+    u = dict(zip(made.model.names, made.values, strict=True))
     s = states(case, 5, number)
     for k in range(len(s.pose)):
         expected = external(case, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
@@ -119,10 +120,10 @@ def test_bad_inputs_and_open_struts_keep_the_outputs(block: Callable[[], Block])
     assert one["Valid"]
 
 
-def test_a_tare_does_what_hexcite_tare_does(made: Calibration, block: Callable[[], Block]) -> None:
+def test_a_tare_does_what_hexcite_tare_does(made: Result, block: Callable[[], Block]) -> None:
     execution = PoseExecution(Hexapod.of(CASE), Standstill(np.add(HOME, [0.05, 0.1, 0.0, 0.1, -0.1, 0.05]), 0.05))
     recording = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")
-    expected = tare(recording, made.result)
+    expected = tare(recording, made)
     one = block()
     assert recording.struts is not None
     for struts, forces in zip(recording.struts, recording.forces, strict=True):
@@ -140,12 +141,12 @@ def test_the_text_says_where_the_numbers_are_from(tmp_path: Path) -> None:
     assert text.isascii()
     head = text[: text.index("(* The linear")]
     assert head.count("*)") == 1
-    for word in (str(tmp_path), made.result_hash, CASE.hash, "model 9", "hexcite 0", "WARNING: poses cover"):
+    for word in (str(tmp_path), result_hash(made), CASE.hash, "model 9", "hexcite 0", "WARNING: poses cover"):
         assert word in head
 
 
 @pytest.mark.slow
-def test_every_line_parses(made: Calibration) -> None:
+def test_every_line_parses(made: Result) -> None:
     from blark.parse import parse_source_code
 
     assert parse_source_code(structured_text(made, "hexapod_force")).exception is None
