@@ -1,11 +1,10 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
 import re
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, Tag, model_validator
 
-from cases.errors import CaseError
 from cases.machine import Part, Positive, kind_of
 from cases.units import DEG, MINUTE, MM, MS
 
@@ -26,6 +25,8 @@ Promises = Annotated[tuple[Kept, ...], AfterValidator(_once)]
 class UrScript(Part):
     """Settings of programs for robots of Universal Robots."""
 
+    table: ClassVar = "urscript"
+
     program_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$")]
     """Of the function that the program is: letters, digits and underscores."""
     trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
@@ -34,6 +35,8 @@ class UrScript(Part):
 
 class Setpoints(Part):
     """Settings of setpoint tables for external setpoint generation."""
+
+    table: ClassVar = "setpoints"
 
     cycle_ms: Positive
     """Of the task that feeds them: a whole multiple of the drives' own cycle."""
@@ -99,6 +102,8 @@ AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 class SinumerikAxes(Part):
     """Settings of SINUMERIK programs in the machine's own axes, of a chain that is named as they are."""
+
+    table: ClassVar = "sinumerik"
 
     program_name: SinumerikName
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
@@ -178,6 +183,8 @@ MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_fre
 class TwinCatAxes(Part):
     """Settings of TF5200 / ISG programs in the machine's own axes, of a chain that is named as they are."""
 
+    table: ClassVar = "twincat"
+
     program_name: TwinCatName
     """Name in the `%` line."""
     slope: Literal["STEP", "TRAPEZ"]
@@ -226,16 +233,19 @@ AnyTwinCat = Annotated[
     kind_of(TwinCat, TwinCatAxes),
 ]
 
-Settings = TypeVar("Settings", "LinuxCnc", SinumerikAxes, TwinCatAxes, Setpoints, UrScript)
-
 
 class LinuxCnc(Part):
     """Settings of the LinuxCNC configuration that is generated from the case."""
+
+    table: ClassVar = "linuxcnc"
 
     acceleration_headroom: Positive
     """The controller's acceleration limits as a multiple of `[limits.motion]`. LinuxCNC has no look-ahead for paths
     that turn: at 1 it stretches dense paths; far above 1 it keeps the program's time, and the program's proof is
     what keeps the limits."""
+
+
+Settings = TypeVar("Settings", LinuxCnc, SinumerikAxes, TwinCatAxes, Setpoints, UrScript)
 
 
 class Controller(Part):
@@ -286,33 +296,3 @@ class Controller(Part):
     def safe_share(self) -> float:
         """Share of the limits of motion that the first move of a chain may use."""
         return self.safe_speed_percent / 100.0
-
-    def need_linuxcnc(self, case: str) -> LinuxCnc:
-        """Settings of LinuxCNC's programs; raises CaseError where the case has none."""
-        return _needed(self.linuxcnc, case, "linuxcnc")
-
-    def need_sinumerik(self, case: str) -> SinumerikAxes:
-        """Settings of SINUMERIK programs, of a hexapod `Sinumerik`; raises CaseError where the case has none."""
-        return _needed(self.sinumerik, case, "sinumerik")
-
-    def need_twincat(self, case: str) -> TwinCatAxes:
-        """Settings of TwinCAT programs, of a hexapod `TwinCat`; raises CaseError where the case has none."""
-        return _needed(self.twincat, case, "twincat")
-
-    def need_setpoints(self, case: str) -> Setpoints:
-        """Settings of setpoint tables; raises CaseError where the case has none."""
-        return _needed(self.setpoints, case, "setpoints")
-
-    def need_urscript(self, case: str) -> UrScript:
-        """Settings of URScript programs; raises CaseError where the case has none."""
-        return _needed(self.urscript, case, "urscript")
-
-
-def _needed(settings: Settings | None, case: str, name: str) -> Settings:
-    if settings is None:
-        example = "ur10_wrist" if name == "urscript" else "hexapod"
-        problem = (
-            f"is missing; the dialect {name} needs it: add the table to the case file, see cases/{example}/case.toml"
-        )
-        raise CaseError(f"case {case}", f"controller.{name}", problem)
-    return settings

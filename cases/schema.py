@@ -14,7 +14,7 @@ from typing import Annotated, Literal, NoReturn
 from pydantic import Field, PrivateAttr, Tag, field_validator, model_validator
 
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
-from cases.controller import Controller, Sinumerik, TwinCat
+from cases.controller import Controller, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
 from cases.machine import Array, HexapodMachine, MotionLimits, Part, Vector, Workspace, frozen, kind_of
 from cases.poses import JointPoses, Poses
@@ -373,6 +373,19 @@ class Case(Part):
         if self.controller is None:
             self.missing("controller", purpose)
         return self.controller
+
+    def need_settings(self, kind: type[Settings], purpose: str) -> Settings:
+        """Settings of a dialect, a table of `[controller]`; raises CaseError where the case has none."""
+        settings: Settings | None = getattr(self.need_controller(purpose), kind.table)
+        if settings is None:
+            example = "ur10_wrist" if kind.table == "urscript" else "hexapod"
+            raise CaseError(
+                f"case {self.name}",
+                f"controller.{kind.table}",
+                f"is missing; the dialect {kind.table} needs it: add the table to the case file, see "
+                f"cases/{example}/case.toml",
+            )
+        return settings
 
     def need_simulation(self, purpose: str) -> Simulation:
         """The simulated machine; raises CaseError where the case has none."""

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cases.controller import LinuxCnc
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import MINUTE
@@ -173,7 +174,7 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     """
     limits, controller = case.need_motion("a program")[1], case.need_controller("a program")
     timed = case.chain is None and any(isinstance(block, TimedPath) for block in program.blocks)
-    headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
+    headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0
     axes = tuple("XYZABC") if case.chain is None else case.chain.names
     writer = _LinuxCncWriter(axes, limits, headroom, controller.block, case.chain is not None)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]

@@ -11,6 +11,7 @@ from itertools import count, groupby
 
 import numpy as np
 
+from cases.controller import Setpoints
 from cases.errors import ProgramError
 from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
@@ -56,7 +57,7 @@ def _sampled(motion: Trajectory, cycles: int, cycle: float) -> list[Array]:
 
 def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
     """All rows, and whether the trigger is on in the cycle that each begins."""
-    cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
+    cycle = case.need_settings(Setpoints, "a setpoint table").cycle
     home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
     rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
     trigger: list[Array] = []
@@ -103,7 +104,7 @@ def decimals_of(case: Case) -> list[int]:
 
 
 def _header(program: NeutralProgram, case: Case) -> list[str]:
-    cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle_ms
+    cycle = case.need_settings(Setpoints, "a setpoint table").cycle_ms
     if case.hexapod is not None:
         words = [
             "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
@@ -152,7 +153,7 @@ def write_parquet(program: NeutralProgram, case: Case) -> bytes:
 
 def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
-    cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
+    cycle = case.need_settings(Setpoints, "a setpoint table").cycle
     read = [s for s in reading.stretches if isinstance(s, Timed)]
     written = [part for part in _parts(program, cycle) if part[0] is not None]
     if len(read) != len(written):

@@ -7,7 +7,7 @@ machine's own axes no transformation is active, and FGREF states that a degree c
 
 import numpy as np
 
-from cases.controller import Sinumerik
+from cases.controller import Sinumerik, SinumerikAxes
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM, MS
@@ -30,8 +30,7 @@ class _SinumerikWriter(GroupedWriter):
     name, straight, arcs, dwell, grouping = "SINUMERIK", "G1", ("G3", "G2"), "G4 F", "FGROUP({})"
 
     def __init__(self, case: Case) -> None:
-        controller = case.need_controller("a SINUMERIK program")
-        self.settings = controller.need_sinumerik(case.name)
+        self.settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
         if isinstance(self.settings, Sinumerik):
             words = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in self.settings.orientation_words)]
             axes = ["X", "Y", "Z", *self.settings.orientation_axes]
@@ -116,10 +115,10 @@ class _SinumerikWriter(GroupedWriter):
 
 def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
     """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
-    controller = case.need_controller("a SINUMERIK program")
-    settings = controller.need_sinumerik(case.name)
-    polynomials = isinstance(settings, Sinumerik) and settings.moves == "poly"
-    return moves_as_polynomials(program, controller.block) if polynomials else program
+    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
+    if isinstance(settings, Sinumerik) and settings.moves == "poly":
+        return moves_as_polynomials(program, case.need_controller("a SINUMERIK program").block)
+    return program
 
 
 def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:

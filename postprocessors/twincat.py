@@ -7,7 +7,7 @@ machine's own axes no transformation is active.
 
 import numpy as np
 
-from cases.controller import TwinCat
+from cases.controller import TwinCat, TwinCatAxes
 from cases.schema import Case
 from postprocessors.blocks import Array, NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
@@ -22,7 +22,7 @@ class _TwinCatWriter(GroupedWriter):
     name, straight, arcs, dwell, grouping = "TwinCAT", "G01 G60", ("G03 G60", "G02 G60"), "G04 ", "#FGROUP [{}]"
 
     def __init__(self, case: Case) -> None:
-        self.settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
+        self.settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
         letters = "XYZABC"
         if not isinstance(self.settings, TwinCat):
             chain, _ = case.need_chain("a program")

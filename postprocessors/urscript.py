@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.trajectories.moves import StraightMove
@@ -28,7 +29,7 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
         HexciteError: a block that `movej` cannot be.
         CaseError: the case has no such chain, or no settings of this dialect.
     """
-    settings = case.need_controller("a URScript program").need_urscript(case.name)
+    settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
     if endless := next((joint.name for joint in chain.joints if joint.kind == "continuous"), None):
         raise HexciteError(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cases.controller import Sinumerik
+from cases.controller import Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM, MS
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
@@ -121,7 +121,7 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     polynomial = bool(_polynomials(reading))
     return Guarantees(
         controller="SINUMERIK",
@@ -142,13 +142,13 @@ def _polynomials(reading: Reading) -> list[PolynomialMotion]:
 
 def sinumerik_tolerance(case: Case) -> Array:
     """How far POLY blocks may be off a motion that is not a polynomial, shape (6,) [m, rad]."""
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     return np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1)
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
-    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
+    settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
         controller="TwinCAT",
@@ -187,7 +187,7 @@ def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     """A table carries its time exactly: all of it is proven from the rows; there are no moves of anybody else's law."""
-    settings = case.need_controller("a setpoint table").need_setpoints(case.name)
+    settings = case.need_settings(Setpoints, "a setpoint table")
     return Guarantees(
         controller="setpoint generator",
         shortest_block=settings.cycle,

@@ -261,7 +261,7 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not such a table, or rows that do not belong together, with their line.
         CaseError: the case has no machine or no settings of this dialect.
     """
-    settings = case.need_controller("a setpoint table").need_setpoints(case.name)
+    settings = case.need_settings(Setpoints, "a setpoint table")
     home, limits = case.need_motion("the check of a table")
     columns = columns_of(limits.columns, case.hexapod is not None)
     table = read_table(content, file, settings.most_rows, columns)

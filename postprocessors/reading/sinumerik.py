@@ -243,6 +243,6 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not understood, with line and column; no end of program.
         CaseError: the case has no settings of this dialect.
     """
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
     return _SinumerikInterpreter(file, settings, case.chain).read_program(lines, sinumerik_words)

@@ -235,6 +235,6 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not understood, with line and column; no end of program.
         CaseError: the case has no settings of this dialect.
     """
-    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
+    settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
     return _TwinCatInterpreter(file, settings, case.chain).read_program(lines, twincat_words)

@@ -42,7 +42,7 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not understood, with its line; no end of the program.
         CaseError: the case has no such chain, or no settings of this dialect.
     """
-    settings = case.need_controller("a URScript program").need_urscript(case.name)
+    settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
     if len(chain.joints) != JOINTS or not limits.turns.all():
         problem = f"URScript moves {JOINTS} joints that turn; case {case.name} has others, choose another dialect"

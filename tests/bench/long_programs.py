@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cases.controller import SinumerikAxes
 from cases.loading import load_case
 from postprocessors.dialects import read_program
 from postprocessors.proving.proof import prove_program
@@ -59,7 +60,7 @@ def check(file: Path) -> tuple[float, float]:
 
 def long_programs(folder: Path) -> list[list[str]]:
     """A program of 100 000 blocks in two languages, each checked in a process of its own."""
-    most = load_case("hexapod").need_controller("a program").need_sinumerik("hexapod").most_blocks
+    most = load_case("hexapod").need_settings(SinumerikAxes, "a program").most_blocks
     framed = SINUMERIK.text("").count("\n") + 10
     texts = {"long.ngc": dense_lines(BLOCKS), "long.mpf": polynomials(most - framed)}
     rows = []

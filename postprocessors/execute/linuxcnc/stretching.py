@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.controller import LinuxCnc
 from cases.schema import Case
 from identification.limit import LimitKind
 from identification.motion import TimedPoints
@@ -33,7 +34,7 @@ two stay micrometres apart, over seconds they have nothing in common."""
 def acceleration_headroom(reading: Reading, case: Case) -> float:
     """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
     timed = any(isinstance(part, Timed) for part in reading.stretches)
-    return case.need_controller(PURPOSE).need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
+    return case.need_settings(LinuxCnc, PURPOSE).acceleration_headroom if timed else 1.0
 
 
 def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
