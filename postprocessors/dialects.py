@@ -65,7 +65,7 @@ def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.reading.linuxcnc import read_linuxcnc_bytes
 
     return Language(
-        lambda program, case: write_linuxcnc(program, case).encode("ascii"),
+        write_linuxcnc,
         read_linuxcnc_bytes,
         linuxcnc_guarantees,
         forecast=linuxcnc_forecast,

@@ -17,7 +17,7 @@ from postprocessors.blocks import NeutralProgram, TimedPath, even_deviation, pat
 from postprocessors.proving.guarantees import sinumerik_guarantees
 from postprocessors.reading import Reading
 from postprocessors.reading.text import axis_letters
-from postprocessors.wording import FEED_DECIMALS, GroupedWriter, comments, coordinates, number
+from postprocessors.wording import FEED_DECIMALS, BlockWriter, comments, coordinates, number
 from postprocessors.writing import moves_as_polynomials
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF
@@ -26,7 +26,7 @@ POLY_ANGLE_DECIMALS = 8
 AXES_OF_A_POSE = 6
 
 
-class _SinumerikWriter(GroupedWriter):
+class _SinumerikWriter(BlockWriter):
     name, straight, arcs, dwell, grouping = "SINUMERIK", "G1", ("G3", "G2"), "G4 F", "FGROUP({})"
 
     def __init__(self, case: Case) -> None:
@@ -52,7 +52,7 @@ class _SinumerikWriter(GroupedWriter):
         start += [f"FGREF[{a}]={number(MM_A_DEGREE, 6)}" for a in turning]
         return self.text(program, title, start, ["M30"])
 
-    def trigger(self, on: bool) -> str:
+    def trigger(self, on: bool, moves_next: bool) -> str:
         return f"DO $A_OUT[{self.settings.trigger_output}]={int(on)}"
 
     def path(self, path: TimedPath) -> list[str]:

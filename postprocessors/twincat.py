@@ -13,12 +13,12 @@ from postprocessors.blocks import Array, NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading
 from postprocessors.reading.text import axis_letters
-from postprocessors.wording import GroupedWriter, comments, coordinates, number
+from postprocessors.wording import BlockWriter, comments, coordinates, number
 
 TIME_DECIMALS = 9  # of a second
 
 
-class _TwinCatWriter(GroupedWriter):
+class _TwinCatWriter(BlockWriter):
     name, straight, arcs, dwell, grouping = "TwinCAT", "G01 G60", ("G03 G60", "G02 G60"), "G04 ", "#FGROUP [{}]"
 
     def __init__(self, case: Case) -> None:
@@ -42,10 +42,10 @@ class _TwinCatWriter(GroupedWriter):
             return super().coordinates(pose)
         return coordinates(pose * [1, 1, 1, 1, self.settings.angle_sign_b, 1])
 
-    def to_home(self) -> list[str]:
-        return super().to_home() if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]']
+    def to_home(self, move: list[str]) -> list[str]:
+        return super().to_home(move) if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *move]
 
-    def trigger(self, on: bool) -> str:
+    def trigger(self, on: bool, moves_next: bool) -> str:
         return f"M{self.settings.trigger_on_m if on else self.settings.trigger_off_m}"
 
     def path(self, path: TimedPath) -> list[str]:

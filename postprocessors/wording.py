@@ -89,6 +89,7 @@ def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = P
     return replace(move, start=start, end=end) if np.any(start != end) else move
 
 
+MOTION = (ToHome, StraightMove, CircularMove, TimedPath)
 NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit
 
@@ -139,8 +140,8 @@ def home_feed(block: ToHome, limits: Box, own_axes: bool) -> str:
     return digits(block.feed * float((limits.rate / np.where(limits.turns, DEG, MM)).min()) * MINUTE)
 
 
-class GroupedWriter(ABC):
-    """Blocks for SINUMERIK and TwinCAT; keeps from block to block which axes the feed counts.
+class BlockWriter(ABC):
+    """Blocks of LinuxCNC, SINUMERIK and TwinCAT; keeps from block to block which axes the feed counts.
 
     In a machine's own axes no transformation is active, and there are moves from rest to rest alone: what a controller
     makes of paths where rotary axes turn is known for none of them.
@@ -156,7 +157,9 @@ class GroupedWriter(ABC):
     straight: ClassVar[str]  # words of a straight move with exact stop
     arcs: ClassVar[tuple[str, str]]  # of an arc that turns to the left, and of one that turns to the right
     dwell: ClassVar[str]  # before the seconds of a pause
-    grouping: ClassVar[str]  # command that names the axes whose way F counts, with {} for them
+    grouping: ClassVar[str] = ""  # command that names the axes whose way F counts, with {} for them; empty: none
+    # why there are no paths in a machine's own axes
+    no_paths: ClassVar[str] = "programs in the machine's own axes are made of moves from rest to rest"
 
     def __init__(self, words: Sequence[str], axes: Sequence[str], guarantees: Guarantees, case: Case) -> None:
         self.words, self.axes, self.guarantees = words, axes, guarantees
@@ -164,23 +167,41 @@ class GroupedWriter(ABC):
         self.own_axes = case.chain is not None
         self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
 
-    def to_home(self) -> list[str]:
-        """What announces the first move."""
-        return comments("to home")
+    def comments(self, text: str) -> list[str]:
+        """Comment lines."""
+        return comments(text)
+
+    def to_home(self, move: list[str]) -> list[str]:
+        """The lines of the first move, announced."""
+        return [*self.comments("to home"), *move]
 
     @abstractmethod
-    def trigger(self, on: bool) -> str:
-        """The block that switches the trigger."""
+    def trigger(self, on: bool, moves_next: bool) -> str:
+        """The block that switches the trigger; whether a motion follows at once."""
 
     @abstractmethod
     def path(self, path: TimedPath) -> list[str]:
         """Blocks of a path of poses."""
 
+    def move_feed(self, move: StraightMove) -> tuple[bool, str]:
+        """Whether F counts X, Y, Z, and F of a move."""
+        return written_feed(move, self.limits, self.guarantees)
+
+    def arc_feed(self, move: CircularMove) -> str:
+        """F of an arc."""
+        return feed(feed_of(move, self.limits, self.guarantees), True)
+
+    def arc_words(self, move: CircularMove) -> str:
+        """End and centre of an arc."""
+        return arc_words(move, self.words, self.coordinates(move.end))
+
     def text(self, program: NeutralProgram, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
         """The whole program, plain ASCII: title, header, and the blocks between those that begin and end it."""
-        header = [comment for line in program.header for comment in comments(line)]
-        blocks = [line for block in program.blocks for line in self.lines(block)]
-        return ("\n".join([*title, *header, *start, *blocks, *end]) + "\n").encode("ascii")
+        header = [comment for line in program.header for comment in self.comments(line)]
+        lines = [*title, *header, *start]
+        for k, block in enumerate(program.blocks):
+            lines += self.lines(block, next((b for b in program.blocks[k + 1 :] if not isinstance(b, str)), None))
+        return ("\n".join([*lines, *end]) + "\n").encode("ascii")
 
     def coordinates(self, pose: Array) -> list[str]:
         """Numbers of the coordinates."""
@@ -193,36 +214,31 @@ class GroupedWriter(ABC):
     def group(self, *turning: bool) -> list[str]:
         """The command that makes F count axes that slide (False) or turn (True), where it does not yet."""
         names = tuple(a for a, turns in zip(self.axes, self.limits.turns, strict=True) if bool(turns) in turning)
-        if names == self.counted:
+        if names == self.counted or not self.grouping:
             return []
         self.counted = names
         return [self.grouping.format(",".join(names))]
 
-    def lines(self, block: Block) -> list[str]:
-        """The lines of a block; raises HexciteError for a path in a machine's own axes."""
+    def lines(self, block: Block, following: Block | None) -> list[str]:
+        """The lines of a block before another one; raises HexciteError for a path in a machine's own axes."""
         match block:
             case str():
-                return comments(block)
+                return self.comments(block)
             case ToHome():
                 group = self.group(False, True) if self.own_axes else self.group(False)
                 move = f"{self.straight} {self.pose(block.pose)} F{home_feed(block, self.limits, self.own_axes)}"
-                return [*self.to_home(), *group, move]
+                return self.to_home([*group, move])
             case StraightMove():
-                linear, value = written_feed(block, self.limits, self.guarantees)
+                linear, value = self.move_feed(block)
                 return [*self.group(not linear), f"{self.straight} {self.pose(block.end)} F{value}"]
             case Dwell():
                 return [f"{self.dwell}{number(block.duration, 6)}"]
             case Trigger():
-                return [self.trigger(block.on)]
-            case _ if self.own_axes:
-                raise HexciteError(
-                    f"{self.name} programs in the machine's own axes are made of moves from rest to rest; plan with "
-                    "--family ptp"
-                )
+                return [self.trigger(block.on, isinstance(following, MOTION))]
+            case CircularMove() | TimedPath() if self.own_axes:
+                raise HexciteError(f"{self.name} {self.no_paths}; plan with --family ptp")
             case CircularMove():
-                words = arc_words(block, self.words, self.coordinates(block.end))
-                value = feed(feed_of(block, self.limits, self.guarantees), True)
-                arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {words} F{value}"
-                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc}", "G17"]
+                arc = f"{self.arcs[0] if block.angle > 0.0 else self.arcs[1]} {self.arc_words(block)}"
+                return [*self.group(False), f"{PLANE_WORDS[block.plane]} {arc} F{self.arc_feed(block)}", "G17"]
             case TimedPath():
                 return self.path(block)

@@ -57,7 +57,7 @@ def proof(text: str, case: Case) -> ProgramProof:
 
 def linuxcnc_text(program: NeutralProgram) -> str:
     """A program for the built-in hexapod."""
-    return write_linuxcnc(program, load_case("hexapod"))
+    return write_linuxcnc(program, load_case("hexapod")).decode("ascii")
 
 
 def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: float = 1.2) -> str:
@@ -69,7 +69,7 @@ def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: flo
         unknowns *= share / prove(family.motion(unknowns), case, 2000.0).worst_ratio
     path = timed_path("excitation", family.motion(unknowns), case.controller.block, 1.0)
     program = NeutralProgram(("small",), (ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False)))
-    return write_linuxcnc(program, case)
+    return write_linuxcnc(program, case).decode("ascii")
 
 
 poses = st.tuples(*(st.floats(-r, r) for r in RANGE)).map(lambda p: np.round(HOME + np.array(p), 9))
