@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from cases import door
 
 if TYPE_CHECKING:
-    from planner.bounds.kept import bound as bound
+    from planner.bounds.information_limit import bound as bound
     from planner.comparison.advising import compare as compare
     from planner.comparison.validation import validate as validate
     from planner.demonstration import demo as demo
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = door(
     __name__,
     {
-        "planner.bounds.kept": "bound",
+        "planner.bounds.information_limit": "bound",
         "planner.comparison.advising": "compare",
         "planner.demonstration": "demo",
         "planner.families.settings": "Fourier Manual PointToPoint Spline",

@@ -11,7 +11,7 @@ from cases.arguments import checked
 from cases.errors import InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.model import full_model, identification_model, static_model
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable

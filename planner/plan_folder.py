@@ -25,10 +25,10 @@ from identification.trajectories.moves import CircularMove, Plane, Profile, Stra
 from planner.families import Array
 from planner.families.ptp import unit_profile
 from planner.noise import standing_model
+from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
 from planner.plans import SCHEMA_VERSION, Plan, Saved
 from planner.poses.pose_criteria import pose_regressors, total_information
 from planner.request import LONGEST, PoseRequest, Request
-from planner.worth import PoseWorth, Worth, figures_of, predicted_std_at_poses
 
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
 RATE_OF_0_1 = 1000.0  # [1/s], which plans of the first version assumed without saying so

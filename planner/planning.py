@@ -19,9 +19,9 @@ from identification.model import identification_model, machine_of
 from identification.motion import Array, Trajectory
 from planner.families import Family
 from planner.families.settings import Spline
-from planner.found import Found, rated
 from planner.noise import without_pose_errors
 from planner.plans import Plan
+from planner.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request, parse_targets
 from planner.search import Failed
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
@@ -103,7 +103,7 @@ def _rival(request: Request, case: Case) -> list[Task]:
     return [Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, begin)]
 
 
-def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
+def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
     """Explores from start after start until more of them stop paying, refines the best, proves the winner.
 
     Raises:
@@ -148,10 +148,14 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     motion = winner.motion(unknowns)
     report = own.reported(prove(motion, case)) if own.step_time else report
     settings = {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})}
-    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, next(iter(others), None), white)
+    return PlannedMotion(
+        motion, settings, report, tuple(starts), tuple(failed), interrupted, next(iter(others), None), white
+    )
 
 
-def _by_errors(request: Request, case: Case, result: Found, listener: Listener, run: Runner) -> tuple[Request, Found]:
+def _by_errors(
+    request: Request, case: Case, result: PlannedMotion, listener: Listener, run: Runner
+) -> tuple[Request, PlannedMotion]:
     """A smooth motion in place of moves whose accelerations step, where it is worth more, and its request.
 
     What they are worth are the errors to be expected on a machine with a structural mode, where the case states one.
@@ -173,7 +177,7 @@ def _by_errors(request: Request, case: Case, result: Found, listener: Listener, 
         f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
     )
     sentence += "acceleration, of a controller that follows paths smoothly; --family ptp keeps these"
-    return (other, smooth._replace(of_law=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
+    return (other, smooth._replace(law_remark=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
 
 
 def _explored(
@@ -217,10 +221,10 @@ def seeds_of(seed: int, starts: int) -> list[int]:
     return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
 
 
-def _made_by_hand(motion: Trajectory, file: Path, case: Case) -> Found:
+def _made_by_hand(motion: Trajectory, file: Path, case: Case) -> PlannedMotion:
     if not motion.duration <= LONGEST:
         raise InfeasiblePlan(f"{file}: takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
-    return Found(motion, {"sequence": str(file)}, prove(motion, case))
+    return PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
 
 
 def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
@@ -244,7 +248,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         worst = result.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)}")
     try:
-        return rated(request, case, result, seconds)
+        return rated_plan(request, case, result, seconds)
     except IdentificationError as error:
         place = result.settings.get("sequence", f"no plan for model {request.model}")
         raise IdentificationError(f"{place}: {error.typed}") from error

@@ -17,9 +17,9 @@ from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
 from identification.parameters import physical_form
+from planner.plan_figures import PoseWorth, Worth, bound_by
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
-from planner.worth import PoseWorth, Worth, bound_by
 
 SCHEMA_VERSION = 1
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv

@@ -21,7 +21,7 @@ from identification.simulate import circumstances, mode_frequency
 from identification.trajectories.executed import Execution, vibrating
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.noise import expected_noise
-from planner.worth import predicted_std_of
+from planner.plan_figures import predicted_std_of
 
 if TYPE_CHECKING:
     from identification.signals import Filter
@@ -44,7 +44,7 @@ class Vibration:
 
     def over(self, other: "Vibration") -> float:
         """Errors over those of another motion, geometric mean."""
-        return _mean_ratio(self.errors, other.errors)
+        return mean_ratio(self.errors, other.errors)
 
 
 def least_shaken(motions: Sequence[tuple[str, Vibration]]) -> tuple[str, ...]:
@@ -59,7 +59,8 @@ def least_shaken(motions: Sequence[tuple[str, Vibration]]) -> tuple[str, ...]:
     )
 
 
-def _mean_ratio(one: dict[str, float], other: dict[str, float]) -> float:
+def mean_ratio(one: dict[str, float], other: dict[str, float]) -> float:
+    """Geometric mean of the ratios of values of the same names."""
     return float(np.exp(np.mean([np.log(one[name] / other[name]) for name in one])))
 
 
@@ -116,7 +117,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     deviations = {
         p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)
     }
-    return Vibration(frequency, deviations, _mean_ratio(deviations, white), s0)
+    return Vibration(frequency, deviations, mean_ratio(deviations, white), s0)
 
 
 def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:

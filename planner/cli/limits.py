@@ -33,8 +33,8 @@ def bound(
     from cases.loading import load_case
     from identification.estimation.fit import PoseField
     from identification.model import full_model
-    from planner.bounds.kept import bound as information_limit
-    from planner.bounds.kept import require_time
+    from planner.bounds.information_limit import bound as information_limit
+    from planner.bounds.information_limit import require_time
 
     require_time(time_limit)
     if output is not None:

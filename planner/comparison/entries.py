@@ -24,12 +24,12 @@ from identification.recording import Recording, read
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
+from planner.plan_figures import predicted_std
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.identifying import standing_of
 from planner.vibration import Vibration, vibration
-from planner.worth import predicted_std
 
 
 class Level(IntEnum):

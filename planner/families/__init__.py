@@ -83,10 +83,6 @@ class Family(Protocol):
         """Unknowns like those of another machine's motion, limits apart; None where it does not fit."""
         ...
 
-    def table(self, unknowns: Array) -> Array:
-        """Unknowns in units that do not depend on the machine."""
-        ...
-
     def motion(self, unknowns: Array) -> Trajectory:
         """The motion of unknowns of shape (n,)."""
         ...
@@ -172,10 +168,6 @@ class LinearFamily(Protocol):
             lower=-free,
             upper=free,
         )
-
-    def table(self, unknowns: Array) -> Array:
-        """A row for each unknown of a coordinate."""
-        return unknowns.reshape(-1, len(self.middle))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
         """Smaller about the middle of the box."""

@@ -264,12 +264,6 @@ class PointToPointFamily:
         _, times, steps = max(choices, key=lambda choice: choice[0])
         return times, steps
 
-    def table(self, unknowns: Array) -> Array:
-        """Where it begins; then the way of each move in longest steps, and its times in units of a mean move."""
-        points, times = self.split(unknowns)
-        rows = np.vstack([points[0], np.diff(points, axis=0) / self.longest_steps()[1]])
-        return np.hstack([rows, np.vstack([np.zeros(3), times])])
-
     def like(self, table: Array) -> Array | None:
         """Moves by as many longest steps, within the box; beyond the last of them back again the same way."""
         if table.shape[1] != self.coordinates + 3:

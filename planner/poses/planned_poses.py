@@ -13,6 +13,7 @@ from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Array, Joined, Measurement, Trajectory
 from planner.noise import sensor_noise, standing_model
+from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
 from planner.poses.candidates import (
     Candidates,
@@ -33,7 +34,6 @@ from planner.poses.space import space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseMethod, PoseRequest
 from planner.search.feasibility import remedy
-from planner.worth import PoseWorth, predicted_std_at_poses
 
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 SEEDS = 2000  # poses from which the design over the space starts

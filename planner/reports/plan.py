@@ -15,6 +15,7 @@ from identification.motion import sample
 from identification.parameters import physical_form
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import mean_information, standing_model
+from planner.plan_figures import bound_by, worst_std
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_criteria import pose_regressors
@@ -24,7 +25,6 @@ from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limit
 from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
 from planner.reports.page import Chart, answers, note, page, plain, section, table, tiles
 from planner.request import PoseRequest
-from planner.worth import bound_by, worst_std
 
 DRAWN_RATE = 500.0  # [1/s]
 

@@ -29,10 +29,10 @@ from identification.trajectories.moves import (
     limits_along,
     ruckig_profile,
 )
-from planner.bounds.kept import Bound, box_bound
-from planner.found import Found, rated
+from planner.bounds.information_limit import Bound, box_bound
 from planner.noise import mean_information
 from planner.plans import Plan
+from planner.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST
 from planner.retiming.path_pace import retimed_path
 from planner.search.feasibility import MARGIN
@@ -223,4 +223,4 @@ def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
         **({"stale": list(plan.stale)} if plan.stale else {}),
     }
     request = replace(plan.of_motion[0], model=model, targets=())
-    return rated(request, plan.case, Found(found.motion, settings, found.after.limits), found.seconds)
+    return rated_plan(request, plan.case, PlannedMotion(found.motion, settings, found.after.limits), found.seconds)

@@ -19,7 +19,7 @@ from identification.motion import Joined, Trajectory
 from identification.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
-from planner.bounds.kept import Bound, box_bound
+from planner.bounds.information_limit import Bound, box_bound
 from planner.noise import mean_information
 from planner.runs.written import of_another, plan_of_program, read_for, written_for_another
 from postprocessors.dialects import Program

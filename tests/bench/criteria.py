@@ -8,7 +8,7 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.motion import Trajectory
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.cli.console import print_table
 from planner.families.settings import family_class
 from planner.noise import mean_information

@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.model import identification_model
-from planner.bounds.kept import compute_bound, tight_bound
+from planner.bounds.information_limit import compute_bound, tight_bound
 from planner.cli.console import print_table
 
 Command = Callable[..., tuple[float, str]]

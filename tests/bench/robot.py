@@ -16,10 +16,11 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.simulate import truth_rows
 from identification.symbolic import over_samples
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise, mean_information, seen_through
+from planner.plan_figures import predicted_std
 from planner.planning import make
 from planner.request import Request
 from planner.runs.identifying import identify
@@ -27,7 +28,6 @@ from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import SILENT, run_here
-from planner.worth import predicted_std
 
 DURATION, WALKS, RUNS = 10.0, 100, 20
 BY_HAND = np.deg2rad([

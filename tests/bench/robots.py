@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.cli.console import print_table
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint

@@ -21,15 +21,30 @@ from cases.errors import HexciteError
 from cases.files import write_text
 from cases.loading import load_case
 from identification.model import identification_model
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
+from planner.families import Array, Family
+from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
 from planner.planning import SHIPPED
+from planner.search.feasibility import box_middle
 from planner.search.solving import Start, Step, Task, run_start
 
 DIGITS = 5
 STEPS = (0.0, 0.03, 0.1, 0.2, 0.05)  # from the best, over the deviation of its unknowns: local optima lie near it
 PROMISING = 0.97  # share of the best from which an exploration is refined
 HARDER = 4  # refinements one after the other
+
+
+def table_of(family: Family, unknowns: Array) -> Array:
+    """Unknowns in units that do not depend on the machine, as `like` of their family reads them.
+
+    Of moves: where they begin; then the way of each in longest steps, and its times in units of a mean move.
+    """
+    if not isinstance(family, PointToPointFamily):
+        return unknowns.reshape(-1, len(box_middle(load_case("hexapod"))[0]))
+    points, times = family.split(unknowns)
+    rows = np.vstack([points[0], np.diff(points, axis=0) / family.longest_steps()[1]])
+    return np.hstack([rows, np.vstack([np.zeros(3), times])])
 
 
 def search(name: str, seconds: float) -> None:
@@ -56,7 +71,7 @@ def search(name: str, seconds: float) -> None:
             efficiency = bound.efficiency(found.tried.logdet)
             print(f"{name}, {k}: {efficiency:.4f}", flush=True)
             if efficiency > best:
-                table = found.family.table(found.unknowns).round(DIGITS).tolist()
+                table = table_of(found.family, found.unknowns).round(DIGITS).tolist()
                 tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
                 tables[name] = {"d_efficiency": round(efficiency, 4), "table": table}
                 write_text(SHIPPED, json.dumps(tables) + "\n")

@@ -25,7 +25,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.bounds.design import improved_weights
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move
 from planner.planning import seeds_of
 from planner.search.problem import state_limits

@@ -12,7 +12,7 @@ from identification.motion import Trajectory
 from identification.parameters import physical_form
 from identification.symbolic import over_samples
 from planner.noise import expected_noise, mean_information
-from planner.worth import predicted_std, predicted_std_of
+from planner.plan_figures import predicted_std, predicted_std_of
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 
 RATE = 1000.0  # [1/s]

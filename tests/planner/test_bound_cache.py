@@ -9,8 +9,8 @@ import pytest
 from cases.basis import bound_hash
 from cases.schema import Case
 from identification.model import identification_model
-from planner.bounds import kept as bound_module
-from planner.bounds.kept import Bound, box_bound, known_tight_bound, tight_bound
+from planner.bounds import information_limit as bound_module
+from planner.bounds.information_limit import Bound, box_bound, known_tight_bound, tight_bound
 from tests.postprocessors.changed_case import changed
 
 KNOWN = Bound(1.25, 10.01, 10, "as computed", True, 1.24, 1.25)

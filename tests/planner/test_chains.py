@@ -20,7 +20,7 @@ from identification.recording import Recording, read
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
 from identification.symbolic import over_samples
-from planner.bounds.kept import compute_bound
+from planner.bounds.information_limit import compute_bound
 from planner.demonstration import demo
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
 from planner.planning import make

@@ -10,9 +10,9 @@ from identification.model import identification_model
 from planner.cli.plan import read_payloads
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise
+from planner.plan_figures import predicted_std_of, worst_std
 from planner.plan_folder import load_plan
 from planner.request import Request
-from planner.worth import predicted_std_of, worst_std
 from tests.planner.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
 

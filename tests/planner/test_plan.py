@@ -16,9 +16,9 @@ from identification.symbolic import over_samples
 from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.settings import Spline
-from planner.found import Found, notes
 from planner.noise import mean_information
 from planner.plans import Plan
+from planner.rating import PlannedMotion, notes
 from planner.request import Request
 from planner.search.feasibility import MARGIN, box_middle, keep_limits
 from planner.search.problem import build_problem
@@ -156,7 +156,7 @@ def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_wo
 ):
     share = np.where(np.arange(1, 6) <= used, 1.0, 0.01)[:, None] * np.full(6, 0.1)
     motion = FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4)
-    found = Found(motion, {"order": 5}, LimitReport(()))
+    found = PlannedMotion(motion, {"order": 5}, LimitReport(()))
     assert list(notes(found, Request(), hexapod_case, {})) == wanted
 
 
@@ -165,7 +165,7 @@ def test_a_spline_whose_knots_keep_it_from_full_acceleration_says_how_many_would
     knots: int, advice: int, hexapod_case: Case
 ):
     """At 200 rad/s^3 it takes 0.1 s from -10 to 10 rad/s^2, at 100 m/s^3 0.12 s from -6 to 6 m/s^2."""
-    found = Found(SimpleNamespace(duration=12.0), {"knots": knots}, LimitReport(()))
+    found = PlannedMotion(SimpleNamespace(duration=12.0), {"knots": knots}, LimitReport(()))
     words = notes(found, Request(Spline()), hexapod_case, {})
     assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in words] == [
         True

@@ -8,7 +8,7 @@ import pytest
 from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.families.settings import PointToPoint
 from planner.noise import mean_information
 from planner.planning import search

@@ -10,8 +10,8 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
+from planner.plan_figures import worst_std
 from planner.poses.planned_poses import noise_of_average
-from planner.worth import worst_std
 from tests.helpers import Harmonic
 from tests.identification.test_findings import CASE, run
 

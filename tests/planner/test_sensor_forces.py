@@ -18,7 +18,7 @@ from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
-from planner.found import Found, notes
+from planner.rating import PlannedMotion, notes
 from planner.request import Request
 from planner.search.feasibility import box_middle
 from planner.search.problem import build_problem, near_limits, state_limits
@@ -104,6 +104,6 @@ def test_the_plan_says_which_load_bound_it():
     check = LimitCheck(
         Limit(LimitKind.SENSOR_FORCE), "sensor 3, 5 payloads", 800.0, 800.0, "N", 0.999, 1.0, Status.PROVEN
     )
-    found = Found(None, {}, LimitReport((check,)))
+    found = PlannedMotion(None, {}, LimitReport((check,)))
     (note,) = notes(found, Request(PointToPoint()), None, {})
     assert note.startswith("sensor force (sensor 3, 5 payloads) shapes the motion")

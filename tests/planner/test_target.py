@@ -10,9 +10,8 @@ from cases.errors import HexciteError, InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.limit import LimitReport
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline, family_class
-from planner.found import Found as Searched
-from planner.found import notes
 from planner.library import shortest_plan
+from planner.rating import PlannedMotion, notes
 from planner.request import Request, parse_targets
 from tests.helpers import one_line
 
@@ -112,7 +111,7 @@ def test_a_duration_in_which_nothing_is_found_is_too_short_and_no_reason_to_give
 
 def test_a_plan_tells_what_its_targets_use(hexapod_case: Case):
     request = Request(targets=("m=0.05kg", "zC=0.3mm"))
-    found = Searched(motion=None, settings={}, limits=LimitReport(()))
+    found = PlannedMotion(motion=None, settings={}, limits=LimitReport(()))
     worst = {"m": (0.0491, 0), "zC": (1.5e-4, 0)}
     assert notes(found, request, hexapod_case, worst) == ("targets: m 0.0491 of 0.05 kg, zC 0.15 of 0.3 mm",)
 

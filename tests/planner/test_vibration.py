@@ -17,12 +17,12 @@ from planner.comparison.experiment import Excitation, steps
 from planner.comparison.step import MODE
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise
+from planner.plan_figures import predicted_std_of
 from planner.planning import make
 from planner.plans import Plan
 from planner.request import Request
 from planner.search.parallel import SILENT, Listener, run_here
 from planner.vibration import both_laws, vibration, with_other_law
-from planner.worth import predicted_std_of
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.writing import proven_program

@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
-from planner.found import FULL, RIVALS, Found, weaknesses
+from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
 from planner.search import Tried
 from planner.search.feasibility import box_middle
 from planner.search.solving import DRAWN_BACK, Start
@@ -31,10 +31,10 @@ def start(hexapod_case: Case) -> Start:
 
 
 @pytest.fixture
-def found(start: Start) -> Found:
+def found(start: Start) -> PlannedMotion:
     """A search with nothing to be said against it."""
     limits = LimitReport((check(LimitKind.VELOCITY, "x", 0.999), check(LimitKind.STRUT_LENGTH, "strut 1", 0.5)))
-    return Found(start.family.motion(start.unknowns), start.family.settings, limits, (start,))
+    return PlannedMotion(start.family.motion(start.unknowns), start.family.settings, limits, (start,))
 
 
 def rival(start: Start, case: Case, times: float) -> Start:
@@ -42,7 +42,7 @@ def rival(start: Start, case: Case, times: float) -> Start:
     return replace(start, family=family, tried=replace(start.tried, logdet=start.tried.logdet + SIZE * np.log(times)))
 
 
-Said = Callable[[Found], tuple[str, ...]]
+Said = Callable[[PlannedMotion], tuple[str, ...]]
 
 
 @pytest.fixture
@@ -50,13 +50,13 @@ def said(hexapod_case: Case) -> Said:
     return lambda found: weaknesses(found, hexapod_case, SIZE)
 
 
-def test_a_good_plan_has_none(found: Found, said: Said):
+def test_a_good_plan_has_none(found: PlannedMotion, said: Said):
     assert said(found) == ()
 
 
 @pytest.mark.parametrize(("times", "told"), [(1.5, True), (RIVALS + 0.005, True), (RIVALS - 0.005, False)])
 def test_another_family_that_carries_more(
-    times: float, told: bool, found: Found, start: Start, hexapod_case: Case, said: Said
+    times: float, told: bool, found: PlannedMotion, start: Start, hexapod_case: Case, said: Said
 ):
     weak = found._replace(rival=rival(start, hexapod_case, times))
     assert len(said(weak)) == told
@@ -65,7 +65,7 @@ def test_another_family_that_carries_more(
 
 
 @pytest.mark.parametrize("interrupted", [False, True])
-def test_a_search_that_had_not_converged(interrupted: bool, found: Found, start: Start, said: Said):
+def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion, start: Start, said: Said):
     tried = replace(start.tried, converged=False, solver="Maximum_Iterations_Exceeded")
     unfinished = replace(start, tried=tried)
     weak = said(found._replace(starts=(unfinished,), interrupted=interrupted))
@@ -76,7 +76,7 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: Found, start:
         assert "had not converged where it ended (at its iteration limit): more --seconds" in told
 
 
-def test_only_the_best_refined_start_need_have_converged(found: Found, start: Start, said: Said):
+def test_only_the_best_refined_start_need_have_converged(found: PlannedMotion, start: Start, said: Said):
     unfinished = replace(start.tried, converged=False)
     explored = replace(start, tried=replace(unfinished, refined=False))
     assert said(found._replace(starts=(start, explored, replace(start, tried=unfinished)))) == ()
@@ -84,7 +84,7 @@ def test_only_the_best_refined_start_need_have_converged(found: Found, start: St
 
 
 @pytest.mark.parametrize(("share", "told"), [(DRAWN_BACK - 0.01, True), (DRAWN_BACK, False)])
-def test_a_motion_that_was_drawn_back(share: float, told: bool, found: Found, start: Start, said: Said):
+def test_a_motion_that_was_drawn_back(share: float, told: bool, found: PlannedMotion, start: Start, said: Said):
     weak = said(found._replace(starts=(replace(start, shrunk=share),)))
     assert len(weak) == told
     assert not told or f"drawn to {100 * share:.0f} % of its ways" in weak[0]
@@ -93,7 +93,7 @@ def test_a_motion_that_was_drawn_back(share: float, told: bool, found: Found, st
 @pytest.mark.parametrize(
     "kind", [LimitKind.STRUT_LENGTH, LimitKind.POSITION, LimitKind.BASE_JOINT_ANGLE, LimitKind.JOINT_ANGLE]
 )
-def test_no_limit_of_speed_is_used(kind: LimitKind, found: Found, said: Said):
+def test_no_limit_of_speed_is_used(kind: LimitKind, found: PlannedMotion, said: Said):
     """That poses are at their limits is not an excuse."""
     used = LimitReport(
         (
@@ -108,6 +108,6 @@ def test_no_limit_of_speed_is_used(kind: LimitKind, found: Found, said: Said):
     assert said(found._replace(limits=force)) == ()
 
 
-def test_what_was_made_by_hand_is_not_judged(found: Found, said: Said):
+def test_what_was_made_by_hand_is_not_judged(found: PlannedMotion, said: Said):
     slow = LimitReport((check(LimitKind.VELOCITY, "x", 0.2),))
     assert said(found._replace(starts=(), limits=slow)) == ()

@@ -18,7 +18,7 @@ from planner.bounds import tight
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design
 from planner.bounds.features import box_features, combined, motion_moments
-from planner.bounds.kept import box_bound, compute_bound
+from planner.bounds.information_limit import box_bound, compute_bound
 from planner.bounds.tight import climbed_from, tight_design
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion

@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
-from planner.bounds.kept import box_bound
+from planner.bounds.information_limit import box_bound
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
@@ -20,6 +20,7 @@ from planner.planning import SHIPPED, shipped_start
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.problem import build_problem
 from planner.search.solving import CLOSE
+from tests.bench.shipped_starts import table_of
 
 FAMILIES = ("fourier", "ptp", "ptp, steps", "spline")
 CASE = load_case("hexapod")
@@ -45,7 +46,7 @@ def test_a_table_of_unknowns_gives_them_back(name: str):
         times = 1.0 + unknowns[-3 * count :].reshape(count, 3)
         times[:, 0] *= not family.steps
         unknowns[-3 * count :] = (times * count / (times @ [4, 2, 1]).sum()).ravel()
-    again = family.like(family.table(unknowns))
+    again = family.like(table_of(family, unknowns))
     assert again is not None
     np.testing.assert_allclose(again, unknowns, atol=1e-12)
 

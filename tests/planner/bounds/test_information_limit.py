@@ -16,7 +16,7 @@ from identification.symbolic import over_samples
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
-from planner.bounds.kept import GAP, Bound, bound, compute_bound
+from planner.bounds.information_limit import GAP, Bound, bound, compute_bound
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
 from tests.helpers import one_line

@@ -18,7 +18,7 @@ from identification.limit import LimitReport
 from identification.model import Model
 from identification.motion import Array, Trajectory
 from identification.parameters import nominal_parameters, physical_form
-from planner.bounds.kept import Bound
+from planner.bounds.information_limit import Bound
 from planner.noise import (
     ExpectedNoise,
     PoseErrors,
