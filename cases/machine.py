@@ -256,15 +256,26 @@ class Tool(Part):
         return frozen(np.array([self.from_mm, self.to_mm]) * MM)
 
 
-class Workspace(Part):
+class StrutLengths(Part):
+    """What the struts of a machine may measure."""
+
+    strut_length_mm: Range
+    """Shortest and longest strut, from joint centre to joint centre; in `[limits.motion]` inside that of
+    `[workspace]`."""
+
+    @cached_property
+    def strut_length(self) -> Array:
+        """Shortest and longest strut, shape (2,) [m]."""
+        return frozen(np.array(self.strut_length_mm) * MM)
+
+
+class Workspace(StrutLengths):
     """What the machine can reach: the paper's is_valid."""
 
     x_mm: Range
     """Relative to home, like `y_mm`."""
     y_mm: Range
     """Lower and upper limit relative to home."""
-    strut_length_mm: Range
-    """Shortest and longest strut, from joint centre to joint centre."""
     base_joint_angle_deg: Positive
     """Largest angle between a strut and the normal of its base joint."""
     platform_joint_angle_deg: Positive
@@ -281,13 +292,8 @@ class Workspace(Part):
         """Lower and upper limit of x and y relative to home, shape (2, 2) [m]."""
         return frozen(np.array([self.x_mm, self.y_mm]).T * MM)
 
-    @cached_property
-    def strut_length(self) -> Array:
-        """Shortest and longest strut, shape (2,) [m]."""
-        return frozen(np.array(self.strut_length_mm) * MM)
 
-
-class MotionLimits(Part):
+class MotionLimits(StrutLengths):
     """The box that moving excitations keep: pose relative to home, and its time derivatives, each coordinate."""
 
     x_mm: Range
@@ -314,8 +320,6 @@ class MotionLimits(Part):
     """Largest jerk in x, y and z."""
     angular_jerk_rad_s3: PositiveVector
     """Largest third derivative of roll, pitch and yaw."""
-    strut_length_mm: Range
-    """Shortest and longest strut in an excitation; inside that of `[workspace]`."""
     strut_velocity_m_s: Positive
     """Largest velocity of a strut."""
     strut_acceleration_m_s2: Positive
@@ -367,11 +371,6 @@ class MotionLimits(Part):
     def jerk(self) -> Array:
         """Largest third derivative of each coordinate, shape (6,) [m/s^3, rad/s^3]."""
         return frozen([*self.jerk_m_s3, *self.angular_jerk_rad_s3])
-
-    @cached_property
-    def strut_length(self) -> Array:
-        """Shortest and longest strut, shape (2,) [m]."""
-        return frozen(np.array(self.strut_length_mm) * MM)
 
     @property
     def limits_jerk(self) -> bool:

@@ -149,16 +149,9 @@ class Accelerometer(Part):
         return frozen(np.array(self.mounting) * self.scale_m_s2)
 
 
-class RecordingFormat(Part):
-    """How recordings of this case are to be read; keys about text do not apply to Parquet files and ROS 2 bags.
+class TextFile(Part):
+    """How files of text are laid out; these keys do not apply to Parquet files and ROS 2 bags."""
 
-    Units are those of our column names unless `units` says otherwise.
-    """
-
-    filter_cutoff_Hz: Positive | None = None
-    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
-    rate_Hz: Positive = 1000.0
-    """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
     """What wrote the file; `csv` is any table of text."""
     delimiter: Separator | None = None
@@ -175,6 +168,18 @@ class RecordingFormat(Part):
     """Names of the file's columns in their order, for files that have none."""
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
     """Encoding of the text."""
+
+
+class RecordingFormat(TextFile):
+    """How recordings of this case are to be read.
+
+    Units are those of our column names unless `units` says otherwise.
+    """
+
+    filter_cutoff_Hz: Positive | None = None
+    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
+    rate_Hz: Positive = 1000.0
+    """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
     units: dict[str, str] = Field(default_factory=dict)

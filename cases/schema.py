@@ -42,8 +42,8 @@ AnyPoses = Annotated[
 ]
 
 
-class Case(Part):
-    """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
+class Heading(Part):
+    """What a case is called."""
 
     schema_version: Literal[1]
     """Version of this description."""
@@ -51,6 +51,11 @@ class Case(Part):
     """Small letters, digits and underscores."""
     title: str
     """What it is, in a line."""
+
+
+class Case(Heading):
+    """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
+
     setup: Literal["1a", "1b", "2x", "R"]
     """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, 2x sensors in struts, R a force/torque
     sensor."""
