@@ -10,7 +10,8 @@
     result["m"].value, result["m"].reported
 
 Values are in SI and radians. Each has a short `repr`, `save` and `load`; `hx.report(value, "page.html")` makes its
-page. What stands here is public, and nothing else. It is imported when it is first used.
+page. What stands here is public, and nothing else. It is imported when it is first used; an argument of a wrong type
+is refused with its name, its value and what it should be.
 """
 
 from typing import TYPE_CHECKING
@@ -60,4 +61,5 @@ __getattr__, __dir__ = door(
         "postprocessors": "Program read_program",
         "postprocessors.export": "export",
     },
+    checked=True,
 )

@@ -1,8 +1,18 @@
-"""The case: one machine, its sensors and its limits, as data, and the errors that every package raises."""
+"""The case: one machine, its sensors and its limits, as data, and the errors that every package raises.
 
-from collections.abc import Callable, Mapping
+And the doors of packages: names are imported when they are first used. At the library's own door, functions refuse
+arguments of a wrong type by name, before any work.
+"""
+
+import inspect
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING
+from numbers import Integral, Real
+from os import PathLike
+from pathlib import Path
+from types import FunctionType, NoneType, UnionType
+from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
     from cases.errors import HexciteError as HexciteError
@@ -10,20 +20,104 @@ if TYPE_CHECKING:
     from cases.schema import Case as Case
 
 
-def door(package: str, places: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def door(
+    package: str, places: Mapping[str, str], checked: bool = False
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package: names, each imported when it is first used, keep its door light.
 
     Args:
         places: module -> the names that it gives, separated by blanks.
+        checked: whether functions refuse arguments of another type than their annotations state.
     """
     module_of = {name: module for module, names in places.items() for name in names.split()}
+    functions: dict[str, object] = {}
 
     def get(name: str) -> object:
         if name not in module_of:
             raise AttributeError(f"{package} has no {name}; it has {', '.join(module_of)}")
-        return getattr(import_module(module_of[name]), name)
+        value = getattr(import_module(module_of[name]), name)
+        if not checked or not isinstance(value, FunctionType):
+            return value
+        return functions.setdefault(name, _checked(value, package))
 
     return get, lambda: list(module_of)
+
+
+LISTS = (Sequence, Collection, tuple)
+WIDER: dict[type, tuple[type, ...]] = {
+    int: (Integral,), float: (Real,), str: (str, PathLike), Path: (str, PathLike), bool: (object,),
+}  # fmt: skip
+"""What does as well as a type: numbers of NumPy, paths as texts."""
+WORDS = {int: "a whole number", float: "a number", str: "a text", Path: "a path", NoneType: "None"}
+SOURCES = {
+    "Case": "hx.load_case loads one",
+    "Plan": "hx.plan makes one, hx.Plan.load reads one",
+    "Program": "hx.write makes one, hx.read_program reads one",
+    "Recording": "hx.read reads one",
+    "Result": "hx.identify makes one, hx.Result.load reads one",
+    "FamilySettings": "such as hx.PointToPoint(moves=40)",
+}
+"""Where a value of a public type comes from."""
+
+
+def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
+    """A function that raises HexciteError with name, value and wanted type of an argument of another type.
+
+    Types of callables and of entries of mappings are not looked at.
+    """
+    signature = inspect.signature(function)
+    annotations = dict(_annotations(signature))
+
+    @wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        for name, value in {**signature.bind(*args, **kwargs).arguments, **kwargs}.items():
+            if _fits(value, wanted := annotations.get(name, object)):
+                continue
+            from cases.errors import HexciteError
+
+            text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"
+            words = _words(wanted)
+            sources = "; ".join(source for kind, source in SOURCES.items() if f"a {kind}" in words)
+            place = f"{function.__name__}: {name} = {text}"
+            raise HexciteError(place, f"is not {words}", sources or "give such a value")
+        return function(*args, **kwargs)
+
+    call.__module__ = package  # where it is found again by other processes
+    return call
+
+
+def _annotations(signature: inspect.Signature) -> Iterator[tuple[str, Any]]:
+    """Parameters with their annotations, those of further keyword arguments from their typed dictionary."""
+    for name, parameter in signature.parameters.items():
+        if parameter.kind is inspect.Parameter.VAR_KEYWORD:
+            yield from get_type_hints(get_args(parameter.annotation)[0]).items()
+        else:
+            yield name, parameter.annotation
+
+
+def _fits(value: object, annotation: Any) -> bool:
+    """Whether a value has a type; one that is written as a text, not to be imported, is compared by its name."""
+    if isinstance(annotation, UnionType):
+        return any(_fits(value, part) for part in get_args(annotation))
+    if isinstance(annotation, str):
+        return any(kind.__name__ in annotation.split(" | ") for kind in type(value).__mro__)
+    if get_origin(annotation) in LISTS:
+        entries = value if isinstance(value, list | tuple) else ()
+        listed = isinstance(value, Iterable) and not isinstance(value, str)
+        return listed and all(_fits(entry, get_args(annotation)[0]) for entry in entries)
+    if not isinstance(annotation, type) or get_origin(annotation) is not None:
+        return True
+    return isinstance(value, WIDER.get(annotation, (annotation,)))
+
+
+def _words(annotation: Any) -> str:
+    """A type in words."""
+    if isinstance(annotation, str | UnionType):
+        parts = annotation.split(" | ") if isinstance(annotation, str) else get_args(annotation)
+        return " or ".join(f"a {part}" if isinstance(part, str) else _words(part) for part in parts)
+    if get_origin(annotation) in LISTS:
+        return f"a list, each entry {_words(get_args(annotation)[0])}"
+    return WORDS.get(annotation) or f"a {annotation.__name__}"
 
 
 __getattr__, __dir__ = door(

@@ -11,7 +11,6 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from cases.arguments import checked
 from cases.errors import CaseError
 from cases.schema import ALSO, Case
 
@@ -58,7 +57,6 @@ def lasting_name(name: str) -> str:
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 
-@checked
 def load_case(name: str) -> Case:
     """Loads and validates a case.
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.arguments import checked
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
@@ -219,7 +218,6 @@ class Result:
         return as_html(repr(self))
 
 
-@checked
 def force(recording: Recording, result: Result, whole: bool = True) -> "ExternalForce":
     """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
 
@@ -237,7 +235,6 @@ def force(recording: Recording, result: Result, whole: bool = True) -> "External
     return external_force(on_one_clock(recording, result.case), result, whole)
 
 
-@checked
 def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets identified anew from a standstill without contact; all else stays.
 

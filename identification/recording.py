@@ -15,7 +15,6 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.arguments import checked
 from cases.basis import KEPT, Artefact, recording_basis
 from cases.errors import RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
@@ -199,7 +198,6 @@ _DECIMALS |= dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
 FINE = 12  # decimals of all else
 
 
-@checked
 def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     """The recording in a file, in several files of one run, or in a folder of `hexcite run`.
 

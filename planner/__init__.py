@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from planner.library import plan as plan
     from planner.library import plan_poses as plan_poses
     from planner.plans import Plan as Plan
-    from planner.reports import report as report
+    from planner.reports.page import report as report
     from planner.retiming.retimed import retime as retime
     from planner.runs.identifying import identify as identify
     from planner.runs.running import run as run
@@ -31,7 +31,7 @@ __getattr__, __dir__ = door(
         "planner.families.settings": "Fourier Manual PointToPoint Spline",
         "planner.library": "plan plan_poses",
         "planner.plans": "Plan",
-        "planner.reports": "report",
+        "planner.reports.page": "report",
         "planner.retiming.retimed": "retime",
         "planner.runs.identifying": "identify",
         "planner.runs.running": "run",

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cases.arguments import checked
 from cases.files import DEMO, check_folder
 from cases.schema import Case
 from identification.model import full_model
@@ -51,7 +50,6 @@ class Demo:
         return float(max(abs(row["error"]) / row["std"] for row in self.truth))
 
 
-@checked
 def demo(
     case: Case,
     folder: Path | str,

@@ -7,7 +7,6 @@ from typing import TypedDict, Unpack
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.arguments import checked
 from cases.errors import InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.model import full_model, identification_model, static_model
@@ -71,7 +70,6 @@ class PoseSettings(TypedDict, total=False):
     noise: float | None
 
 
-@checked
 def plan(
     case: Case,
     family: FamilySettings | None = None,
@@ -115,7 +113,6 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
         return shortest_plan(request, case, make) if request.targets else make(request)
 
 
-@checked
 def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Unpack[PoseSettings]) -> Plan:
     """The most informative poses to stand at, in the fastest order, proven.
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.arguments import checked
 from cases.errors import HexciteError, ProgramError
 from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
@@ -248,7 +247,6 @@ class Program:
         return as_html(repr(self))
 
 
-@checked
 def read_program(file: Path | str, case: Case, name: str | None = None) -> Program:
     """Reads a program.
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.arguments import checked
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, Biases
@@ -164,7 +163,6 @@ ESTIMATORS: dict[str, Maker] = {
 }
 
 
-@checked
 def method(
     name: str = "gauss-markov",
     known: Mapping[str, float] | None = None,

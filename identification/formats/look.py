@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from cases.arguments import checked
 from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.recording_format import (
@@ -41,7 +40,6 @@ _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any m
 _STANDSTILLS = 300  # rows without a clock, from which on they are taken for a motion
 
 
-@checked
 def look(file: Path | str, case: Case | None = None) -> Look:
     """What a file of unknown format is likely to be.
 

@@ -16,7 +16,6 @@ from time import process_time
 import numpy as np
 from platformdirs import user_cache_path
 
-from cases.arguments import checked
 from cases.basis import bound_hash
 from cases.errors import CaseError, FileProblem, HexciteError
 from cases.files import DAMAGED, json_text, read_json, write_text
@@ -103,7 +102,6 @@ def require_time(time_limit: float) -> None:
         raise HexciteError(f"--time-limit {time_limit:g} s is not a duration; give seconds above 0, such as 120")
 
 
-@checked
 def bound(
     case: Case,
     model: int | None = None,

@@ -15,7 +15,6 @@ from planner.precision import bounds_text, share_text
 if TYPE_CHECKING:
     from cases.files import FolderKind
     from identification.limit import LimitCheck
-    from planner.reports import Shown
 
 
 LONGEST_NUMBER = 12  # characters
@@ -162,14 +161,14 @@ def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: "Shown", kind: "FolderKind", folder: Path, overwrite: bool) -> None:
+def save_with_page(value: Any, kind: "FolderKind", folder: Path, overwrite: bool) -> None:
     """Writes a value with its page report.html.
 
     Raises:
         FileProblem: the folder is somebody's, or cannot be written.
     """
     from cases.files import atomic_folder
-    from planner.reports import page_of
+    from planner.reports.page import page_of
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)

@@ -28,8 +28,8 @@ def demo(
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
-    from planner.reports import report
     from planner.reports.demo import demo_page, truth_cells
+    from planner.reports.page import report
     from planner.runs.running import RunOutcome, best_controller
     from planner.runs.written import usual_dialect
     from postprocessors.dialects import Program

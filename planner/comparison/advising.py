@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases.arguments import checked
 from cases.basis import bound_hash
 from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
@@ -253,7 +252,6 @@ class Comparison:
         return "\n".join([f"Comparison of {names}", *self.advice.sentences])
 
 
-@checked
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:
     """Cost, information and standard deviations side by side, and which excitation to prefer.
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cases.arguments import checked
 from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
@@ -67,7 +66,6 @@ class Validation:
         return "\n".join([f"Validation of {self.case.name}", *(finding.sentence() for finding in self.findings)])
 
 
-@checked
 def validate(
     case: Case,
     methods: Sequence[str] = METHODS,

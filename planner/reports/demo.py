@@ -1,5 +1,6 @@
 """The page of a demo run: the whole chain, and the estimates beside the simulated machine's truth."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,10 @@ from identification.motion import sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.figures import colour, errors_chart, identifiability_blocks, limits_chart, motion_blocks
+from planner.reports.figures import COLOURS, colour, identifiability_blocks, limits_chart, motion_blocks, thinned
 from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
 from planner.reports.machine import pictured
-from planner.reports.page import Block, Chart, note, page, plain, section, table, thinned, tiles
+from planner.reports.page import Block, Chart, note, page, plain, section, table, tiles
 from planner.reports.plan import starts_blocks
 from planner.runs.running import RunOutcome
 from postprocessors.dialects import Program
@@ -93,6 +94,33 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     estimate, error = texts
     truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
     return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
+
+
+def errors_chart(rows: Sequence[dict[str, Any]]) -> Chart:
+    """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
+    names = [plain(r["name"]) for r in rows]
+    errors = [r["error"] / r["std"] for r in rows]
+    caption = (
+        "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
+        "and 4 standard deviations."
+    )
+    figure = Chart("errors", caption, y="(estimate - truth) / std", height=380)
+    for half, opacity in ((4.0, 0.10), (1.96, 0.16)):
+        figure.add_band(half, COLOURS[0], opacity)
+    bars = {"type": "constant", "value": 1.0, "thickness": 1.2, "width": 5}
+    figure.add(
+        "scatter",
+        x=names,
+        y=errors,
+        mode="markers",
+        marker={"color": COLOURS[0], "size": 9},
+        error_y=bars,
+        showlegend=False,
+    )
+    reach = max(5.0, 1.15 * max(abs(e) for e in errors))
+    figure.x_axis(tickangle=-45)
+    figure.y_axis(range=[-reach, reach])
+    return figure
 
 
 def _proof(program: Program) -> tuple[Block, ...]:

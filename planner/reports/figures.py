@@ -4,25 +4,34 @@ Okabe and Ito's colours (told apart by everybody) come from the page; what is se
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import Identifiability
 from identification.limit import LimitReport, Status
 from identification.motion import Array, Motion
-from planner.precision import bounds_text, std_text, value_text
-from planner.reports.page import Block, Chart, note, plain, table, thinned
-
-if TYPE_CHECKING:
-    from identification.result import Residuals
+from planner.precision import bounds_text
+from planner.reports.page import Block, Chart, note, plain, table
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 GREY = "#8593a1"
 MOST_SHARE = 120.0  # [%] of a limit that a chart shows
+MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
+
+
+def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A line of at most `MOST_POINTS` points that looks the same: of each stretch its lowest and highest sample."""
+    if len(x) <= MOST_POINTS:
+        return x.astype(np.float32), y.astype(np.float32)
+    size = -(-len(x) // (MOST_POINTS // 2))
+    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
+    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
+    indices = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
+    return x[indices].astype(np.float32), y[indices].astype(np.float32)
 
 
 def motion_blocks(case: Case, motion: Motion) -> tuple[Block, ...]:
@@ -112,81 +121,6 @@ def limits_chart(report: LimitReport) -> Chart:
     return figure
 
 
-def forces_chart(residuals: "Residuals", channels: Sequence[str]) -> Chart:
-    """Forces as the estimator saw them (lines) and the model's (dotted)."""
-    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
-    caption = f"Lines: {source}. Dotted: the identified model."
-    figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
-    for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.seen[:, k])
-        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
-        x, y = thinned(residuals.t, residuals.predicted[:, k])
-        dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
-        figure.add("scatter", x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
-    return _over_samples(figure, residuals)
-
-
-def residuals_chart(residuals: "Residuals", channels: Sequence[str]) -> Chart:
-    """Residuals of each channel over time; a long run is drawn by its extremes."""
-    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
-    figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
-    for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.left[:, k])
-        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
-    return _over_samples(figure, residuals)
-
-
-def distribution_chart(residuals: "Residuals") -> Chart:
-    """Residuals over the rms of their channel, with the density of the normal distribution."""
-    values = residuals.left
-    scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
-    density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
-    x = (edges[1:] + edges[:-1]) / 2
-    caption = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
-    titles = "residual / rms of its channel", "density"
-    figure = Chart("distribution", caption, *titles, half=True, height=320, bargap=0.0)
-    figure.add("bar", x=x, y=density, marker={"color": GREY}, name="residuals")
-    normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
-    figure.add("scatter", x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
-    return figure
-
-
-def spectrum_chart(residuals: "Residuals", channels: Sequence[str], cutoff: float | None) -> Chart:
-    """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
-    frequency, density = residuals.spectrum()
-    caption = "Of the forces as recorded."
-    if cutoff is not None:
-        caption += (
-            f" Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as ripple of a controller, the "
-            "estimate does not see."
-        )
-    titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
-    figure = Chart("spectrum", caption, *titles, half=True, height=320)
-    for k, name in enumerate(channels):
-        line = {"color": COLOURS[k], "width": 1.2}
-        figure.add(
-            "scatter",
-            x=frequency[1:].astype(np.float32),
-            y=density[1:, k].astype(np.float32),
-            name=plain(name),
-            line=line,
-        )
-    if cutoff is not None:
-        figure.add_line({"x": cutoff}, GREY)
-    figure.x_axis(type="log")
-    figure.y_axis(type="log")
-    return figure
-
-
-def _over_samples(figure: Chart, residuals: "Residuals") -> Chart:
-    """The figure with its x axis: time, or standstills, each a marker."""
-    if residuals.step is None:
-        for trace in figure.data:
-            trace.update(mode="lines+markers", marker={"size": 4})
-    figure.x_axis(title={"text": "standstill" if residuals.step is None else "time [s]"})
-    return figure
-
-
 def unit_of(channels: Sequence[str]) -> str:
     """`fx_N`, `mz_Nm`: the units that the names of the channels end in."""
     return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
@@ -211,55 +145,3 @@ def identifiability_blocks(found: Identifiability) -> tuple[Block, ...]:
         charts.append(figure)
     rows = ((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
     return (*charts, table(("strongest correlations", "value"), rows))
-
-
-def errors_chart(rows: Sequence[dict[str, Any]]) -> Chart:
-    """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
-    names = [plain(r["name"]) for r in rows]
-    errors = [r["error"] / r["std"] for r in rows]
-    caption = (
-        "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
-        "and 4 standard deviations."
-    )
-    figure = Chart("errors", caption, y="(estimate - truth) / std", height=380)
-    for half, opacity in ((4.0, 0.10), (1.96, 0.16)):
-        figure.add_band(half, COLOURS[0], opacity)
-    bars = {"type": "constant", "value": 1.0, "thickness": 1.2, "width": 5}
-    figure.add(
-        "scatter",
-        x=names,
-        y=errors,
-        mode="markers",
-        marker={"color": COLOURS[0], "size": 9},
-        error_y=bars,
-        showlegend=False,
-    )
-    reach = max(5.0, 1.15 * max(abs(e) for e in errors))
-    figure.x_axis(tickangle=-45)
-    figure.y_axis(range=[-reach, reach])
-    return figure
-
-
-def parameters_chart(parameters: dict[str, dict[str, Any]]) -> Chart:
-    """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
-    names = list(parameters)
-    largest: dict[str, float] = {}
-    for p in parameters.values():
-        largest[p["unit"]] = max(largest.get(p["unit"], 0.0), abs(p["value"]), 1e-300)
-    caption = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
-    figure = Chart("parameters", caption, y="half width of the 95 % interval [%]", height=360)
-    for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
-        width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
-        text = [
-            f"{value_text(parameters[n]['value'], parameters[n][key])} ± {std_text(1.96 * parameters[n][key])} "
-            f"{parameters[n]['unit']}"
-            for n in names
-        ]
-        figure.add(
-"scatter",
-            x=[plain(n) for n in names], y=width, name=label, mode="markers", marker={"size": 9, "color": colour},
-            hovertext=text, hoverinfo="text+name",
-        )  # fmt: skip
-    figure.x_axis(tickangle=-45)
-    figure.y_axis(type="log", dtick="D2")
-    return figure

@@ -1,23 +1,17 @@
 """The page of an identification: parameters with error bars, what determines them, and what the model leaves."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
 from identification.outcome import TOLD_OF_RUNS, Result
 from identification.result import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
-from planner.reports.figures import (
-    distribution_chart,
-    forces_chart,
-    identifiability_blocks,
-    parameters_chart,
-    residuals_chart,
-    spectrum_chart,
-)
-from planner.reports.page import Block, answers, note, page, section, table, tiles
+from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
+from planner.reports.page import Block, Chart, answers, note, page, plain, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 ALIKE = 1.3  # times that robust deviations may be larger than those by (28) where noise is white
@@ -145,3 +139,103 @@ def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
         k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, dict)
     }
     return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
+
+
+def forces_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
+    """Forces as the estimator saw them (lines) and the model's (dotted)."""
+    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    caption = f"Lines: {source}. Dotted: the identified model."
+    figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
+    for k, name in enumerate(channels):
+        x, y = thinned(residuals.t, residuals.seen[:, k])
+        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
+        x, y = thinned(residuals.t, residuals.predicted[:, k])
+        dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
+        figure.add("scatter", x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
+    return _over_samples(figure, residuals)
+
+
+def residuals_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
+    """Residuals of each channel over time; a long run is drawn by its extremes."""
+    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
+    figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
+    for k, name in enumerate(channels):
+        x, y = thinned(residuals.t, residuals.left[:, k])
+        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
+    return _over_samples(figure, residuals)
+
+
+def distribution_chart(residuals: Residuals) -> Chart:
+    """Residuals over the rms of their channel, with the density of the normal distribution."""
+    values = residuals.left
+    scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
+    density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
+    x = (edges[1:] + edges[:-1]) / 2
+    caption = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
+    titles = "residual / rms of its channel", "density"
+    figure = Chart("distribution", caption, *titles, half=True, height=320, bargap=0.0)
+    figure.add("bar", x=x, y=density, marker={"color": GREY}, name="residuals")
+    normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
+    figure.add("scatter", x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
+    return figure
+
+
+def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Chart:
+    """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
+    frequency, density = residuals.spectrum()
+    caption = "Of the forces as recorded."
+    if cutoff is not None:
+        caption += (
+            f" Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as ripple of a controller, the "
+            "estimate does not see."
+        )
+    titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
+    figure = Chart("spectrum", caption, *titles, half=True, height=320)
+    for k, name in enumerate(channels):
+        line = {"color": COLOURS[k], "width": 1.2}
+        figure.add(
+            "scatter",
+            x=frequency[1:].astype(np.float32),
+            y=density[1:, k].astype(np.float32),
+            name=plain(name),
+            line=line,
+        )
+    if cutoff is not None:
+        figure.add_line({"x": cutoff}, GREY)
+    figure.x_axis(type="log")
+    figure.y_axis(type="log")
+    return figure
+
+
+def _over_samples(figure: Chart, residuals: Residuals) -> Chart:
+    """The figure with its x axis: time, or standstills, each a marker."""
+    if residuals.step is None:
+        for trace in figure.data:
+            trace.update(mode="lines+markers", marker={"size": 4})
+    figure.x_axis(title={"text": "standstill" if residuals.step is None else "time [s]"})
+    return figure
+
+
+def parameters_chart(parameters: dict[str, dict[str, Any]]) -> Chart:
+    """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
+    names = list(parameters)
+    largest: dict[str, float] = {}
+    for p in parameters.values():
+        largest[p["unit"]] = max(largest.get(p["unit"], 0.0), abs(p["value"]), 1e-300)
+    caption = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
+    figure = Chart("parameters", caption, y="half width of the 95 % interval [%]", height=360)
+    for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
+        width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
+        text = [
+            f"{value_text(parameters[n]['value'], parameters[n][key])} ± {std_text(1.96 * parameters[n][key])} "
+            f"{parameters[n]['unit']}"
+            for n in names
+        ]
+        figure.add(
+"scatter",
+            x=[plain(n) for n in names], y=width, name=label, mode="markers", marker={"size": 9, "color": colour},
+            hovertext=text, hoverinfo="text+name",
+        )  # fmt: skip
+    figure.x_axis(tickangle=-45)
+    figure.y_axis(type="log", dtick="D2")
+    return figure

@@ -18,8 +18,8 @@ from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import RIGID, nominal_parameters
 from identification.symbolic import over_samples
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, unit_of
-from planner.reports.page import Block, Chart, note, plain, player, section, table, thinned
+from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
+from planner.reports.page import Block, Chart, note, plain, player, section, table
 
 AROUND = 16  # corners of a ring around a tool
 BESIDE = 0.25  # of the machine's size: boxes are shown that far beside it

@@ -14,15 +14,20 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import resources
 from itertools import starmap
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
-from identification.motion import Array
+from cases.files import write_text
 
-MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
+if TYPE_CHECKING:
+    from identification.outcome import Result
+    from planner.comparison.advising import Comparison
+    from planner.comparison.validation import Validation
+    from planner.plans import Plan
 
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
@@ -67,17 +72,6 @@ def packed(values: NDArray[Any]) -> Any:
 def plain(text: str) -> str:
     """A text that plotly shows as it is: what looks like HTML in it stays text."""
     return html.escape(text, quote=False)
-
-
-def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line of at most `MOST_POINTS` points that looks the same: of each stretch its lowest and highest sample."""
-    if len(x) <= MOST_POINTS:
-        return x.astype(np.float32), y.astype(np.float32)
-    size = -(-len(x) // (MOST_POINTS // 2))
-    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
-    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
-    indices = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
-    return x[indices].astype(np.float32), y[indices].astype(np.float32)
 
 
 class Chart:
@@ -252,3 +246,34 @@ def explained(text: str) -> Markup:
         parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
         end = match.end()
     return Markup("").join([*parts, escape(text[end:])])
+
+
+def report(value: "Plan | Result | Comparison | Validation", file: Path | str) -> None:
+    """Writes the page of a value, one HTML file that needs no network.
+
+    Args:
+        value: a plan, a result, a comparison, a validation.
+        file: file to write.
+    """
+    write_text(Path(file), page_of(value))
+
+
+def page_of(value: Any) -> str:
+    """The page of a value as HTML."""
+    match type(value).__name__:  # to import the types of all takes a second
+        case "Plan":
+            from planner.reports.plan import plan_page, poses_page
+
+            return poses_page(value) if len(value.poses) else plan_page(value)
+        case "Result":
+            from planner.reports.identify import identify_page
+
+            return identify_page(value)
+        case "Comparison":
+            from planner.reports.compare import compare_page
+
+            return compare_page(value)
+        case _:
+            from planner.reports.validation import validation_page
+
+            return validation_page(value)

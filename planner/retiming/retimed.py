@@ -12,7 +12,6 @@ from time import perf_counter
 
 import numpy as np
 
-from cases.arguments import checked
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -158,7 +157,6 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     return replace(part, profile=law)
 
 
-@checked
 def retime(
     plan: Plan, method: str | None = None, fastest: bool = False, progress: Callable[[str], None] = lambda _: None
 ) -> Plan:

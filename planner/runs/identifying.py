@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from cases.arguments import checked
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, HexciteError, IdentificationError, RecordingError
 from cases.files import another_kind, provenance
@@ -49,7 +48,6 @@ class Wish:
     standstills: bool = False  # average standstills without knowing the poses
 
 
-@checked
 def identify(
     recording: Recording,
     case: Case | None = None,

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cases.arguments import checked
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from cases.units import MM
@@ -167,7 +166,6 @@ def _efficiency(bound: Bound, information: np.ndarray) -> float:
     return bound.efficiency(float(logdet)) if sign > 0 else 0.0
 
 
-@checked
 def run(
     program: Program | Path | str,
     case: Case,

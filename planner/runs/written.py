@@ -6,7 +6,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from cases.arguments import checked
 from cases.basis import motion_hash
 from cases.errors import CaseError, HexciteError, ProgramError
 from cases.scaffold import readiness
@@ -28,7 +27,6 @@ LONGER = 1.001  # times its duration, from which a program that takes longer tha
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
-@checked
 def write(
     plan: Plan,
     dialect: str | None = None,

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.arguments import checked
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from cases.units import DEG, MM
@@ -35,7 +34,6 @@ SINGLE_FILES: dict[str, tuple[str, Callable[[Result, str], str], bool]] = {
 TARGETS = ("c", *SINGLE_FILES)
 
 
-@checked
 def export(
     result: Result,
     target: str,

@@ -1,5 +1,6 @@
 """Arguments of a wrong type: every public function names the argument, its value and what it should be."""
 
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 import hexcite as hx
-from cases.arguments import checked
+from cases import door
 from cases.schema import Case
 
 WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
@@ -54,10 +55,17 @@ def test_every_public_function_is_here():
     assert functions == {name.split()[0] for name in WRONG}
 
 
-def test_what_does_as_well_is_taken():
-    @checked
-    def taken(count: int, length: float, file: Path, names: tuple[str, ...] = ()) -> tuple[Any, ...]:
-        return count, length, file, names
+def taken(count: int, length: float, file: Path, names: tuple[str, ...] = ()) -> tuple[Any, ...]:
+    return count, length, file, names
 
-    assert taken(np.int64(3), 2, "x", ["a"]) == (3, 2, "x", ["a"])
-    assert taken(3, np.float32(2.0), Path("x"), names=("a",))[1] == 2.0
+
+def test_what_does_as_well_is_taken():
+    get, _ = door("a package", {__name__: "taken"}, checked=True)
+    assert get("taken")(np.int64(3), 2, "x", ["a"]) == (3, 2, "x", ["a"])
+    assert get("taken")(3, np.float32(2.0), Path("x"), names=("a",))[1] == 2.0
+    with pytest.raises(hx.HexciteError, match="names = 'a'"):
+        get("taken")(3, 2.0, "x", "a")
+
+
+def test_a_function_of_the_library_finds_its_way_to_another_process():
+    assert pickle.loads(pickle.dumps(hx.load_case)) is hx.load_case

@@ -17,7 +17,7 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.figures import motion_blocks
+from planner.reports.figures import motion_blocks, thinned
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import (
     TERMS,
@@ -29,7 +29,6 @@ from planner.reports.page import (
     script_json,
     section,
     table,
-    thinned,
 )
 from tests.helpers import Harmonic
 from tests.planner.browser import DRAWN, PATIENCE, Opened, opened

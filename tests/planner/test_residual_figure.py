@@ -9,7 +9,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.result import Residuals, residuals_of
 from identification.simulate import simulate_recording
-from planner.reports.figures import distribution_chart
+from planner.reports.identify import distribution_chart
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
 
