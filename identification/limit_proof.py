@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.limit import LimitCheck, LimitKind, LimitReport, Status, worst_of
-from identification.limited_chain import body_clearances, chain_frames, frame_motion, joint_efforts, joint_ranges
+from identification.limited_chain import body_clearances, chain_frames, joint_efforts, joint_ranges, sensor_motion
 from identification.limited_quantities import (
     Quantity,
     limited_coordinates,
@@ -69,9 +69,9 @@ def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]
     """Struts, joints, boxes, singularities and sensors: what takes the rotation of the load to compute."""
     if case.chain is not None:
         frames = chain_frames(motion, case.chain)
-        rotation, acceleration = frame_motion(motion, case.chain, frames)
-        yield from joint_efforts(motion, case.chain, case.gravity, case.bodies, frames)
-        yield from body_clearances(motion, case.chain, frames)
+        rotation, acceleration = sensor_motion(frames)
+        yield from joint_efforts(frames, case.chain, case.gravity, case.bodies)
+        yield from body_clearances(motion.t, frames, case.chain)
     else:
         rotation, acceleration = load_motion(motion, case)
     if case.hexapod is not None:
@@ -101,7 +101,7 @@ def load_motion(motion: Motion, case: Case) -> tuple[tuple[Array, Array, Array],
         R, R', R'', shapes (n, 3, 3), and the acceleration, shape (n, 3) [m/s^2], in {B}.
     """
     if case.chain is not None:
-        return frame_motion(motion, case.chain)
+        return sensor_motion(chain_frames(motion, case.chain))
     return rotation_motion(motion), motion.accelerations[:, :3]
 
 

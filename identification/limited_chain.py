@@ -41,35 +41,26 @@ def joint_ranges(motion: Motion, chain: Chain) -> Iterable[Quantity]:
             yield Quantity.between(kind, labels, motion.pose[:, own], low, high)
 
 
-def frame_motion(
-    motion: Motion, chain: Chain, frames: Frames | None = None
-) -> tuple[tuple[Array, Array, Array], Array]:
+def sensor_motion(frames: Frames) -> tuple[tuple[Array, Array, Array], Array]:
     """Rotation of the sensor frame with its first and second time derivative, and the acceleration of its origin.
-
-    Args:
-        frames: frames of the motion, where they are known.
 
     Returns:
         R, R', R'', shapes (n, 3, 3), and p'', shape (n, 3) [m/s^2], in {B}.
     """
-    *_, (place, first, second) = chain_frames(motion, chain) if frames is None else frames
+    *_, (place, first, second) = frames
     return (place[:, :3, :3], first[:, :3, :3], second[:, :3, :3]), second[:, :3, 3]
 
 
-def joint_efforts(
-    motion: Motion, chain: Chain, gravity: Array, bodies: Sequence[RigidBody], frames: Frames | None = None
-) -> Iterable[Quantity]:
+def joint_efforts(frames: Frames, chain: Chain, gravity: Array, bodies: Sequence[RigidBody]) -> Iterable[Quantity]:
     """What the drives must do to move links and load, against 80 % of what they can; friction is not in it.
 
     Args:
         chain: chain with the inertia of every link, or nothing is limited.
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
-        bodies: that may be behind the sensor, one at a time.
-        frames: frames of the motion, where they are known.
+        bodies: bodies that may be behind the sensor, one at a time.
     """
     if not chain.limits_effort:
         return
-    frames = chain_frames(motion, chain) if frames is None else frames
     pull = np.zeros((4, 4))
     pull[:3, 3] = gravity
     links = [
@@ -91,16 +82,6 @@ def joint_efforts(
         if columns:
             limit = np.array(most)
             yield Quantity.between(kind, tuple(labels), np.column_stack(columns), -limit, limit)
-
-
-def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:
-    """Moved frame of each joint, then the sensor's, as homogeneous matrices in {B}, each of shape (n, 4, 4).
-
-    Args:
-        q: positions of the joints, shape (n, k) [rad or m].
-    """
-    still = np.zeros_like(q)
-    return tuple(frame[0] for frame in chain_frames(Motion(np.zeros(len(q)), q.copy(), still, still, still), chain))
 
 
 def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:
@@ -182,18 +163,17 @@ class _Body(NamedTuple):
     way: Array
 
 
-def body_clearances(motion: Motion, chain: Chain, frames: Frames | None = None) -> Iterable[Quantity]:
+def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity]:
     """Distances of bodies from boxes and from each other, at each instant and until half way to the next.
 
     Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. Of a box it
     falls to 0 at a distance of half the box's diagonal, of two bodies at one of the sum of their radii.
 
     Args:
-        frames: frames of the motion, where they are known.
+        t: instants of the frames, shape (n,) [s].
     """
     if not chain.tool and not any(joint.bodies for joint in chain.joints):
         return
-    frames, t = chain_frames(motion, chain) if frames is None else frames, motion.t
     count = len(t)
     still = np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4))
     half = float(np.diff(t).max()) / 2 if count > 1 else 0.0

@@ -70,7 +70,7 @@ class Reach:
         }
 
 
-def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
+def reach(case: Case, count: int = POSES) -> Reach:
     """The reachable part of the motion box of a case, by limits of poses at rest.
 
     Of a hexapod these are strut lengths, joint angles, the way to a singularity, and boxes that platform, struts and
@@ -86,8 +86,8 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     limits = StaticLimits(case)
     box = limits.box
     n = box.shape[1]
-    samples = np.random.default_rng(seed).random((count, n))
-    grid = corners_and_middles(n, seed)
+    samples = np.random.default_rng(0).random((count, n))
+    grid = corners_and_middles(n)
     violations = limits.shares(limits.poses(box, samples)) > 1.0 + TOLERANCE
     inside = int(count - violations.any(axis=1).sum())
     exceeded = {
@@ -111,9 +111,9 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     )
 
 
-def corners_and_middles(n: int, seed: int = 0) -> Array:
+def corners_and_middles(n: int) -> Array:
     """Corners and middles of a box, all of six coordinates, else some: fractions of its sides, shape (729, n)."""
-    return GRID if n == MOST_COORDINATES else np.random.default_rng(seed).choice((0.0, 0.5, 1.0), (len(GRID), n))
+    return GRID if n == MOST_COORDINATES else np.random.default_rng(0).choice((0.0, 0.5, 1.0), (len(GRID), n))
 
 
 def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None, str | None], ...]]:

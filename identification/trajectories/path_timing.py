@@ -2,7 +2,7 @@
 
 The planned motion q(t) itself is the path, with s = t / duration in [0, 1] as its parameter. At rest dq/ds is zero, so
 that any pace keeps the limits there: the motion begins and ends at the planned pace, s' = 1 / duration, which keeps it
-smooth at its ends. Where the limits allow, the pace stays the planned one or, if asked for, becomes as fast as allowed.
+smooth at its ends. Where the limits allow, the pace stays the planned one.
 
 There is no jerk limit in this method: accelerations step where the pace changes from one extreme to the other.
 """
@@ -26,7 +26,6 @@ FEWEST_STEPS = 2000
 MARGIN = 1e-3  # of every limit, for what happens between gridpoints
 CHECK_RATE = 20_000.0  # [1/s] at which that is checked
 ROUNDER = 5e-4  # a motion that must be stretched is stretched by this much more: peaks lie between instants too
-FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
 AT_REST = 1e-6  # share of the rate limits
 
 _REASONS = {
@@ -79,13 +78,12 @@ class RetimedMotion:
         )
 
 
-def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion:
-    """The motion along a path that keeps the limits of rates and accelerations of coordinates and struts.
+def retime(path: Trajectory, case: Case) -> RetimedMotion:
+    """The motion along a path, never faster, inside the limits of rates and accelerations of coordinates and struts.
 
     Args:
         path: a motion from rest to rest; its pace, not its shape, is changed.
         case: gives the limits.
-        fastest: whether as fast as the limits allow, up to `FASTEST` times the planned pace; else as planned at most.
 
     Raises:
         UntimedMotion: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
@@ -101,12 +99,11 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     shares = np.linspace(0.0, 1.0, steps + 1)
-    paces_allowed = np.full(len(shares), FASTEST if fastest else 1.0)
-    constraint, geometry = _constraint(path, case, shares, paces_allowed)
+    constraint, geometry = _constraint(path, case, shares)
     solver = TOPPRA([constraint], geometry, gridpoints=shares, solver_wrapper="seidel")
     planned = 1.0 / path.duration
-    end = min(planned * paces_allowed[-1], _largest_pace(solver.compute_feasible_sets()[-1]))
-    start = min(planned * paces_allowed[0], _largest_pace(solver.compute_controllable_sets(end, end)[0]))
+    end = min(planned, _largest_pace(solver.compute_feasible_sets()[-1]))
+    start = min(planned, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
     if not (start > 0.0 and end > 0.0):
         raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
     solver.compute_parameterization(start, end)
@@ -159,7 +156,7 @@ def _largest_pace(squares: Array) -> float:
     return float(np.sqrt(max(0.0, squares[1]))) * (1.0 - 1e-6) if np.isfinite(squares).all() else 0.0
 
 
-def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tuple[Any, Any]:
+def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
     """Limits of coordinates and struts in toppra's form, and the path.
 
     With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2.
@@ -187,7 +184,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
     )
     with np.errstate(divide="ignore"):
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
-    squares = np.minimum(squares, (paces / path.duration * (1.0 + 1e-6)) ** 2)
+    squares = np.minimum(squares, (1.0 / path.duration * (1.0 + 1e-6)) ** 2)
 
     class PathLimits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""

@@ -1,4 +1,4 @@
-"""The information limit of a case: what no motion inside its limits can exceed; computed once, then kept.
+"""The information limit of a case: what no motion inside its limits can exceed; computed once, then read from a cache.
 
 Two bounds. Over the motion box of pose, rates and accelerations: the D-optimal approximate design, see
 `planner.bounds.design` and its proof in `planner.bounds.certificate`. Tighter: the best design that also has the
@@ -75,7 +75,6 @@ class Bound:
 def box_bound(
     case: Case,
     model: Model,
-    cache: Path | None = None,
     time_limit: float = TIME_LIMIT,
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
@@ -83,17 +82,16 @@ def box_bound(
     """The bound of a case and model, from the cache if it was computed before.
 
     Args:
-        cache: folder of the cache; the user's cache folder unless given.
         time_limit: processor time after which the answer is an estimate [s].
 
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    file = _file("box", case, model, cache)
+    file = _file("box", case, model)
     previous = _known(file, model)
     if previous is not None and (previous.certified or not renew):
         return previous
-    return _kept(file, compute_bound(case, model, time_limit, progress))
+    return _remembered(file, compute_bound(case, model, time_limit, progress))
 
 
 def require_time(time_limit: float) -> None:
@@ -144,7 +142,6 @@ def bound(
 def tight_bound(
     case: Case,
     model: Model,
-    cache: Path | None = None,
     time_limit: float = TIME_LIMIT,
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
@@ -157,23 +154,23 @@ def tight_bound(
     Raises:
         HexciteError: the convex optimisation failed.
     """
-    file = _file("tight", case, model, cache)
+    file = _file("tight", case, model)
     previous = _known(file, model)
     if previous is not None and previous.certified and not renew:
         return previous
     result = compute_tight_bound(case, model, time_limit, progress)
     if previous is not None and (previous.certified, -previous.logdet) >= (result.certified, -result.logdet):
         return previous
-    return _kept(file, result)
+    return _remembered(file, result)
 
 
-def known_tight_bound(case: Case, model: Model, cache: Path | None = None) -> Bound | None:
+def known_tight_bound(case: Case, model: Model) -> Bound | None:
     """What `tight_bound` has found before, or None."""
-    return _known(_file("tight", case, model, cache), model)
+    return _known(_file("tight", case, model), model)
 
 
-def _file(kind: str, case: Case, model: Model, cache: Path | None) -> Path:
-    folder = cache if cache is not None else user_cache_path("hexcite") / "bounds"
+def _file(kind: str, case: Case, model: Model) -> Path:
+    folder = user_cache_path("hexcite") / "bounds"
     return folder / f"{bound_hash(case)}-model{model.number}-{kind}-equal-v{VERSION}.json"  # equal: W = 1
 
 
@@ -189,7 +186,7 @@ def _known(file: Path, model: Model) -> Bound | None:
         return None
 
 
-def _kept(file: Path, bound: Bound) -> Bound:
+def _remembered(file: Path, bound: Bound) -> Bound:
     with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(bound)))
     return bound

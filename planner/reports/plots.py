@@ -15,8 +15,8 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.formats.looked import Column, Look
 from identification.formats.naming import GROUPS
-from identification.limited_chain import frames_at
-from identification.motion import Array
+from identification.limited_chain import chain_frames
+from identification.motion import Array, StandingPoses
 from planner.reach import Reach, StaticLimits
 from planner.reports.case_figures import share_words
 from planner.reports.machine import box_outlines, room, tool_outlines
@@ -66,7 +66,8 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
     figure = Figure(figsize=(14, 7), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
     axes: Axes3D = figure.add_subplot(grid[0], projection="3d")
-    frames = [np.eye(4), *(frame[0] for frame in frames_at(chain, chain.home[None]))]
+    at_home = StandingPoses(chain.home[None]).at([0.0])
+    frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(at_home, chain))]
     origins = np.array([frame[:3, 3] for frame in frames]) / MM
     axes.plot(*origins.T, color="tab:gray", linewidth=2.0, marker="o", markersize=4, label="joints")
     for k, joint in enumerate(chain.joints, 1):

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain
 from cases.sensors import RigidBody
-from identification.limited_chain import joint_efforts
+from identification.limited_chain import chain_frames, joint_efforts
 from identification.model import WRENCH_OFFSETS, Model
 from identification.motion import Motion
 from identification.parameters import MODELS, body_parameters
@@ -107,7 +107,7 @@ def test_mujoco_needs_the_same_torques(name: str) -> None:
     motion = Motion(np.arange(len(q)) * 1.0, q, rates, accelerations, np.zeros_like(q))
     found = {
         label.split(",")[0]: values
-        for quantity in joint_efforts(motion, chain, np.array(GRAVITY), [LOAD])
+        for quantity in joint_efforts(chain_frames(motion, chain), chain, np.array(GRAVITY), [LOAD])
         for label, values in zip(quantity.labels, quantity.values.T, strict=True)
     }
     for k, name in enumerate(chain.names):
@@ -120,7 +120,8 @@ def test_without_the_inertia_of_every_link_no_torque_is_limited() -> None:
     assert chain.limits_effort
     assert not bare.limits_effort
     q = np.zeros((3, 2))
-    assert not list(joint_efforts(Motion(np.arange(3.0), q, q, q, q), bare, np.array(GRAVITY), []))
+    frames = chain_frames(Motion(np.arange(3.0), q, q, q, q), bare)
+    assert not list(joint_efforts(frames, bare, np.array(GRAVITY), []))
 
 
 def test_a_sliding_joint_that_turns_feels_coriolis() -> None:

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain, ChainFrame
 from cases.machine import KeepOut, Tool
-from identification.limited_chain import body_clearances
+from identification.limited_chain import body_clearances, chain_frames
 from identification.motion import Motion
 from identification.serial_chain import SerialChain
 from identification.symbolic import over_samples
@@ -46,7 +46,7 @@ def found(chain: Chain, q: np.ndarray) -> dict[str, np.ndarray]:
     motion = Motion(np.arange(len(q)) * 1.0, q, still, still, still)
     return {
         f"{quantity.of} ({label})": values
-        for quantity in body_clearances(motion, chain)
+        for quantity in body_clearances(motion.t, chain_frames(motion, chain), chain)
         for label, values in zip(quantity.labels, quantity.values.T, strict=True)
     }
 
@@ -165,7 +165,7 @@ def test_nothing_passes_a_thin_box_between_two_instants(offset: float) -> None:
     t = offset + np.arange(0.0, 0.2, 1e-3)
     still = np.zeros((len(t), 1))
     motion = Motion(t, 2.0 * t[:, None], np.full((len(t), 1), 2.0), still, still)
-    (quantity,) = body_clearances(motion, slide())
+    (quantity,) = body_clearances(t, chain_frames(motion, slide()), slide())
     assert quantity.ratio.max() > 1.0
 
 
@@ -180,7 +180,8 @@ def test_distances_of_few_instants_bound_those_of_many_and_not_by_much(name: str
         angle = t[:, None] * waves
         q, first, second = (size * np.sin(angle), size * waves * np.cos(angle), -size * waves**2 * np.sin(angle))
         motion = Motion(t, chain.home + q, first, second, np.zeros_like(q))
-        return {str(q.of) + label: float(v.min()) for q in body_clearances(motion, chain) for label, v in zip(
+        quantities = body_clearances(t, chain_frames(motion, chain), chain)
+        return {str(q.of) + label: float(v.min()) for q in quantities for label, v in zip(
             q.labels, q.values.T, strict=True)}  # fmt: skip
 
     coarse, fine = nearest(few), nearest(many)

@@ -35,21 +35,28 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return calls
 
 
-def ask(case: Case, cache: Path, number: int = 0) -> Bound:
-    return box_bound(case, identification_model(case, number), cache)
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder of the bounds in a cache of its own."""
+    monkeypatch.setattr(bound_module, "user_cache_path", lambda name: tmp_path)
+    return tmp_path / "bounds"
 
 
-def test_it_is_computed_once(computed: list[str], hexapod_case: Case, tmp_path: Path):
-    assert ask(hexapod_case, tmp_path) == ask(hexapod_case, tmp_path) == KNOWN
+def ask(case: Case, number: int = 0) -> Bound:
+    return box_bound(case, identification_model(case, number))
+
+
+def test_it_is_computed_once(computed: list[str], hexapod_case: Case, folder: Path):
+    assert ask(hexapod_case) == ask(hexapod_case) == KNOWN
     assert len(computed) == 1
 
 
-def test_another_model_or_case_is_another_bound(computed: list[str], hexapod_case: Case, tmp_path: Path):
+def test_another_model_or_case_is_another_bound(computed: list[str], hexapod_case: Case, folder: Path):
     lighter = changed(hexapod_case, gravity_m_s2=[0.0, 0.0, -9.8])
     for case, number in ((hexapod_case, 0), (hexapod_case, 6), (lighter, 0)):
-        ask(case, tmp_path, number)
+        ask(case, number)
     assert len(computed) == 3
-    assert len(list(tmp_path.iterdir())) == 3
+    assert len(list(folder.iterdir())) == 3
 
 
 @pytest.mark.parametrize(
@@ -73,28 +80,28 @@ def test_another_model_or_case_is_another_bound(computed: list[str], hexapod_cas
     ],
 )
 def test_a_damaged_file_is_computed_again_and_mended(
-    damage: str, computed: list[str], hexapod_case: Case, tmp_path: Path
+    damage: str, computed: list[str], hexapod_case: Case, folder: Path
 ):
-    ask(hexapod_case, tmp_path)
-    (file,) = tmp_path.iterdir()
+    ask(hexapod_case)
+    (file,) = folder.iterdir()
     whole = file.read_text()
     file.write_text(damage)
-    assert ask(hexapod_case, tmp_path) == KNOWN
+    assert ask(hexapod_case) == KNOWN
     assert len(computed) == 2
     assert file.read_text() == whole
 
 
-def test_bytes_that_are_no_text_are_damage_too(computed: list[str], hexapod_case: Case, tmp_path: Path):
-    ask(hexapod_case, tmp_path)
-    (file,) = tmp_path.iterdir()
+def test_bytes_that_are_no_text_are_damage_too(computed: list[str], hexapod_case: Case, folder: Path):
+    ask(hexapod_case)
+    (file,) = folder.iterdir()
     file.write_bytes(b"\xff\xfe\x00")
-    assert ask(hexapod_case, tmp_path) == KNOWN
+    assert ask(hexapod_case) == KNOWN
 
 
-def test_a_cache_that_cannot_be_written_only_costs_time(computed: list[str], hexapod_case: Case, tmp_path: Path):
-    (tmp_path / "file").write_text("not a folder")
+def test_a_cache_that_cannot_be_written_only_costs_time(computed: list[str], hexapod_case: Case, folder: Path):
+    folder.write_text("not a folder")
     for _ in range(2):
-        assert ask(hexapod_case, tmp_path / "file" / "cache") == KNOWN
+        assert ask(hexapod_case) == KNOWN
     assert len(computed) == 2
 
 
@@ -107,32 +114,32 @@ def test_the_cache_lies_where_the_system_wants_it(computed: list[str], hexapod_c
 
 
 def test_an_estimate_is_known_as_one_and_renewed_on_request(
-    monkeypatch: pytest.MonkeyPatch, hexapod_case: Case, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, hexapod_case: Case, folder: Path
 ):
     model = identification_model(hexapod_case, 0)
     answers = [HASTY, KNOWN]
     monkeypatch.setattr(bound_module, "compute_bound", lambda *_: answers.pop(0))
-    assert box_bound(hexapod_case, model, tmp_path) == HASTY
-    assert box_bound(hexapod_case, model, tmp_path) == HASTY
-    assert box_bound(hexapod_case, model, tmp_path, renew=True) == KNOWN
-    assert box_bound(hexapod_case, model, tmp_path, renew=True) == KNOWN
+    assert box_bound(hexapod_case, model) == HASTY
+    assert box_bound(hexapod_case, model) == HASTY
+    assert box_bound(hexapod_case, model, renew=True) == KNOWN
+    assert box_bound(hexapod_case, model, renew=True) == KNOWN
     assert not answers
 
 
 def test_the_tighter_bound_is_kept_apart_and_only_ever_gets_tighter(
-    monkeypatch: pytest.MonkeyPatch, computed: list[str], hexapod_case: Case, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, computed: list[str], hexapod_case: Case, folder: Path
 ):
     model = identification_model(hexapod_case, 0)
     loose, tight, hasty = replace(KNOWN, logdet=1.1), replace(KNOWN, logdet=0.9), replace(HASTY, logdet=0.5)
     answers = [hasty, loose, tight, loose, hasty]
     monkeypatch.setattr(bound_module, "compute_tight_bound", lambda *_: answers.pop(0))
-    assert known_tight_bound(hexapod_case, model, tmp_path) is None
-    ask(hexapod_case, tmp_path)
-    assert known_tight_bound(hexapod_case, model, tmp_path) is None
+    assert known_tight_bound(hexapod_case, model) is None
+    ask(hexapod_case)
+    assert known_tight_bound(hexapod_case, model) is None
     kept = []
     while answers:
-        kept.append(tight_bound(hexapod_case, model, tmp_path, renew=True))
-        assert known_tight_bound(hexapod_case, model, tmp_path) == kept[-1]
+        kept.append(tight_bound(hexapod_case, model, renew=True))
+        assert known_tight_bound(hexapod_case, model) == kept[-1]
     assert kept == [hasty, loose, tight, tight, tight]
-    assert tight_bound(hexapod_case, model, tmp_path) == tight  # certified: known without computing
-    assert ask(hexapod_case, tmp_path) == KNOWN
+    assert tight_bound(hexapod_case, model) == tight  # certified: known without computing
+    assert ask(hexapod_case) == KNOWN

@@ -12,7 +12,7 @@ from cases.loading import load_case
 from cases.recording_format import WRENCH
 from cases.schema import Case
 from identification.limit_proof import prove
-from identification.limited_chain import frame_motion
+from identification.limited_chain import chain_frames, sensor_motion
 from identification.model import identification_model
 from identification.motion import Motion, StandingPoses
 from identification.parameters import linear_parameters
@@ -84,9 +84,8 @@ def test_proof_and_search_move_the_sensor_alike(joints: int):
     q = home + draw.uniform(*box.pose, (50, joints))
     rates, accelerations = draw.uniform(-3.0, 3.0, (2, 50, joints))
     none = np.zeros_like(q)
-    (turn, first, second), acceleration = frame_motion(
-        Motion(np.arange(50.0), q, rates, accelerations, none), case.chain
-    )
+    motion = Motion(np.arange(50.0), q, rates, accelerations, none)
+    (turn, first, second), acceleration = sensor_motion(chain_frames(motion, case.chain))
     _, columns, twist, twist_rate = over_samples(SerialChain.of(case).motion, q, rates, accelerations)
     np.testing.assert_allclose(turn, columns.reshape(-1, 3, 3).transpose(0, 2, 1), atol=1e-12)
     np.testing.assert_allclose(acceleration, twist_rate[:, :3], atol=1e-11)
