@@ -6,7 +6,7 @@ from cases import door
 
 if TYPE_CHECKING:
     from planner.bounds.information_limit import bound as bound
-    from planner.comparison.advising import compare as compare
+    from planner.comparison.comparison import compare as compare
     from planner.comparison.validation import validate as validate
     from planner.demonstration import demo as demo
     from planner.families.settings import Fourier as Fourier
@@ -26,7 +26,7 @@ __getattr__, __dir__ = door(
     __name__,
     {
         "planner.bounds.information_limit": "bound",
-        "planner.comparison.advising": "compare",
+        "planner.comparison.comparison": "compare",
         "planner.demonstration": "demo",
         "planner.families.settings": "Fourier Manual PointToPoint Spline",
         "planner.library": "plan plan_poses",

@@ -7,7 +7,7 @@ from planner.cli import console
 from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
-    from planner.comparison.advising import Comparison
+    from planner.comparison.comparison import Comparison
     from planner.comparison.validation import Validation
 
 
@@ -27,7 +27,7 @@ def compare(
     """
     from cases.files import COMPARISON, check_folder, output_place
     from cases.loading import load_case
-    from planner.comparison.advising import compare as compared
+    from planner.comparison.comparison import compare as compared
 
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
@@ -91,8 +91,8 @@ def validate(
     from cases.loading import load_case
     from identification.model import full_model
     from identification.parameters import RIGID
-    from planner.comparison.carrying_out import ValidationSettings, unfinished
-    from planner.comparison.experiment import METHODS, mounted_weights, require_methods
+    from planner.comparison.methods import METHODS, ValidationSettings, require_methods, unfinished
+    from planner.comparison.trials import mounted_weights
     from planner.comparison.validation import disturbances_of, validate_recordings
     from planner.comparison.validation import validate as carried_out
 
@@ -135,22 +135,22 @@ def validate(
 
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
-    from planner.comparison.verdict import OFF_COLUMNS, off_rows
+    from planner.comparison.claims import OFF_COLUMNS, off_rows
     from planner.reports.validation import TABLE_7, table_7
 
-    steps = list(validation.steps)
+    trials = list(validation.trials)
     print(f"machine: {validation.machine}")
     for method, text in validation.executed.items():
         if ";" in text:
             print(f"{method}: executed on {text}")
     for method, reason in validation.failed.items():
         print(f"NOT RUN: {method}: {reason}")
-    for method in dict.fromkeys(s.method for s in steps):
-        console.print_table(f"{method}", TABLE_7, table_7([s for s in steps if s.method == method]))
-    if rows := off_rows(steps):
+    for method in dict.fromkeys(t.method for t in trials):
+        console.print_table(f"{method}", TABLE_7, table_7([s for s in trials if s.method == method]))
+    if rows := off_rows(trials):
         title = "Off by more than 3 reported standard deviations; parts of the error in these"
         console.print_table(title, OFF_COLUMNS, rows)
         print("where the structural mode is the cause, identify --flexible estimates it too")
     print(f"report written: {answer['report']}")
-    for finding in validation.findings:
-        print(finding.sentence())
+    for claim in validation.claims:
+        print(claim.sentence())

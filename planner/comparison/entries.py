@@ -40,7 +40,7 @@ class Level(IntEnum):
     IDENTIFIED = 3
 
 
-class Told(NamedTuple):
+class Deviation(NamedTuple):
     """A parameter: value (None before it was identified), and standard deviation, reported or predicted [SI]."""
 
     value: float | None
@@ -72,7 +72,7 @@ class Entry:
     samples: int  # samples of forces that count
     # A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown
     criteria: Mapping[str, float]
-    parameters: Mapping[str, Told]  # parameters by name
+    parameters: Mapping[str, Deviation]  # parameters by name
     s0: float | None  # s0 of an identified one [N]
     notes: Mapping[str, float]  # figures of the execution, by name
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
@@ -143,7 +143,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
-    deviations = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
+    deviations = {n: Deviation(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
         name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=fingerprint(saved)),
         model.number, saved.family, saved.duration, samples,
@@ -191,7 +191,7 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     return Entry(
         str(path), Level.EXECUTED, conditions, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
-        {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
+        {n: Deviation(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None},
         (*(str(about[k]) for k in ("remark",) if about.get(k)), *stale_in),
     )  # fmt: skip
@@ -229,7 +229,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     saved = Result.load(path, user_case, stale)
     case, model, data = saved.case, saved.model, saved.record
     samples, s0, seconds = data["samples"], data["s0"], data.get("measuring_s")
-    deviations = {n: Told(v.value, v.reported, v.unit) for n, v in saved.parameters.items()}
+    deviations = {n: Deviation(v.value, v.reported, v.unit) for n, v in saved.parameters.items()}
     conditions = Conditions(case, recordings=saved.recordings, plan=data.get("plan_hash"))
     criteria: dict[str, float] = {}
     if data["weights"] == "equal":

@@ -11,21 +11,28 @@ from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
-from planner.comparison.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
-from planner.comparison.experiment import METHODS, mounted_weights, recorded_steps, require_methods
-from planner.comparison.step import MethodStep
-from planner.comparison.verdict import Claim, findings
+from planner.comparison.claims import Claim, claims_of
+from planner.comparison.methods import (
+    METHODS,
+    USUAL,
+    Count,
+    ValidationSettings,
+    carry_out,
+    make_places,
+    require_methods,
+)
+from planner.comparison.trials import Trial, mounted_weights, recorded_trials
 from planner.runs.running import require_controller
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Validation:
-    """What known weights say of each method."""
+    """Known weights as each method identifies them."""
 
     case: Case  # machine and weights
     machine: str  # machine that was identified, in words
-    steps: tuple[MethodStep, ...]  # a method with some weights mounted, each
-    findings: tuple[Claim, ...]  # what follows from them
+    trials: tuple[Trial, ...]
+    claims: tuple[Claim, ...]  # what follows from them
     failed: Mapping[str, str]  # methods that could not be carried out, and why
     executed: Mapping[str, str]  # controller of each method that was simulated
     controller: str | None  # controller that ran the programs; None for recordings of a machine
@@ -43,8 +50,8 @@ class Validation:
             "controller": self.controller,
             "disturbances": None if self.disturbances is None else self.disturbances.model_dump(),
             "not_run": dict(self.failed),
-            "rows": [step.to_json() for step in self.steps],
-            "findings": [finding._asdict() for finding in self.findings],
+            "rows": [trial.to_json() for trial in self.trials],
+            "findings": [claim._asdict() for claim in self.claims],
             "executed": dict(self.executed),
         }
 
@@ -62,8 +69,8 @@ class Validation:
             self.write(part)
 
     def __repr__(self) -> str:
-        """The findings, a line each."""
-        return "\n".join([f"Validation of {self.case.name}", *(finding.sentence() for finding in self.findings)])
+        """The claims, a line each."""
+        return "\n".join([f"Validation of {self.case.name}", *(claim.sentence() for claim in self.claims)])
 
 
 def validate(
@@ -96,7 +103,7 @@ def validate(
     with ExitStack() as places:
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
-        steps, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
+        trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
         origin = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
@@ -106,8 +113,8 @@ def validate(
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
-        steps=steps,
-        findings=tuple(findings(steps)),
+        trials=trials,
+        claims=tuple(claims_of(trials)),
         failed=failed,
         executed=executed,
         controller=settings.on,
@@ -145,9 +152,9 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
                 raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
         folders = [folder for folder in folders if folder.name in methods]
 
-    steps = tuple(step for folder in folders for step in recorded_steps(case, folder))
+    trials = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
     machine = f"recordings of a machine in {recordings}"
-    return Validation(case, machine, steps, tuple(findings(steps)), {}, {}, None, None, {})
+    return Validation(case, machine, trials, tuple(claims_of(trials)), {}, {}, None, None, {})
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

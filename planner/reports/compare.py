@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.files import provenance
-from planner.comparison.advising import Comparison
-from planner.comparison.entries import Entry, Level, Told
+from planner.comparison.comparison import Comparison
+from planner.comparison.entries import Deviation, Entry, Level
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import colour_or_grey
 from planner.reports.page import Chart, note, page, plain, section, table
@@ -37,7 +37,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     return rows
 
 
-def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Told | None]]]:
+def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Deviation | None]]]:
     """Of every parameter: name, factor to the unit shown, that unit, and what each entry tells of it."""
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         values = [e.parameters.get(name) for e in entries]

@@ -25,7 +25,7 @@ from cases.files import write_text
 
 if TYPE_CHECKING:
     from identification.outcome import Result
-    from planner.comparison.advising import Comparison
+    from planner.comparison.comparison import Comparison
     from planner.comparison.validation import Validation
     from planner.plans import Plan
 

@@ -7,57 +7,58 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.files import provenance
-from planner.comparison.step import COMPARED, SHOWN, SUSPICIOUS, MethodStep
+from planner.comparison.claims import OFF_COLUMNS, off_rows
+from planner.comparison.error_budget import SUSPICIOUS
+from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
-from planner.comparison.verdict import OFF_COLUMNS, off_rows
 from planner.precision import legible, parameter_words
 from planner.reports.compare import Series, ratio_chart
 from planner.reports.figures import COLOURS, colour_or_grey
 from planner.reports.page import Block, Chart, answers, note, page, plain, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
-LEAST_DEVIATION = 1e-12  # the first step is its own theory
+LEAST_DEVIATION = 1e-12  # the first trial is its own theory
 
 
-def table_7(steps: Sequence[MethodStep]) -> list[list[str]]:
+def table_7(trials: Sequence[Trial]) -> list[list[str]]:
     """Table 7's layout: a row a load, values with their relative deviation from theory."""
     rows = []
-    for step in steps:
-        row = [f"{step.load:.0f} kg", f"{step.s0:.2f}"]
+    for trial in trials:
+        row = [f"{trial.load:.0f} kg", f"{trial.s0:.2f}"]
         for name in SHOWN:
-            value = step.estimate.physical.get(name)
+            value = trial.estimate.physical.get(name)
             row.append("-" if value is None else f"{value.value * legible(value.unit)[0]:.2f}")
             if name[0] != "k":
-                deviation = step.deviation(name)
+                deviation = trial.deviation(name)
                 blank = deviation is None or abs(deviation) < LEAST_DEVIATION
                 row.append("" if blank or deviation is None else f"{100 * deviation:+.2f} %")
         rows.append(row)
     return rows
 
 
-def _methods(steps: Sequence[MethodStep]) -> list[str]:
-    return list(dict.fromkeys(step.method for step in steps))
+def _methods(trials: Sequence[Trial]) -> list[str]:
+    return list(dict.fromkeys(trial.method for trial in trials))
 
 
 def validation_page(validation: Validation) -> str:
     """The page of `hexcite validate`."""
-    case, steps, payloads = validation.case, validation.steps, validation.case.payloads
+    case, trials, payloads = validation.case, validation.trials, validation.case.payloads
     assert payloads is not None
     warnings = tuple(f"{method} was not run: {reason}" for method, reason in validation.failed.items())
-    warnings += tuple(_warnings(steps))
-    loads = ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps))
+    warnings += tuple(_warnings(trials))
+    loads = ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in trials))
     tables: list[Block] = []
-    for method in _methods(steps):
-        own = [s for s in steps if s.method == method]
+    for method in _methods(trials):
+        own = [s for s in trials if s.method == method]
         text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [note(f"{method}{text}, model {own[0].estimate.model.number}"), table(TABLE_7, table_7(own))]
     sections = [
-        section("What it comes to", answers(*((f.holds, f.claim, f.figures) for f in validation.findings))),
-        section("Which method gives the smallest standard deviations", *_std_charts(steps), _std_table(steps)),
-        section("Values and deviations from theory (Table 7)", note(THEORY), *tables, *_error_blocks(steps)),
-        section("Residuals grow with the load", _s0_chart(steps)),
+        section("What it comes to", answers(*((f.holds, f.claim, f.figures) for f in validation.claims))),
+        section("Which method gives the smallest standard deviations", *_std_charts(trials), _std_table(trials)),
+        section("Values and deviations from theory (Table 7)", note(THEORY), *tables, *_error_blocks(trials)),
+        section("Residuals grow with the load", _s0_chart(trials)),
     ]
-    if off := off_rows(steps):
+    if off := off_rows(trials):
         words = (
             "Errors of more than 3 reported standard deviations, and what they consist of, in these: forces that each "
             "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
@@ -68,7 +69,7 @@ def validation_page(validation: Validation) -> str:
     return page(
         f"Validation with payloads: {case.title}",
         f"Known weights of {loads} kg mounted one after the other and identified by "
-        f"{len(_methods(steps))} methods on {validation.machine}.",
+        f"{len(_methods(trials))} methods on {validation.machine}.",
         (
             ("case", f"{case.name} (hash {case.hash})"),
             ("machine", validation.machine),
@@ -80,12 +81,12 @@ def validation_page(validation: Validation) -> str:
     )
 
 
-def _warnings(steps: Sequence[MethodStep]) -> list[str]:
+def _warnings(trials: Sequence[Trial]) -> list[str]:
     """Each warning once, with the runs that it was given for: those that differ by numbers alone count as one."""
     groups: dict[str, list[tuple[str, str]]] = {}
-    for step in steps:
-        for warning in step.estimate.warnings:
-            run = f"{step.method} {step.load:.0f} kg"
+    for trial in trials:
+        for warning in trial.estimate.warnings:
+            run = f"{trial.method} {trial.load:.0f} kg"
             groups.setdefault(re.sub(r"[0-9.]+", "#", warning), []).append((run, warning))
     sentences = []
     for runs in groups.values():
@@ -101,9 +102,9 @@ THEORY = (
 )
 
 
-def _std_charts(steps: Sequence[MethodStep]) -> list[Chart]:
+def _std_charts(trials: Sequence[Trial]) -> list[Chart]:
     """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
-    bare = [s for s in steps if s.weights == 0]
+    bare = [s for s in trials if s.weights == 0]
     timed = [s for s in bare if s.duration is not None]
     reported = [{n: v.reported for n, v in s.estimate.physical.items()} for s in bare]
     caption = "Reported standard deviations without payload, at each method's own residuals"
@@ -129,8 +130,8 @@ def _std_charts(steps: Sequence[MethodStep]) -> list[Chart]:
     return charts
 
 
-def _std_table(steps: Sequence[MethodStep]) -> Markup:
-    bare = [s for s in steps if s.weights == 0]
+def _std_table(trials: Sequence[Trial]) -> Markup:
+    bare = [s for s in trials if s.weights == 0]
     names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
     rows.append(("s0", *(f"{s.s0:#.3g} N" for s in bare)))
@@ -141,7 +142,7 @@ def _std_table(steps: Sequence[MethodStep]) -> Markup:
     return table(("without payload", *(s.method for s in bare)), rows)
 
 
-def _error_blocks(steps: Sequence[MethodStep]) -> list[Block]:
+def _error_blocks(trials: Sequence[Trial]) -> list[Block]:
     """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
     charts: list[Chart] = []
     for name in COMPARED:
@@ -149,7 +150,7 @@ def _error_blocks(steps: Sequence[MethodStep]) -> list[Block]:
         figure = Chart(
             f"error-{name}", caption, "load [kg]", f"error of {name} / std", half=True, height=320, showlegend=True
         )
-        _add_over_load(figure, steps, [step.error(name) for step in steps])
+        _add_over_load(figure, trials, [trial.error(name) for trial in trials])
         figure.add_band(SUSPICIOUS, COLOURS[0], 0.12)
         if figure.data:
             charts.append(figure)
@@ -157,18 +158,18 @@ def _error_blocks(steps: Sequence[MethodStep]) -> list[Block]:
     return [note(words), *charts] if charts else []
 
 
-def _s0_chart(steps: Sequence[MethodStep]) -> Chart:
+def _s0_chart(trials: Sequence[Trial]) -> Chart:
     caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
     figure = Chart("s0", caption, "load [kg]", "s0 [N]", height=340, showlegend=True)
-    _add_over_load(figure, steps, [step.s0 for step in steps])
+    _add_over_load(figure, trials, [trial.s0 for trial in trials])
     figure.y_axis(type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
     return figure
 
 
-def _add_over_load(figure: Chart, steps: Sequence[MethodStep], values: Sequence[float | None]) -> None:
+def _add_over_load(figure: Chart, trials: Sequence[Trial], values: Sequence[float | None]) -> None:
     """Adds a line for each method that has values: these over the load."""
-    for k, method in enumerate(_methods(steps)):
-        own = [(s.load, v) for s, v in zip(steps, values, strict=True) if s.method == method and v is not None]
+    for k, method in enumerate(_methods(trials)):
+        own = [(s.load, v) for s, v in zip(trials, values, strict=True) if s.method == method and v is not None]
         if own:
             x, y = zip(*own, strict=True)
             figure.add("scatter", x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})

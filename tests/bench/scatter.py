@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.identify import identify
-from planner.comparison.experiment import Excitation
+from planner.comparison.trials import Excitation
 from planner.runs.running import carried_out
 from postprocessors.dialects import read_program
 

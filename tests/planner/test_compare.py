@@ -13,8 +13,8 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.schema import Case
-from planner.comparison.advising import groups, recommend, warnings_of
-from planner.comparison.entries import Conditions, Entry, Level, Told, read_entry
+from planner.comparison.comparison import groups, recommend, warnings_of
+from planner.comparison.entries import Conditions, Deviation, Entry, Level, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.reports.compare import coloured
 from planner.runs.written import plan_of_program
@@ -27,7 +27,7 @@ Chain = dict[str, dict[str, Any]]
 
 
 def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
-    told = {n: Told(1.0, std, "kg") for n in names}
+    told = {n: Deviation(1.0, std, "kg") for n in names}
     return Entry(
         name, Level.IDENTIFIED, Conditions(case, recordings=frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
     )  # fmt: skip

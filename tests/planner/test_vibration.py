@@ -13,8 +13,8 @@ from identification.model import identification_model
 from identification.motion import Joined
 from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove, has_steps
-from planner.comparison.experiment import Excitation, steps
-from planner.comparison.step import MODE
+from planner.comparison.error_budget import MODE
+from planner.comparison.trials import Excitation, trials
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise
 from planner.plan_figures import predicted_std_of
@@ -91,7 +91,7 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     written = proven_program(motion, case, language, "walk", (), accepted=ACCEPTED)
     run = run_virtual(written.reading, case, language.guarantees(written.reading, case))
     excitation = Excitation(case, "ptp", run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 0)
-    (step,) = steps(excitation, [0], case.simulation.disturbances)
+    (step,) = trials(excitation, [0], case.simulation.disturbances)
     by_mode = step.budget["m"][MODE]
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)
     assert predicted == pytest.approx(abs(by_mode), rel=0.25)

@@ -9,8 +9,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import StraightMove
-from planner.comparison.experiment import Excitation, steps
-from planner.comparison.step import MethodStep
+from planner.comparison.trials import Excitation, Trial, trials
 from tests.helpers import Harmonic, paper_poses
 from tests.simulated_machine import PoseExecution
 
@@ -54,9 +53,9 @@ def standing(case: Case) -> Excitation:
 
 
 @cache
-def disturbed(method: str) -> tuple[MethodStep, ...]:
-    """Steps of the disturbed machine, without weights and with three."""
-    return tuple(steps({"D": moving, "Q": standing}[method](CASE), (0, 3), FOUND))
+def disturbed(method: str) -> tuple[Trial, ...]:
+    """Trials of the disturbed machine, without weights and with three."""
+    return tuple(trials({"D": moving, "Q": standing}[method](CASE), (0, 3), FOUND))
 
 
 NO_MODE = {"mode_Hz": 1e5}

@@ -3,8 +3,8 @@
 import pytest
 
 from identification.identify import identify
-from planner.comparison.experiment import steps
-from planner.comparison.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, cause_of
+from planner.comparison.error_budget import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, cause_of
+from planner.comparison.trials import trials
 from tests.helpers import few, ideal
 from tests.planner.comparison.excitations import CASE, FOUND, NO_MODE, NO_POSE_ERROR, disturbed, moving, standing
 
@@ -43,7 +43,7 @@ def test_a_part_is_what_vanishes_when_its_disturbance_is_switched_off(method, ca
 
 def test_nothing_but_ripple_and_sampling_is_left_of_a_machine_without_the_others():
     calm = FOUND.model_copy(update={"mode_Hz": 1e5, "pose_error_N": 0.0, "pose_error_of_load": 0.0})
-    (step,) = steps(moving(ideal(CASE)), (0,), calm)
+    (step,) = trials(moving(ideal(CASE)), (0,), calm)
     for parts in step.budget.values():
         assert abs(parts[NOISE]) + abs(parts[POSE]) < 1e-9
         assert abs(parts[MODE]) < 0.01 * max(abs(parts[RIPPLE]), 1e-4)

@@ -4,8 +4,7 @@ import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from planner.comparison.experiment import mounted_weights, steps
-from planner.comparison.step import SHOWN
+from planner.comparison.trials import SHOWN, mounted_weights, trials
 from planner.comparison.validation import validate
 from tests.helpers import ideal
 from tests.planner.comparison.excitations import CASE, disturbed, moving, standing
@@ -14,7 +13,7 @@ from tests.planner.comparison.excitations import CASE, disturbed, moving, standi
 @pytest.mark.parametrize(("method", "exact"), [(standing, 1e-8), (moving, 2e-3)])
 def test_an_ideal_machine_meets_theory_and_truth(method, exact: float):
     """Standing exactly, moving as well as the evaluation's filter passes the motion."""
-    found = list(steps(method(ideal(CASE)), (0, 5), None))
+    found = list(trials(method(ideal(CASE)), (0, 5), None))
     assert [s.load for s in found] == pytest.approx([0.0, 5 * 19.93])
     for step in found:
         assert step.budget == {}

@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 import pytest
 
 from cases.errors import FileProblem, Interrupted
-from planner.comparison.carrying_out import ValidationSettings, unfinished
+from planner.comparison.methods import ValidationSettings, unfinished
 from planner.comparison.validation import validate
 from tests.planner.comparison.excitations import CASE
 
@@ -28,10 +28,10 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
     kept = tmp_path / "v.unfinished"
 
     def ends(by: BaseException) -> None:
-        def steps(*_: object) -> NoReturn:
+        def trials(*_: object) -> NoReturn:
             raise by
 
-        monkeypatch.setattr("planner.comparison.carrying_out.steps", steps)
+        monkeypatch.setattr("planner.comparison.methods.trials", trials)
         with pytest.raises(type(by)) as raised:
             run_validation()
         assert [p.name for p in tmp_path.iterdir()] == ["v.unfinished"]
@@ -40,11 +40,11 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
 
     ends(Interrupted())
     plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
-    monkeypatch.setattr("planner.comparison.carrying_out.poses_planned", None)  # nothing is planned again
+    monkeypatch.setattr("planner.comparison.methods.poses_planned", None)  # nothing is planned again
     ends(Stopped())
     assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
     monkeypatch.undo()
-    monkeypatch.setattr("planner.comparison.carrying_out.poses_planned", None)
+    monkeypatch.setattr("planner.comparison.methods.poses_planned", None)
     resumed = run_validation()
     assert [p.name for p in tmp_path.iterdir()] == ["v"]
     assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan

@@ -1,12 +1,13 @@
 """The payload experiment of section 8: known weights are mounted one after the other and identified by each method.
 
 Theoretical values are those of the platform as identified without payload plus the known weights, as in Table 7; a
-simulated machine knows its true values too, and errors are also told in reported standard deviations of these.
+simulated machine knows its true values too, and errors are also given in reported standard deviations of these.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,12 +21,72 @@ from identification.recording import Recording, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
-from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, pose_covariance, sensed
+from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.comparison.step import BODY, LinearAnswer, MethodStep, error_budget, linear_answer
+from planner.comparison.error_budget import BODY, error_budget, linear_answer, true_deviations
 from planner.runs.identifying import standing_of
 
-METHODS = ("Q5M", "Q5N", "D9M", "D9N", "ptp", "ptp-steps", "spline")
+COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
+SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What a method identifies with some of the weights mounted: one row of Table 7."""
+
+    method: str  # its name
+    weights: int  # so many
+    load: float  # their mass [kg]
+    duration: float | None  # measuring time [s]
+    estimate: Estimate
+    theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
+    truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
+    # what a simulated machine's errors consist of, by parameter and cause [SI]; empty for recordings
+    budget: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
+    scatter: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def s0(self) -> float:
+        """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
+        forces = 6 * self.estimate.evaluated.samples
+        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.model.names))))
+
+    def deviation(self, name: str) -> float | None:
+        """Relative deviation from theory; None where there is no theory."""
+        if name not in self.theory or name not in self.estimate.physical:
+            return None
+        return self.estimate.physical[name].value / self.theory[name] - 1.0
+
+    def error(self, name: str) -> float | None:
+        """Estimate less truth in reported standard deviations; None where the truth is unknown."""
+        if name not in self.truth or name not in self.estimate.physical:
+            return None
+        value = self.estimate.physical[name]
+        return (value.value - self.truth[name]) / value.reported
+
+    def parts_in_std(self, name: str) -> dict[str, float]:
+        """What the error of a parameter consists of, by cause, in reported standard deviations."""
+        std = self.estimate.physical[name].reported
+        return {cause: part / std for cause, part in self.budget[name].items()}
+
+    def to_json(self) -> dict[str, Any]:
+        """One row of the answer, SI units."""
+        return {
+            "method": self.method,
+            "weights": self.weights,
+            "load_kg": self.load,
+            "duration_s": self.duration,
+            "model": self.estimate.model.number,
+            "samples": self.estimate.evaluated.samples,
+            "s0_N": self.s0,
+            "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
+            "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
+            "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
+            "error_budget_in_std": {name: self.parts_in_std(name) for name in self.budget},
+            "std_over_machines": dict(self.scatter),
+            "warnings": list(self.estimate.warnings),
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +94,7 @@ class Excitation:
     """A method as a controller executed its program, without payload."""
 
     case: Case  # case with a simulated machine
-    name: str  # one of METHODS
+    name: str  # method
     duration: float  # measuring time as executed [s]
     execution: Execution  # what the controller did
     trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
@@ -66,7 +127,7 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
     return case.payloads.weights[:count]
 
 
-def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[MethodStep]:
+def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Trial]:
     """The simulated machine identified with numbers of weights on it, ascending from 0.
 
     A set of poses is travelled through once: its standstills do not tell one way there from another.
@@ -91,10 +152,10 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
             budget = error_budget(answer, recording, parts, estimate, linear)
             scatter = true_deviations(case, answer, estimate, disturbances, load)
         theory = _theory(bare, weights)
-        yield MethodStep(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)
+        yield Trial(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter)
 
 
-def recorded_steps(case: Case, folder: Path) -> Iterator[MethodStep]:
+def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Raises:
@@ -124,7 +185,7 @@ def recorded_steps(case: Case, folder: Path) -> Iterator[MethodStep]:
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)
-        yield MethodStep(folder.name, k, load, None, estimate, _theory(bare, weights), {})
+        yield Trial(folder.name, k, load, None, estimate, _theory(bare, weights), {})
 
 
 def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
@@ -161,40 +222,3 @@ def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
             f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}"
         )
     return numbers
-
-
-def require_methods(names: Sequence[str]) -> None:
-    """Refuses names that are none of `METHODS`, and names given twice.
-
-    Raises:
-        HexciteError: one of them is unknown, or there is none.
-    """
-    for name in names:
-        if name not in METHODS:
-            raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
-    if not names or len(set(names)) < len(names):
-        raise HexciteError(f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}")
-
-
-def true_deviations(
-    case: Case, answer: LinearAnswer, estimate: Estimate, disturbances: Disturbances, load: float
-) -> dict[str, float]:
-    """Standard deviations of parameters over machines that differ in their pose errors, by name [SI].
-
-    The errors of the pose have the covariance that the simulated machine draws them from; all the rest is white, as
-    (28) has it.
-
-    Args:
-        load: mass of the weights on it [kg].
-    """
-    model = estimate.model
-    home = case.need_machine("a validation")[0].home.vector
-    weight = load * float(np.linalg.norm(case.gravity))
-    common = pose_covariance(disturbances, home, answer.poses, weight)
-    covariance = sum(part @ common @ part.T for part in np.moveaxis(answer.answer, 2, 0))
-    form = physical_form(model)
-    _, by_pose = form.of(estimate.fit.values, np.asarray(covariance))
-    return {
-        p.name: float(np.sqrt(variance + estimate.physical[p.name].std ** 2))
-        for p, variance in zip(form.parameters, np.diag(by_pose), strict=True)
-    }

@@ -10,8 +10,7 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.simulate import pose_fields
-from planner.comparison.experiment import true_deviations
-from planner.comparison.step import linear_answer
+from planner.comparison.error_budget import linear_answer, true_deviations
 from tests.planner.comparison.excitations import CASE, FOUND, HOME, moving
 
 

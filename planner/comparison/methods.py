@@ -1,4 +1,4 @@
-"""Carries out the methods of a validation: each planned, written as a proven program, executed and identified."""
+"""The methods of a validation, carried out: planned, written as a proven program, executed and identified."""
 
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,8 +12,7 @@ from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
 from cases.sensors import Disturbances
-from planner.comparison.experiment import Excitation, steps
-from planner.comparison.step import MethodStep
+from planner.comparison.trials import Excitation, Trial, trials
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.library import planned
 from planner.plans import Plan
@@ -37,8 +36,10 @@ REQUESTS: Mapping[str, Request | PoseRequest] = {
     "spline": Request(Spline()),
 }
 
+METHODS = tuple(REQUESTS)
+
 Count = Callable[[str, int], None]
-"""Told of what is done now, and of how many steps that ends."""
+"""Is called with what is done now, and with how many steps that ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +56,19 @@ class ValidationSettings:
 
 
 USUAL = ValidationSettings()
+
+
+def require_methods(names: Sequence[str]) -> None:
+    """Refuses names that are none of `METHODS`, and names given twice.
+
+    Raises:
+        HexciteError: one of them is unknown, or there is none.
+    """
+    for name in names:
+        if name not in METHODS:
+            raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
+    if not names or len(set(names)) < len(names):
+        raise HexciteError(f"methods {', '.join(names)!r}: name each once, of {', '.join(METHODS)}")
 
 
 @contextmanager
@@ -116,7 +130,7 @@ def carry_out(
     settings: ValidationSettings,
     folder: Path,
     count: Count,
-) -> tuple[tuple[MethodStep, ...], dict[str, str], dict[str, str]]:
+) -> tuple[tuple[Trial, ...], dict[str, str], dict[str, str]]:
     """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
 
     Args:
@@ -125,13 +139,13 @@ def carry_out(
         count: called with what is done now and the number of steps that this ends.
 
     Returns:
-        Steps of the methods that could be carried out; controller of each method, and what to know about its run; why
+        Trials of the methods that could be carried out; controller of each method, and what to know about its run; why
         the others failed.
 
     Raises:
         HexciteError: no method could be carried out.
     """
-    results: list[MethodStep] = []
+    results: list[Trial] = []
     executed: dict[str, str] = {}
     failed: dict[str, str] = {}
     for method in methods:
@@ -146,9 +160,9 @@ def carry_out(
             continue
         executed[method] = excitation.controller
         count(f"{method}: identifying", 0)
-        for step in steps(excitation, mounted, disturbances):
-            results.append(step)
-            count(f"{method} {step.load:.0f} kg", 1)
+        for trial in trials(excitation, mounted, disturbances):
+            results.append(trial)
+            count(f"{method} {trial.load:.0f} kg", 1)
     if not results:
         raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
     return tuple(results), executed, failed

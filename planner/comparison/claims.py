@@ -1,13 +1,14 @@
-"""What a validation comes to: claims about the methods, each answered by the figures of the run."""
+"""Claims about the methods of a validation, each answered by the figures of the run."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from planner.comparison.step import BODY, SUSPICIOUS, MethodStep, cause_of
+from planner.comparison.error_budget import BODY, SUSPICIOUS, cause_of
+from planner.comparison.trials import Trial
 
-OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
+OURS, MOVING, STANDING = ("ptp", "ptp-trials", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
 
 
@@ -23,22 +24,22 @@ class Claim(NamedTuple):
         return f"{'yes' if self.holds else 'NO'}: {self.claim} ({self.figures})"
 
 
-def findings(steps: Sequence[MethodStep]) -> list[Claim]:
+def claims_of(trials: Sequence[Trial]) -> list[Claim]:
     """Answers to what the paper's comparison asks, for the methods that were run."""
-    bare = {s.method: s for s in steps if s.weights == 0}
+    bare = {s.method: s for s in trials if s.weights == 0}
     claims = [
-        finding
+        claim
         for ours in OURS
         for theirs in (*MOVING, *STANDING)
         if ours in bare and theirs in bare
-        for finding in _smaller(bare[ours], bare[theirs])
+        for claim in _smaller(bare[ours], bare[theirs])
     ]
-    if any(s.truth for s in steps):
-        claims.append(_inside(steps))
+    if any(s.truth for s in trials):
+        claims.append(_inside(trials))
     return claims
 
 
-def _smaller(ours: MethodStep, theirs: MethodStep) -> list[Claim]:
+def _smaller(ours: Trial, theirs: Trial) -> list[Claim]:
     """Standard deviations of one method against another's, or of a second of both where the other stands still.
 
     Those of motions are compared by (28) at each method's own s0, as the paper reports them; by those that allow for
@@ -75,14 +76,14 @@ def _smaller(ours: MethodStep, theirs: MethodStep) -> list[Claim]:
     return claims
 
 
-def _honest(*steps: MethodStep) -> str:
+def _honest(*trials: Trial) -> str:
     """How far deviations that allow for noise with memory and errors of the pose are from the true ones."""
-    if not all(s.scatter for s in steps):
+    if not all(s.scatter for s in trials):
         return ""
     words = []
-    for step in steps:
-        shares = [v.reported / step.scatter[n] for n, v in step.estimate.physical.items()]
-        words.append(f"{min(shares):.2f} to {max(shares):.2f} times the true ones for {step.method}")
+    for trial in trials:
+        shares = [v.reported / trial.scatter[n] for n, v in trial.estimate.physical.items()]
+        words.append(f"{min(shares):.2f} to {max(shares):.2f} times the true ones for {trial.method}")
     return f"; estimated from one run they are {' and '.join(words)}"
 
 
@@ -95,12 +96,12 @@ def _ratios(ratios: Mapping[str, float]) -> tuple[bool, str]:
     return not larger, words + (f"; not smaller: {', '.join(larger)}" if larger else "")
 
 
-def _seconds(step: MethodStep) -> str:
-    return "unknown time" if step.duration is None else f"{step.duration:.2f} s"
+def _seconds(trial: Trial) -> str:
+    return "unknown time" if trial.duration is None else f"{trial.duration:.2f} s"
 
 
-def _inside(steps: Sequence[MethodStep]) -> Claim:
-    errors = [(s, n, e) for s in steps for n in BODY if (e := s.error(n)) is not None]
+def _inside(trials: Sequence[Trial]) -> Claim:
+    errors = [(s, n, e) for s in trials for n in BODY if (e := s.error(n)) is not None]
     off = [(s, n, e) for s, n, e in errors if abs(e) > SUSPICIOUS]
     causes: dict[str, int] = {}
     for s, n, _ in off:
@@ -119,16 +120,16 @@ def _inside(steps: Sequence[MethodStep]) -> Claim:
     )
 
 
-def off_rows(steps: Sequence[MethodStep]) -> list[list[str]]:
+def off_rows(trials: Sequence[Trial]) -> list[list[str]]:
     """Where an estimate is off: error and what it consists of, in reported standard deviations, and its cause."""
     rows = []
-    for step in steps:
-        for name, parts in step.budget.items():
-            error = step.error(name)
+    for trial in trials:
+        for name, parts in trial.budget.items():
+            error = trial.error(name)
             if error is None or abs(error) <= SUSPICIOUS:
                 continue
-            shares = [f"{part:+.1f}" for part in step.parts_in_std(name).values()]
-            off = [step.method, f"{step.load:.0f} kg", name, _off(step, name), f"{error:+.1f}"]
+            shares = [f"{part:+.1f}" for part in trial.parts_in_std(name).values()]
+            off = [trial.method, f"{trial.load:.0f} kg", name, _off(trial, name), f"{error:+.1f}"]
             rows.append([*off, *shares, cause_of(parts)])
     return rows
 
@@ -136,7 +137,7 @@ def off_rows(steps: Sequence[MethodStep]) -> list[list[str]]:
 OFF_COLUMNS = ("method", "load", "parameter", "error", "in std", "mode", "pose", "noise", "ripple", "left out", "cause")
 
 
-def _off(step: MethodStep, name: str) -> str:
+def _off(trial: Trial, name: str) -> str:
     """Masses and inertias in per cent, coordinates in millimetres: those about zero have no per cent."""
-    error = step.estimate.physical[name].value - step.truth[name]
-    return f"{error * 1e3:+.2f} mm" if name[1:] == "C" else f"{100 * error / step.truth[name]:+.2f} %"
+    error = trial.estimate.physical[name].value - trial.truth[name]
+    return f"{error * 1e3:+.2f} mm" if name[1:] == "C" else f"{100 * error / trial.truth[name]:+.2f} %"

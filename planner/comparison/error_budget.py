@@ -1,12 +1,12 @@
-"""What a method says with some of the weights mounted: one row of Table 7, as a value."""
+"""What the error of an estimate on a simulated machine consists of, and what it is over machines."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cases.schema import Case
+from cases.sensors import Disturbances
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.motion import Array
@@ -15,7 +15,7 @@ from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.evaluation import Run
 from identification.runs.preparation import moving_run, standstills
-from identification.simulate import ForceParts
+from identification.simulate import ForceParts, pose_covariance
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,64 +110,25 @@ def error_budget(
     }
 
 
-COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
-SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
+def true_deviations(
+    case: Case, answer: LinearAnswer, estimate: Estimate, disturbances: Disturbances, load: float
+) -> dict[str, float]:
+    """Standard deviations of parameters over machines that differ in their pose errors, by name [SI].
 
+    The errors of the pose have the covariance that the simulated machine draws them from; all the rest is white, as
+    (28) has it.
 
-@dataclass(frozen=True, slots=True)
-class MethodStep:
-    """What a method says with some of the weights mounted."""
-
-    method: str  # its name
-    weights: int  # so many
-    load: float  # their mass [kg]
-    duration: float | None  # measuring time [s]
-    estimate: Estimate
-    theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
-    truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
-    # what a simulated machine's errors consist of, by parameter and cause [SI]; empty for recordings
-    budget: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
-    scatter: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def s0(self) -> float:
-        """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
-        forces = 6 * self.estimate.evaluated.samples
-        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.model.names))))
-
-    def deviation(self, name: str) -> float | None:
-        """Relative deviation from theory; None where there is no theory."""
-        if name not in self.theory or name not in self.estimate.physical:
-            return None
-        return self.estimate.physical[name].value / self.theory[name] - 1.0
-
-    def error(self, name: str) -> float | None:
-        """Estimate less truth in reported standard deviations; None where the truth is unknown."""
-        if name not in self.truth or name not in self.estimate.physical:
-            return None
-        value = self.estimate.physical[name]
-        return (value.value - self.truth[name]) / value.reported
-
-    def parts_in_std(self, name: str) -> dict[str, float]:
-        """What the error of a parameter consists of, by cause, in reported standard deviations."""
-        std = self.estimate.physical[name].reported
-        return {cause: part / std for cause, part in self.budget[name].items()}
-
-    def to_json(self) -> dict[str, Any]:
-        """One row of the answer, SI units."""
-        return {
-            "method": self.method,
-            "weights": self.weights,
-            "load_kg": self.load,
-            "duration_s": self.duration,
-            "model": self.estimate.model.number,
-            "samples": self.estimate.evaluated.samples,
-            "s0_N": self.s0,
-            "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
-            "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
-            "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
-            "error_budget_in_std": {name: self.parts_in_std(name) for name in self.budget},
-            "std_over_machines": dict(self.scatter),
-            "warnings": list(self.estimate.warnings),
-        }
+    Args:
+        load: mass of the weights on it [kg].
+    """
+    model = estimate.model
+    home = case.need_machine("a validation")[0].home.vector
+    weight = load * float(np.linalg.norm(case.gravity))
+    common = pose_covariance(disturbances, home, answer.poses, weight)
+    covariance = sum(part @ common @ part.T for part in np.moveaxis(answer.answer, 2, 0))
+    form = physical_form(model)
+    _, by_pose = form.of(estimate.fit.values, np.asarray(covariance))
+    return {
+        p.name: float(np.sqrt(variance + estimate.physical[p.name].std ** 2))
+        for p, variance in zip(form.parameters, np.diag(by_pose), strict=True)
+    }

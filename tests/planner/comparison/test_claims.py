@@ -2,23 +2,23 @@
 
 from types import SimpleNamespace
 
-from planner.comparison.experiment import steps
-from planner.comparison.step import MODE
-from planner.comparison.verdict import findings, off_rows
+from planner.comparison.claims import claims_of, off_rows
+from planner.comparison.error_budget import MODE
+from planner.comparison.trials import trials
 from tests.planner.comparison.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
 
 
 def test_what_is_off_is_named_with_its_cause():
     """A soft structure makes forces too large: nothing else is to blame."""
     heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
-    found = list(steps(brisk(CASE), (0,), heavy))
+    found = list(trials(brisk(CASE), (0,), heavy))
     rows = off_rows(found)
     assert rows
     assert {row[-1] for row in rows} == {MODE}
-    (inside,) = [f for f in findings(found) if f.claim.startswith("mass, centre")]
+    (inside,) = [f for f in claims_of(found) if f.claim.startswith("mass, centre")]
     assert not inside.holds
     assert f"{MODE} ({len(rows)})" in inside.figures
-    assert off_rows(list(steps(brisk(CASE), (0,), None))) == []
+    assert off_rows(list(trials(brisk(CASE), (0,), None))) == []
 
 
 def claimed(
@@ -42,7 +42,7 @@ def claimed(
         row("ptp", ours, robust[0], seconds[0], 0.001, dict.fromkeys(("m", "k0"), true[0]) if true else {}),
         row(method, theirs, robust[1], seconds[1], 0.01, dict.fromkeys(("m", "k0"), true[1]) if true else {}),
     ]
-    return [found.holds for found in findings(rows)]
+    return [found.holds for found in claims_of(rows)]
 
 
 def test_a_method_is_better_only_where_all_its_deviations_are_smaller_in_no_more_time():
