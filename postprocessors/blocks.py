@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from identification.motion import Joined, Standstill, Trajectory
+from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Profile, StraightMove
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

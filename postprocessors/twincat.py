@@ -9,7 +9,8 @@ import numpy as np
 
 from cases.controller import TwinCat, TwinCatAxes
 from cases.schema import Case
-from postprocessors.blocks import Array, NeutralProgram, TimedPath
+from identification.motion import Array
+from postprocessors.blocks import NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading
 from postprocessors.reading.text import axis_letters

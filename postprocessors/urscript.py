@@ -11,8 +11,9 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
+from identification.motion import Array
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import Array, Dwell, NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
 from postprocessors.wording import comment_lines, digits, number
 
 DECIMALS = 9  # of angles [rad]

@@ -15,8 +15,9 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited_quantities import Box
+from identification.motion import Array
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
-from postprocessors.blocks import Array, Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
+from identification.motion import Array
 from postprocessors.reading import Reading, Timed
 
 if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
     from identification.trajectories.executed import Execution
-
-Array = NDArray[np.float64]
 
 STILL = 1e-9  # [m] a cycle: 1 um/s
 

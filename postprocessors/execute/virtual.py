@@ -4,12 +4,11 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.model import machine_of
-from identification.motion import Joined, Standstill, TimedPoints, Trajectory
+from identification.motion import Array, Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
 from identification.trajectories.moves import TimeLaw, UntimedMotion, ruckig_profile
 from identification.trajectories.path_timing import keeps_pace, retime
@@ -17,8 +16,6 @@ from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.homing import motions
 from postprocessors.reading import Reading, Still
-
-Array = NDArray[np.float64]
 
 NAME = "virtual controller (exact on timed paths, built in)"
 REST = 0.2  # [s] of standstill recorded before and after: filters need it, and so does a user who looks at the plot

@@ -5,12 +5,12 @@ from itertools import permutations, product
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import FolderKind, atomic_folder, check_file, check_folder, output_place, write_text
 from cases.units import DEG, MM
+from identification.motion import Array
 from identification.outcome import Result
 from identification.parameters import INERTIA
 from postprocessors.export.calibration import (
@@ -118,8 +118,6 @@ def urscript_payload(result: Result) -> str:
 def _list(values: Iterable[float], decimals: int) -> str:
     return f"[{', '.join(f'{float(v) + 0.0:.{decimals}f}' for v in values)}]"
 
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-9  # of the largest principal inertia: what the triangle inequality may miss by rounding
 

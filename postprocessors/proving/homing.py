@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
 from cases.machine import MotionLimits
@@ -17,15 +16,13 @@ from cases.units import DEG, MM
 from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import prove
 from identification.limited_quantities import Box
-from identification.motion import Joined, Standstill, Trajectory
+from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.guarantees import Answering, Guarantees
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
     from postprocessors.dialects import Program
-
-Array = NDArray[np.float64]
 
 
 def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMove | CircularMove | None:

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import ProgramError
-from identification.motion import TimedPoints
+from identification.motion import Array, TimedPoints
 from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
 from identification.trajectories.moves import Plane
-
-Array = NDArray[np.float64]
 
 STILL = 1e-9  # [m, rad] below the last decimal of any program
 

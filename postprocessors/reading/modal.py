@@ -9,8 +9,9 @@ import numpy as np
 
 from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
+from identification.motion import Array
 from identification.trajectories.moves import Plane
-from postprocessors.reading import Arc, Array, Grouping, Reading, TimedBlock
+from postprocessors.reading import Arc, Grouping, Reading, TimedBlock
 
 ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
 STILL = 1e-7  # [mm] between places that are the same

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
-
-Array = NDArray[np.float64]
+from identification.motion import Array
 
 PURPOSE = "running a program on LinuxCNC"
 INI_FILE = "machine.ini"

@@ -12,12 +12,11 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.controller import LinuxCnc
 from cases.schema import Case
 from identification.limit import LimitKind
-from identification.motion import TimedPoints
+from identification.motion import Array, TimedPoints
 from identification.trajectories.moves import TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import Forecast, Guarantees
@@ -57,8 +56,6 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
 def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
     return fastest_profile(1.0, velocity, headroom * acceleration)
 
-
-Array = NDArray[np.float64]
 
 NOTICEABLE = 1.01
 CUT = 2e-3
