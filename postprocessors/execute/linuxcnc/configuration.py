@@ -2,14 +2,16 @@
 
 The joints of a hexapod are its six struts (`genhexkins`); its axes X Y Z A B C are the pose, A B C turning about the
 fixed axes x y z, which is R = Rz(yaw) Ry(pitch) Rx(roll). The axes of a chain are its joints (`trivkins`). There are no
-motors: each joint follows its command exactly.
+motors: each joint follows its command exactly. `dwell.ngc` counts a dwell in the controller's own cycles; G4 is timed
+on the wall, whatever the servo thread does.
 """
 
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from cases.schema import Case
@@ -17,11 +19,9 @@ from cases.units import DEG, MM
 from identification.motion import Array
 
 PURPOSE = "running a program on LinuxCNC"
+HERE = Path(__file__).parent
 INI_FILE = "machine.ini"
 HAL_FILE = "machine.hal"
-TOOL_FILE = "tool.tbl"
-VARIABLE_FILE = "machine.var"
-DWELL_FILE = "dwell.ngc"
 DISPLAY_FILE = "driver.py"
 
 SERVO_PERIOD = 1e-3
@@ -36,30 +36,8 @@ UNBOUND = 1e6
 WIDEST = np.pi / 2
 """Angles of the axes where only the struts limit them [rad]."""
 
-FOLLOWING_ERROR = 50.0
-"""Struts "follow" one cycle late, 1 mm at 1 m/s: far below this, so that only a broken kinematics trips it [mm]."""
-
-QUEUE = 100_000
-"""Cycles that the log can hold until the driver fetches them: 5 s at 20 times real time."""
-
 TURNS = 1e6
 """Position limits of a joint that turns without end [degrees]."""
-
-AXES = "XYZABC"
-DWELL_OUTPUT = 3
-"""Digital output that starts a dwell, digital input that ends it, and analog output that holds its seconds."""
-
-DWELL = f"""o<dwell> sub
-(- #1 seconds of servo cycles in position; written for HAL's timedelay)
-M68 E{DWELL_OUTPUT} Q#1
-M64 P{DWELL_OUTPUT}
-M66 P{DWELL_OUTPUT} L3 Q1000000
-M65 P{DWELL_OUTPUT}
-M66 P{DWELL_OUTPUT} L4 Q1000000
-o<dwell> endsub
-M2
-"""
-"""A dwell that is counted in the controller's own cycles; G4 is timed on the wall, whatever the servo thread does."""
 
 
 class AxisLayout(NamedTuple):
@@ -79,7 +57,7 @@ class AxisLayout(NamedTuple):
         """
         turns = case.need_motion(PURPOSE)[1].turns
         if case.chain is None:
-            return cls(AXES, turns, "genhexkins", np.ones(6, dtype=bool))
+            return cls("XYZABC", turns, "genhexkins", np.ones(6, dtype=bool))
         letters = "".join(case.chain.names)
         return cls(letters, turns, f"trivkins coordinates={letters}", ~turns)
 
@@ -134,6 +112,15 @@ def pose_range(case: Case, box: bool) -> Array:
     return np.array([[*low, -reach, *[-WIDEST] * 3], [*high, reach, *[WIDEST] * 3]])
 
 
+@cache
+def _templates() -> Environment:
+    templates = Environment(
+        loader=FileSystemLoader(HERE), undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True
+    )
+    templates.filters["number"] = lambda value: f"{value:.12f}"
+    return templates
+
+
 def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) -> str:
     """The INI file.
 
@@ -153,59 +140,29 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
     (start, limits), layout = case.need_motion(PURPOSE), AxisLayout.of(case)
     home = start / layout.units
     low, high = home + pose_range(case, box) / layout.units + ROUNDING * np.array([[-1.0], [1.0]])
-    velocity = limits.rate / layout.units
-    acceleration = headroom * limits.acceleration / layout.units
-    linear, angular = ~layout.turns, layout.turns
-    lines = [
-        "[EMC]",
-        "VERSION = 1.1",
-        f"MACHINE = {case.name}",
-        "[HEXCITE]",
-        f"SAMPLER = {layout.sampler}",
-        "[DISPLAY]",
-        f"DISPLAY = ./{DISPLAY_FILE}",
-        "[RS274NGC]",
-        f"PARAMETER_FILE = {VARIABLE_FILE}",
-        "SUBROUTINE_PATH = .",
-        "RS274NGC_STARTUP_CODE = G17 G21 G40 G49 G54 G80 G90 G94",
-        "[EMCMOT]",
-        "EMCMOT = motmod",
-        "COMM_TIMEOUT = 4.0",
-        f"SERVO_PERIOD = {round(SERVO_PERIOD * 1e9)}",
-        "[TASK]",
-        "TASK = milltask",
-        "CYCLE_TIME = 0.001",
-        "[HAL]",
-        f"HALFILE = {HAL_FILE}",
-        "[TRAJ]",
-        f"COORDINATES = {' '.join(layout.axes)}",
-        f"HOME = {' '.join(_number(value) for value in home)}",
-        "LINEAR_UNITS = mm",
-        "ANGULAR_UNITS = degree",
-        *_path_limits("LINEAR", velocity[linear], acceleration[linear]),
-        *_path_limits("ANGULAR", velocity[angular], acceleration[angular]),
-        "[EMCIO]",
-        "EMCIO = io",
-        "CYCLE_TIME = 0.1",
-        f"TOOL_TABLE = {TOOL_FILE}",
-        "[KINS]",
-        f"KINEMATICS = {layout.kinematics}",
-        f"JOINTS = {len(layout.axes)}",
-    ]
-    axes = [(*_range(low[k], high[k]), *_dynamics(velocity[k], acceleration[k])) for k in range(len(home))]
-    for axis, own in zip(layout.axes, axes, strict=True):
-        lines += [f"[AXIS_{axis}]", *own]
-    joints = axes
+    velocity, acceleration = limits.rate / layout.units, headroom * limits.acceleration / layout.units
+    axes = joints = np.column_stack([low, high, velocity, acceleration]).tolist()
     if case.chain is None:
-        shortest, longest = case.need_machine(PURPOSE)[1].strut_length / MM
-        joints = [(*_range(shortest, longest), *_dynamics(UNBOUND, UNBOUND))] * len(axes)
-    for k, value in enumerate(np.asarray(home_joints) / layout.joint_units):
-        kind = "LINEAR" if layout.slides[k] else "ANGULAR"
-        lines += [f"[JOINT_{k}]", f"TYPE = {kind}", *joints[k]]
-        lines += [f"HOME = {_number(value)}", f"HOME_OFFSET = {_number(value)}", "HOME_SEQUENCE = 0"]
-        lines += ["HOME_SEARCH_VEL = 0", "HOME_LATCH_VEL = 0"]
-        lines += [f"{limit} = {_number(FOLLOWING_ERROR)}" for limit in ("FERROR", "MIN_FERROR")]
-    return "\n".join(lines) + "\n"
+        joints = [[*case.need_machine(PURPOSE)[1].strut_length / MM, UNBOUND, UNBOUND]] * len(axes)
+    diagonals = [
+        (kind, float(np.linalg.norm(velocity[own])), float(np.linalg.norm(acceleration[own])))
+        for kind, own in (("LINEAR", ~layout.turns), ("ANGULAR", layout.turns))
+        if own.any()
+    ]
+    return (
+        _templates()
+        .get_template("machine.ini.jinja")
+        .render(
+            name=case.name,
+            layout=layout,
+            period_ns=round(SERVO_PERIOD * 1e9),
+            home=home.tolist(),
+            paths=diagonals,
+            axes=axes,
+            joints=joints,
+            home_joints=(np.asarray(home_joints) / layout.joint_units).tolist(),
+        )
+    )
 
 
 def hal_text(case: Case) -> str:
@@ -214,44 +171,8 @@ def hal_text(case: Case) -> str:
     Raises:
         CaseError: the case has none.
     """
-    layout = AxisLayout.of(case)
-    lines = [
-        "loadrt [KINS]KINEMATICS",
-        "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS num_dio=4 num_aio=4",
-        "loadrt and2",
-        "loadrt timedelay",
-        f"loadrt sampler depth={QUEUE} cfg={layout.sampler}",
-        "addf motion-command-handler servo-thread",
-        "addf motion-controller servo-thread",
-        "addf and2.0 servo-thread",
-        "addf timedelay.0 servo-thread",
-        "addf sampler.0 servo-thread",
-        "setp sampler.0.enable 0",
-        "setp timedelay.0.off-delay 0",
-        f"net dwell-asked motion.digital-out-0{DWELL_OUTPUT} => and2.0.in0",
-        "net standing motion.in-position => and2.0.in1",
-        "net dwelling and2.0.out => timedelay.0.in",
-        f"net dwell-seconds motion.analog-out-0{DWELL_OUTPUT} => timedelay.0.on-delay",
-        f"net dwelt timedelay.0.out => motion.digital-in-0{DWELL_OUTPUT}",
-        "net emergency-stop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in",
-        "net tool-prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
-        "net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed",
-    ]
-    lines += _kinematics(case)
-    lines += [f"net {joint.replace('.', '-')} {joint}.motor-pos-cmd => {joint}.motor-pos-fb" for joint in layout.joints]
-    lines += [f"net log-{k} {pin} => sampler.0.pin.{k}" for k, (_, pin) in enumerate(layout.channels)]
-    return "\n".join(lines) + "\n"
-
-
-def _kinematics(case: Case) -> Iterator[str]:
-    """Settings of the kinematics: the points of a hexapod, none of a chain."""
-    if case.chain is not None:
-        return
-    machine, _, _ = case.need_machine(PURPOSE)
-    yield "net tool-length motion.tooloffset.z => genhexkins.tool-offset"
-    for ring, points in (("base", machine.base.points), ("platform", machine.platform.points)):
-        for k, point in enumerate(points / MM):
-            yield from (f"setp genhexkins.{ring}.{k}.{c} {_number(v)}" for c, v in zip("xyz", point, strict=True))
+    template = _templates().get_template("machine.hal.jinja")
+    return template.render(layout=AxisLayout.of(case), hexapod=case.hexapod, mm=MM)
 
 
 def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: float, box: bool = True) -> None:
@@ -259,31 +180,8 @@ def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: 
     for name, text in (
         (INI_FILE, ini_text(case, home_joints, headroom, box)),
         (HAL_FILE, hal_text(case)),
-        (TOOL_FILE, "T1 P1 Z0 D1\n"),
-        (DWELL_FILE, DWELL),
-        (VARIABLE_FILE, ""),  # no offsets left over from another program
+        ("tool.tbl", "T1 P1 Z0 D1\n"),
+        ("dwell.ngc", (HERE / "dwell.ngc").read_text(encoding="ascii")),
+        ("machine.var", ""),  # no offsets left over from another program
     ):
         (folder / name).write_text(text, encoding="ascii")
-
-
-def _path_limits(kind: str, velocity: Array, acceleration: Array) -> list[str]:
-    if not len(velocity):
-        return []
-    largest, strongest = float(np.linalg.norm(velocity)), float(np.linalg.norm(acceleration))
-    return [
-        f"{start}_{kind}_{quantity} = {_number(value)}"
-        for quantity, value in (("VELOCITY", largest), ("ACCELERATION", strongest))
-        for start in ("DEFAULT", "MAX")
-    ]
-
-
-def _range(low: float, high: float) -> list[str]:
-    return [f"MIN_LIMIT = {_number(low)}", f"MAX_LIMIT = {_number(high)}"]
-
-
-def _dynamics(velocity: float, acceleration: float) -> list[str]:
-    return [f"MAX_VELOCITY = {_number(velocity)}", f"MAX_ACCELERATION = {_number(acceleration)}"]
-
-
-def _number(value: float) -> str:
-    return f"{value:.12f}"

@@ -1,7 +1,7 @@
 """What depends on the wall clock although LinuxCNC counts motion in cycles: dwells, switches, the supply of blocks.
 
 LinuxCNC times G4 on the wall, which a servo thread on a busy computer lags behind. A program is therefore run as a copy
-that counts its dwells in cycles (`configuration.DWELL`), line for line; that each phase between two switches of the
+that counts its dwells in cycles (`dwell.ngc`), line for line; that each phase between two switches of the
 trigger took its time is then checked in the log. Written programs hold dwells in one form only, `G4 P<seconds>` on a
 line of its own; any other form is refused, since it could not be proven. That a dwell has ended, and that an output
 is to switch at once (M64, M65), is seen some milliseconds late, on the wall: these cycles of waiting are cut out.
