@@ -1,6 +1,6 @@
 """The noise that a run will have, as the case states it, and what it makes of the information of a motion.
 
-Force sensors err alike whatever moves; noise of accelerations is felt with the body that is moved, so that payloads
+Force sensors err alike whatever moves; noise of accelerations acts on the body that is moved, so that payloads
 change it. A motion is planned for the weights that its identification will use, and its standard deviations are
 predicted for these weights and this noise, whether the weights are right for it or not.
 """

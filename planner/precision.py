@@ -25,7 +25,7 @@ _OF_STRUTS = {
     "tB": "Coulomb friction of a base joint",
     "tP": "Coulomb friction of a platform joint",
 }
-MOST_TIMES = 10.0  # a limit, up to which a share is told
+MOST_TIMES = 10.0  # a limit, up to which a share is shown
 MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
 
 

@@ -24,7 +24,7 @@ from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
 from planner.vibration import BothLaws, both_laws, mean_ratio
 
-RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
+RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is reported
 FULL = 0.9  # share of a limit that a good motion uses of at least one
 FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
 AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding

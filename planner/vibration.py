@@ -1,6 +1,6 @@
 """What a structural mode makes of a planned motion: forces that no identification model contains, and their errors.
 
-A run is evaluated behind a low-pass, with its delay estimated, and its smoothing where that can be told; what the
+A run is evaluated behind a low-pass, with its delay estimated, and its smoothing where the run determines it; what the
 vibration adds to the forces passes the same least squares. Steps of acceleration excite a mode more than ramps do, but
 carry more information: which of the two is better follows from the errors to be expected of both.
 """
@@ -48,7 +48,7 @@ class Vibration:
 
 
 def least_shaken(motions: Sequence[tuple[str, Vibration]]) -> tuple[str, ...]:
-    """Which of some motions errs least on a machine with a structural mode, in a sentence; none where nothing tells."""
+    """Which of some motions errs least on a machine with a structural mode, in a sentence; or nothing."""
     if len(motions) < 2 or len({frozenset(v.errors) for _, v in motions}) > 1:
         return ()
     best, least = min(motions, key=lambda pair: pair[1].over(motions[0][1]))

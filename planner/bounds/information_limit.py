@@ -117,7 +117,7 @@ def bound(
         tight: count on rest at both ends and limited jerk, which takes minutes; else on the motion box alone.
         time_limit: processor time after which the answer is an estimate [s].
         renew: compute a known bound again.
-        progress: told the state of things now and then.
+        progress: called with a line about the state of the computation now and then.
 
     Raises:
         HexciteError: no duration, an unknown model, a case without machine or limits, `tight` of sensors in struts, or

@@ -268,7 +268,7 @@ def annealed_start(
     Args:
         moves: the family's own, as `EqualMoves.of` gives them.
         proposals: how many; the temperature falls geometrically meanwhile.
-        watch: is told -log det F / u now and then; true ends the annealing.
+        watch: called with -log det F / u now and then; true ends the annealing.
         begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
     points = np.tile(draw.uniform(-0.5, 0.5, len(moves.steps)), (family.moves + 1, 1)) if begin is None else begin

@@ -1,39 +1,46 @@
-"""IPOPT on a program whose functions are NumPy's: CasADi only passes them on."""
+"""IPOPT on a program whose functions are NumPy's: CasADi only passes them on.
+
+Where all unknowns move every state (Fourier series), states become unknowns too, each tied to the motion's own unknowns
+by a linear equation. A limit of a state then depends on the few components of that state, and so do its second
+derivatives. Newton's steps stay the same, but the solver's matrices become far sparser. States of splines and moves
+depend on few unknowns as they are.
+"""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.search.lifted import lifted
 from planner.search.program import NonlinearProgram
+from planner.search.rows import LinearRows, StateRows
+from planner.search.states import LinearStates
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
-class Reached:
+class Solution:
     """Where a solver ended."""
 
     unknowns: Array  # shape (n,)
-    status: str  # its last words
-    converged: bool  # whether it says that it is done
-    iterations: int  # taken
+    status: str  # its return status, in words
+    converged: bool  # whether it converged, or gains no more
+    iterations: int  # number of iterations
 
 
 Watch = Callable[[float], bool]
-"""Is told the objective of every iteration; true stops the solver."""
+"""Is iterates the objective of every iteration; true stops the solver."""
 
 INSIDE = 1e-4  # of a limit, by which an iterate may exceed it and still count
 GAIN, PATIENCE = 2e-4, 8  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time
 SETTLED = "no more gained"
 
 
-class Passed(ca.Callback):  # type: ignore[misc]
+class NumpyFunction(ca.Callback):  # type: ignore[misc]
     """A NumPy function as CasADi's; the program keeps it alive as long as the solver runs.
 
     Args:
@@ -98,12 +105,12 @@ class Passed(ca.Callback):  # type: ignore[misc]
         return 0
 
 
-def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch, options: dict[str, Any]) -> Reached:
+def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch, options: dict[str, Any]) -> Solution:
     """Solves a program from a start, which need not be inside its limits.
 
     Args:
         start: shape (n,).
-        watch: is told the objective of each iteration.
+        watch: called with the objective of each iteration.
     """
     own = program.unknowns
     program, start = lifted(program, start)
@@ -128,35 +135,35 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
 
     both = [("f", number), ("g", ca.Sparsity.dense(count, 1))]
     functions = {
-        "grad_f": Passed("nlp_grad_f", [x, nothing], [("f", number), ("grad_f_x", vector)], gradient),
-        "jac_g": Passed("nlp_jac_g", [x, nothing], [both[1], ("jac_g_x", table)], jacobian),
-        "hess_lag": Passed(
+        "grad_f": NumpyFunction("nlp_grad_f", [x, nothing], [("f", number), ("grad_f_x", vector)], gradient),
+        "jac_g": NumpyFunction("nlp_jac_g", [x, nothing], [both[1], ("jac_g_x", table)], jacobian),
+        "hess_lag": NumpyFunction(
             "nlp_hess_l",
             [x, nothing, ("lam_f", 1), ("lam_g", count)],
             [("hess_gamma_x_x", triangle)],
             hessian,
         ),
     }
-    nlp = Passed("nlp", [x, nothing], both, values)
-    told = _Told(n, bounds, watch)
+    nlp = NumpyFunction("nlp", [x, nothing], both, values)
+    iterates = _Iterates(n, bounds, watch)
     sizes = {"f": 1, "x": n, "lam_x": n, "g": count, "lam_g": count}
-    iterates = [(ca.nlpsol_out(k), sizes.get(ca.nlpsol_out(k), 0)) for k in range(ca.nlpsol_n_out())]
+    outputs = [(ca.nlpsol_out(k), sizes.get(ca.nlpsol_out(k), 0)) for k in range(ca.nlpsol_n_out())]
     settings = {
         **functions,
         **_QUIET,
-        "iteration_callback": Passed("watch", iterates, [("stop", number)], told),
+        "iteration_callback": NumpyFunction("watch", outputs, [("stop", number)], iterates),
         "ipopt": _IPOPT | options | {"max_iter": iterations},
     }
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
     stats, last = solver.stats(), answer["x"].full()[:own, 0]
     iterations = int(stats["iter_count"])
-    if told.settled:
-        return Reached(told.best_unknowns[:own], SETTLED, True, iterations)
+    if iterates.settled:
+        return Solution(iterates.best_unknowns[:own], SETTLED, True, iterations)
     status = str(stats["return_status"]).replace("_", " ").lower()
-    better = told.best < float(answer["f"]) or not stats["success"]
-    inside = told.best_unknowns[:own] if np.isfinite(told.best) and better else last
-    return Reached(inside, status, bool(stats["success"]), iterations)
+    better = iterates.best < float(answer["f"]) or not stats["success"]
+    inside = iterates.best_unknowns[:own] if np.isfinite(iterates.best) and better else last
+    return Solution(inside, status, bool(stats["success"]), iterations)
 
 
 def _sparsity(rows: int, columns: int, row: Indices, column: Indices) -> tuple[ca.Sparsity, Indices]:
@@ -176,8 +183,8 @@ _IPOPT = {
 }
 
 
-class _Told:
-    """Is told each iterate: remembers the best inside the bounds, and stops where no more is gained.
+class _Iterates:
+    """Is iterates each iterate: remembers the best inside the bounds, and stops where no more is gained.
 
     An exception in it would be swallowed by IPOPT.
     """
@@ -195,3 +202,61 @@ class _Told:
         self.latest = [*self.latest[-PATIENCE:], float(value[0]) if outside < INSIDE else np.inf]
         self.settled = len(self.latest) > PATIENCE and max(self.latest) < min(self.latest) + GAIN
         return (np.array([float(self.watch(float(value[0])) or self.settled)]),)
+
+
+def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram, Array]:
+    """The program with components of states as unknowns behind its own, where all of its own move every state.
+
+    Args:
+        program: as it is where blocks of its states depend on few unknowns each.
+        unknowns: shape (n,).
+
+    Returns:
+        The program in n + Z unknowns, and all of them at the same motion.
+    """
+    from scipy.sparse import csr_array, eye_array, hstack
+
+    rows = [part for part in program.rows if len(part.lower)]
+    limits = [part for part in rows if isinstance(part, StateRows)]
+    states = limits[0].states if limits else None
+    alike = all(part.states is states for part in limits)
+    if not isinstance(states, LinearStates) or len(states.index) > 1 or not alike:
+        return program, unknowns
+    used = np.logical_or.reduce([p.needed[:, :, None] & p.kernel.uses for p in limits])
+    scale = np.abs(states.slope).sum(axis=3).max(axis=(0, 1))  # components of order one, like the unknowns
+    scale[scale == 0.0] = 1.0
+    n, more = program.unknowns, int(used.sum())
+    place = np.full(used.shape, -1)
+    place[used] = n + np.arange(more)
+    slopes = np.zeros((more, n))
+    slopes[:, states.index[0]] = states.slope[used] / scale[np.nonzero(used)[2], None]
+    ties = LinearRows.equation(csr_array(hstack([csr_array(slopes), -eye_array(more)])), 0.0)
+    wide = [_of_components(p, place, scale) if isinstance(p, StateRows) else _widened(p, n + more) for p in rows]
+    free = np.full(more, np.inf)
+    lower, upper = np.concatenate([program.lower, -free]), np.concatenate([program.upper, free])
+    wider = replace(program, rows=(*wide, ties), lower=lower, upper=upper)
+    return wider, np.concatenate([unknowns, slopes @ unknowns])
+
+
+def _of_components(part: StateRows, place: Indices, scale: Array) -> StateRows:
+    """Its rows as functions of components of states, which are unknowns: each state is a block of its own.
+
+    Args:
+        place: number of each component among all unknowns, shape (B, S, d).
+        scale: their units, shape (d,).
+    """
+    states, needed = part.states, part.needed
+    assert isinstance(states, LinearStates)
+    components = np.flatnonzero(part.kernel.uses)
+    index = place[needed][:, components]
+    slope = np.zeros((len(index), 1, len(scale), len(components)))
+    slope[:, 0, components, np.arange(len(components))] = scale[components]
+    own = LinearStates(index, states.offset[needed][:, None], slope)
+    return replace(part, states=own, chosen=part.chosen[needed][:, None])
+
+
+def _widened(part: LinearRows, unknowns: int) -> LinearRows:
+    """The same rows, which do not depend on further unknowns."""
+    table = part.matrix
+    wide = type(table)((table.data, table.indices, table.indptr), shape=(table.shape[0], unknowns))
+    return replace(part, matrix=wide)

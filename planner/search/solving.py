@@ -188,8 +188,8 @@ class _Run:
         self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
         self.begun = np.zeros(0)  # where the solver began
 
-    def told(self, objective: float) -> bool:
-        """Passes on that the solver has come further; true where it is to stop."""
+    def stops(self, objective: float) -> bool:
+        """Whether the solver is to stop, called with the objective of each iteration."""
         self.stopped = self.watch(objective) or self.stopped
         return self.stopped
 
@@ -213,12 +213,12 @@ class _Run:
         walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
         proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2
         moves = EqualMoves.of(task.case, self.model, self.scaling, self.family)
-        return annealed_start(moves, self.family, draw, proposals, self.told, walk)
+        return annealed_start(moves, self.family, draw, proposals, self.stops, walk)
 
     def solve(self, unknowns: Array, stage: _Stage) -> Array:
         """Runs the solver once."""
         program = replace(self.problem.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
-        solution = solve(program, unknowns, stage.iterations, self.told, stage.options)
+        solution = solve(program, unknowns, stage.iterations, self.stops, stage.options)
         self.iterations += solution.iterations
         self.status, self.converged = solution.status, solution.converged
         if not np.isfinite(solution.unknowns).all():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from planner.search.ipopt import INSIDE, Reached, solve
+from planner.search.ipopt import INSIDE, Solution, solve
 from planner.search.program import NonlinearProgram
 from planner.search.rows import LinearRows
 from tests.helpers import few
@@ -56,7 +56,7 @@ def valley() -> NonlinearProgram:
     return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))  # type: ignore[arg-type]
 
 
-def solved(start: list[float], iterations: int, watch: Any = lambda objective: False) -> Reached:
+def solved(start: list[float], iterations: int, watch: Any = lambda objective: False) -> Solution:
     return solve(valley(), np.array(start), iterations, watch, {})
 
 

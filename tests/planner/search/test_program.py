@@ -9,7 +9,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.noise import mean_information
-from planner.search.lifted import lifted
+from planner.search.ipopt import lifted
 from planner.search.program import NonlinearProgram, regressor_kernel
 from tests.helpers import few, taylor_slope
 from tests.planner.search.conftest import Small
