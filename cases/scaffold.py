@@ -9,8 +9,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
 from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import write_text
@@ -19,7 +17,7 @@ from cases.machine import Part
 from cases.poses import Poses
 from cases.schema import Case
 from cases.units import DEG, MM
-from cases.urdf import UrdfJoint, read_urdf
+from cases.urdf import read_urdf
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -74,41 +72,6 @@ _EXPLAINED: Mapping[str, type[Part]] = {
 }
 """Tables whose keys are explained one by one, in the words of their classes."""
 
-FILL_IN = "TO BE FILLED IN"  # what stands beside a key that no URDF has
-_ARM_RECORDING = (
-    "# Columns are t_s, q1_deg .. (joints, from the base), fx_N .. mz_Nm and trigger. Files of Universal Robots' RTDE",
-    '# client need delimiter = " ", units = { joints = "rad" } and below all keys of this table',
-    "# [recording.columns]",
-    '# t_s = "timestamp"',
-    '# q1_deg = "actual_q_0" # and so on',
-    '# fx_N = "ft_raw_wrench_0" # and so on; the raw one, nothing compensated or zeroed',
-    '# trigger = "actual_digital_output_bits" # where only that output is ever on',
-    "[recording]",
-    "filter_cutoff_Hz = 20.0 # of moving runs; above the frequencies of the motion, below those of the structure",
-    "# rate_Hz = 500.0",
-)
-_ARM_CONTROLLER = (
-    f"# {_ADVICE['controller']}",
-    "[controller]",
-    "block_ms = 20.0 # between the points of a joint trajectory",
-    "settle_s = 0.3 # stood still before and after the excitation",
-    "safe_speed_percent = 10.0 # of the limits of motion: the first move, from wherever the robot stands to home",
-    '# plan_for = "urscript" # or "ros2", "setpoints": whose time law plans are made for',
-    "",
-    "# [controller.urscript] # robots of Universal Robots",
-    '# program_name = "hexcite"',
-    "# trigger_output = 0 # standard digital output that is on while the excitation runs",
-    "",
-    "[poses] # of standstills (hexcite poses); they are searched for in the box of [limits.motion]",
-    "settle_s = 0.5 # waited at each pose before averaging begins",
-    "average_s = 1.0",
-    "",
-    f"# {_ADVICE['nominal']}",
-    f"# [nominal] # {FILL_IN}",
-    "# mass_kg = 0.0",
-    "# centre_of_gravity_mm = [0.0, 0.0, 0.0]",
-    "# inertia_kg_m2 = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0] # I11, I12, I13, I22, I23, I33",
-)
 _WIDTH = 110  # characters of a comment
 
 
@@ -174,85 +137,18 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
         FileProblem: the folder holds a case, or cannot be written.
     """
     file = _place(name, folder)
-    arm = read_urdf(urdf, flange)
-    lines = [
-        f"# {name}: geometry, ends, speeds and efforts of the joints are those of {urdf.name},",
-        f"# from {arm.base}, the frame {{B}}, to {arm.flange}. Keys carry units. What the file does not say is marked",
-        f"# {FILL_IN}: take the # away and put the number in. `hexcite case check` says what is missing.",
-        "",
-        "schema_version = 1",
-        f'name = "{name}"',
-        'title = "what it is, in a line"',
-        'setup = "R" # a force/torque sensor that moves',
-        "gravity_m_s2 = [0.0, 0.0, -9.81] # in {B}: your place's, and as the robot is mounted",
-        "",
-        "[machine.chain.sensor] # the sensor frame {P} in the last joint's moved frame; now it is the flange",
-        f"origin_mm = {_numbers(arm.mount.origin / MM)}",
-        f"rpy_deg = {_numbers(arm.mount.rpy / DEG)}",
-    ]
-    for joint in arm.joints:
-        lines += ["", "[[machine.chain.joints]]", *_joint_lines(joint)]
-    lines += ["", f"# {_ADVICE['limits.motion']}"]
-    for joint in arm.joints:
-        lines += ["[[limits.motion.joints]]", *_limit_lines(joint), ""]
-    lines += [
-        f"[sensor_frame.transducer] # {_ADVICE['sensor_frame']}",
-        f'# sense = "load_on_sensor" # {FILL_IN}',
-        "",
-        "[sensors] # of one recorded sample; a standstill of a second shows it",
-        f"# force_noise_N = 0.0 # {FILL_IN}: standard deviation of each force",
-        f"# moment_noise_Nm = 0.0 # {FILL_IN}: of each moment",
-        'weights = "stated" # by this noise: N and N m have no common unit',
-        "# range_N = 0.0 # of its data sheet: plans use 80 % of it at most",
-        "# range_Nm = 0.0",
-        "",
-        *_ARM_RECORDING,
-        "",
-        *_ARM_CONTROLLER,
-    ]
-    write_text(file, "\n".join(lines) + "\n")
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    templates.filters |= {"numbers": _numbers, "quoted": json.dumps}
+    template, arm = templates.get_template("arm.toml.jinja"), read_urdf(urdf, flange)
+    write_text(file, template.render(name=name, urdf=urdf.name, arm=arm, advice=_ADVICE, mm=MM, deg=DEG))
     return file
-
-
-def _joint_lines(joint: UrdfJoint) -> list[str]:
-    """The keys of a joint's geometry."""
-    turns = joint.kind != "prismatic"
-    unit, size, effort = ("deg", DEG, "torque_Nm") if turns else ("mm", MM, "force_N")
-    lines = [
-        f"name = {json.dumps(joint.name)}",
-        f'kind = "{joint.kind}"',
-        f"origin_mm = {_numbers(joint.place.origin / MM)}",
-        f"rpy_deg = {_numbers(joint.place.rpy / DEG)}",
-        f"axis = {_numbers(joint.axis)}",
-    ]
-    if joint.position is not None:
-        lines.append(f"position_{unit} = {_numbers(np.array(joint.position) / size)}")
-    lines.append(f"# home_{unit} = 0.0 # {FILL_IN}: where programs begin and end")
-    if joint.effort is not None:
-        lines.append(f"{effort} = {_numbers([joint.effort])[1:-1]}")
-    if joint.link is not None:
-        body = joint.link
-        lines.append(
-            f"link = {{ mass_kg = {body.mass_kg!r}, centre_of_gravity_mm = {_numbers(body.centre_of_gravity_mm)}, "
-            f"inertia_kg_m2 = {_numbers(body.inertia_kg_m2)} }}"
-        )
-    return lines
-
-
-def _limit_lines(joint: UrdfJoint) -> list[str]:
-    """The keys of a joint's limits of motion."""
-    turns = joint.kind != "prismatic"
-    unit, size, si = ("deg", DEG, "rad") if turns else ("mm", MM, "m")
-    speed = f"# velocity_{unit}_s = 0.0 # {FILL_IN}"
-    if joint.velocity is not None:
-        speed = f"velocity_{unit}_s = {_numbers([joint.velocity / size])[1:-1]}"
-    return [
-        f"name = {json.dumps(joint.name)}",
-        f"# position_{unit} = [-10.0, 10.0] # {FILL_IN}: relative to home",
-        speed,
-        f"# acceleration_{si}_s2 = 0.0 # {FILL_IN}",
-        f"# jerk_{si}_s3 = 0.0 # {FILL_IN}",
-    ]
 
 
 def _numbers(values: Iterable[float]) -> str:
