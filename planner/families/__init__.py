@@ -37,10 +37,9 @@ class Layout:
 class Family(Protocol):
     """A family of motions from rest to rest."""
 
-    @property
-    def name(self) -> str:
-        """As the command line calls it."""
-        ...
+    name: ClassVar[str]  # name on the command line
+    iterations: ClassVar[int]  # number of iterations, at most, that explore from a start
+    mending: ClassVar[int]  # the same where a refined motion is solved again more tightly
 
     @property
     def shipped(self) -> str:
@@ -48,18 +47,8 @@ class Family(Protocol):
         ...
 
     @property
-    def iterations(self) -> int:
-        """Largest number of the solver's that explore from a start."""
-        ...
-
-    @property
-    def mending(self) -> int:
-        """The same where a refined motion is solved again more tightly."""
-        ...
-
-    @property
     def duration(self) -> float:
-        """Of the excitation [s]."""
+        """Duration of the excitation [s]."""
         ...
 
     @property
