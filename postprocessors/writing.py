@@ -15,7 +15,7 @@ from identification.trajectories.curves import PolynomialMotion, polynomials_of
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, divided
 from postprocessors.dialects import Language
-from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 # The last decimal of the words, doubled: what is read back must be what was planned, up to rounding [m or rad].
@@ -67,7 +67,7 @@ def proven_program(
     again = language.read(content, file, case)
     if not _same_stretches(again, reading):
         raise ProgramError(file, 0, 0, "the header changes how the program reads; report this")
-    return Written(content, proof, again)
+    return Written(content, replace(proof, remarks=tuple(remarks(again, case))), again)
 
 
 def _findings(proof: ProgramProof) -> tuple[str, ...]:

@@ -76,7 +76,9 @@ def write(
             "or --period of hexcite plan, or --speed)",
         )
     guarantees = words.guarantees(written.reading, plan.case)
-    return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
+    program = Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
+    vars(program)["proof"] = written.proof  # of these bytes: it need not be proven again
+    return program
 
 
 def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None) -> Dialect:

@@ -154,7 +154,7 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
         excitation,
         worst_of(reports),
         worst_first,
-        tuple(_remarks(reading, case)),
+        tuple(remarks(reading, case)),
     )
 
 
@@ -165,7 +165,7 @@ def _line(part: Stretch, time: float) -> int:
 AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
-def _remarks(reading: Reading, case: Case) -> Iterator[str]:
+def remarks(reading: Reading, case: Case) -> Iterator[str]:
     """What no limit says, one sentence each; raises CaseError where the case has no machine."""
     home, limits = case.need_motion("the check of a program")
     moves = [part for part in reading.stretches if not isinstance(part, Still)]
