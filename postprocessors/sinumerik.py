@@ -15,8 +15,7 @@ from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.blocks import NeutralProgram, TimedPath, even_deviation, path_speed_deviation, pieces
 from postprocessors.proving.guarantees import sinumerik_guarantees
-from postprocessors.reading import Reading
-from postprocessors.reading.text import axis_letters
+from postprocessors.reading import Reading, axis_letters
 from postprocessors.wording import FEED_DECIMALS, BlockWriter, comments, coordinates, number
 from postprocessors.writing import moves_as_polynomials
 

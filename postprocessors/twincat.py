@@ -12,8 +12,7 @@ from cases.schema import Case
 from identification.motion import Array
 from postprocessors.blocks import NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
-from postprocessors.reading import Reading
-from postprocessors.reading.text import axis_letters
+from postprocessors.reading import Reading, axis_letters
 from postprocessors.wording import BlockWriter, comments, coordinates, number
 
 TIME_DECIMALS = 9  # of a second

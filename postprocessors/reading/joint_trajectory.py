@@ -13,8 +13,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.reading import Grouping, Reading, TimedBlock
-from postprocessors.reading.text import program_lines
+from postprocessors.reading import Grouping, Reading, TimedBlock, program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096

@@ -16,9 +16,8 @@ from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, axis_letters, each_word, program_lines
 from postprocessors.reading.modal import ModalState, Word
-from postprocessors.reading.text import axis_letters, each_word, program_lines
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below

@@ -14,7 +14,7 @@ from cases.chain import Chain
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
@@ -25,7 +25,6 @@ from postprocessors.reading.sinumerik_words import (
     polynomial,
     sinumerik_words,
 )
-from postprocessors.reading.text import axis_letters, program_lines
 
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G710", "G500", "G60", "COMPOF", "SOFT"}  # modal words

@@ -8,9 +8,8 @@ import numpy as np
 from cases.controller import Sinumerik
 from cases.errors import ProgramError
 from cases.units import MINUTE
-from postprocessors.reading import TimedBlock
+from postprocessors.reading import TimedBlock, each_word
 from postprocessors.reading.modal import LARGEST, ModalState, Word
-from postprocessors.reading.text import each_word
 
 LONGEST_LINE = 512
 

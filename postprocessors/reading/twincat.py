@@ -12,9 +12,8 @@ from cases.chain import Chain
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ModalState, Word
-from postprocessors.reading.text import axis_letters, program_lines
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,

@@ -6,8 +6,8 @@ import numpy as np
 
 from cases.controller import TwinCat
 from cases.errors import ProgramError
+from postprocessors.reading import each_word
 from postprocessors.reading.modal import ModalState, Word
-from postprocessors.reading.text import each_word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
 MOST_MESSAGES = 10  # unread ones stop the controller

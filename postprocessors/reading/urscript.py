@@ -14,8 +14,7 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import Grouping, Reading
-from postprocessors.reading.text import program_lines
+from postprocessors.reading import Grouping, Reading, program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers
