@@ -9,7 +9,7 @@ import math
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypedDict, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationError
 
@@ -55,19 +55,8 @@ class Grid(Part):
     seed: Values[Whole] = (0,)
 
 
-class CellSettings(TypedDict, total=False):
-    """One value of each setting of a `Grid`; what is left to the machine, or means nothing to the family, is absent."""
-
-    family: str
-    criterion: str
-    model: int
-    duration_s: float
-    order: int
-    period_s: float
-    moves: int
-    knots: int
-    payload: int
-    seed: int
+CellSettings = dict[str, Any]
+"""One value of each setting of a `Grid`; what is left to the machine, or means nothing to the family, is absent."""
 
 
 class ExecutionSpec(Part):
@@ -158,7 +147,7 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
         text = json.dumps(settings, sort_keys=True)
         if text not in texts:
             texts.add(text)
-            yield cast(CellSettings, settings)
+            yield settings
 
 
 def request_of(settings: CellSettings) -> Request:
@@ -167,7 +156,7 @@ def request_of(settings: CellSettings) -> Request:
     Raises:
         HexciteError: settings that cannot be planned.
     """
-    ours: dict[str, Any] = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
+    ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
     own = {name: ours.pop(name) for name in ("order", "period", "moves", "knots") if name in ours}
     return Request(kind(**own), starts=1, **ours)

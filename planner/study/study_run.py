@@ -140,7 +140,7 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
     """
     ours, cells = version("hexcite"), dict[str, CellSettings]()
     for choice in settings_of(spec):
-        settings = CellSettings(model=full_model(case)) | choice
+        settings = {"model": full_model(case)} | choice
         request_of(settings)
         cells[cell_key(settings, spec.execute, case, ours)] = settings
     return cells
@@ -201,7 +201,7 @@ def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Call
 
 
 def _rows(settings: CellSettings, end: TaskEnd, case: Case) -> list[dict[str, Any]]:
-    shared: dict[str, Any] = {**settings, "cell": end.key, "case_hash": case.hash, "version": version("hexcite")}
+    shared = {**settings, "cell": end.key, "case_hash": case.hash, "version": version("hexcite")}
     if end.reason is not None:
         return [shared | {"noise_seed": PLANNED, "status": FAILED, "reason": end.reason, "seconds": end.seconds}]
     return [shared | row for row in end.value]

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
@@ -43,7 +43,7 @@ def groups(table: "pa.Table") -> list[SettingsGroup]:
     ordered = sorted(members, key=lambda key: [(value is not None, value) for value in key])
     return [
         _group(
-            cast(CellSettings, {n: v for n, v in zip(GROUPED, key, strict=True) if v is not None}),
+            {n: v for n, v in zip(GROUPED, key, strict=True) if v is not None},
             members[key],
             columns,
         )
