@@ -42,6 +42,10 @@ class Design:
     proven: float  # no larger one is there; infinite where nothing is proven
     certified: bool  # whether `dmax` is proven to the wanted gap
 
+    def bound(self, size: int) -> float:
+        """What log det of no design exceeds: log det F + u log(dmax / u), for u parameters."""
+        return self.logdet + size * float(np.log(self.dmax / size))
+
 
 def optimal_design(
     features: Features, gap: float, deadline: float, progress: Callable[[str], None] = lambda _: None
@@ -60,22 +64,22 @@ def optimal_design(
         maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
         return replace(maximum, points=np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED])
 
-    return _exchanged(features.matrices, _first_states(), largest, gap, deadline, progress)
+    return exchanged(features.matrices, _first_states(), largest, gap, deadline, progress)
 
 
-def _exchanged(
+def exchanged(
     matrices_of: Callable[[Array], Array],
     states: Array,
     largest: Callable[[Array, Array], Maximum],
     gap: float,
-    deadline: float,
-    progress: Callable[[str], None],
+    deadline: float = np.inf,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Design:
     """The design that weights of states, and states where the derivative is largest, lead to in turn.
 
     Args:
         matrices_of: states, shape (n, k) -> A in reference scaling, shape (n, 6, u).
-        states: states to begin with.
+        states: states to begin with, shape (n, k); together of full rank.
         largest: F^-1 and the states of a design -> where its derivative is largest.
     """
     weights = np.full(len(states), 1.0 / len(states))
@@ -193,7 +197,7 @@ def searched_design(
         climbed, values = climb(derivative, starts, ways())
         return Maximum(np.inf, float(values.max()), climbed[values > size * (1.0 + gap / 2)], 0)
 
-    return _exchanged(matrices_of, _drawn(draw, FIRST_SEARCHED, n), largest, gap, deadline, progress)
+    return exchanged(matrices_of, _drawn(draw, FIRST_SEARCHED, n), largest, gap, deadline, progress)
 
 
 class Way(NamedTuple):

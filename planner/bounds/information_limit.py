@@ -236,5 +236,5 @@ def compute_tight_bound(
 
 
 def _bound(design: Design, size: int, method: str) -> Bound:
-    logdet, proven = (design.logdet + size * float(np.log(value / size)) for value in (design.dmax, design.proven))
-    return Bound(logdet, design.dmax, size, method, design.certified, design.attained, proven)
+    proven = design.logdet + size * float(np.log(design.proven / size))
+    return Bound(design.bound(size), design.dmax, size, method, design.certified, design.attained, proven)

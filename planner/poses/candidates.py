@@ -7,7 +7,6 @@ derivative is searched from many starts; limits of the machine inside the space 
 
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -16,9 +15,10 @@ from cases.schema import Case
 from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Array, StandingPoses
-from identification.symbolic import over_samples
+from planner.bounds.branch import Maximum
+from planner.bounds.design import EXCHANGED, LEVELS, Design, Way, climb, exchanged
 from planner.poses.pose_criteria import pose_regressors
-from planner.poses.space import REASONS, ROUNDING, JointSpace, PoseSpace, margins_of, space_of, valid_poses
+from planner.poses.space import REASONS, ROUNDING, JointSpace, margins_of, space_of, valid_poses
 
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more have never told more
 JOINT_CANDIDATES = 2048  # of a chain, where no other number is asked for
@@ -146,123 +146,59 @@ def _too_many(count: int, name: str) -> str:
     )
 
 
-GAP = 1e-3  # dmax <= u (1 + GAP): the bound is then known to 0.1 % of efficiency
-ROUNDS = 200
-STEPS = 60
-NEGLIGIBLE = 1e-9
+GAP = 5e-4  # dmax <= u (1 + GAP): the bound is then known to 0.05 % of efficiency
+SPACE_GAP = 1e-3
+FIRST = 2000  # candidates that a design begins with, at most
+STARTS = 60  # poses from which the largest derivative is climbed to
+SWEEPS = 3  # over all coordinates
+CLIMBS = (0.15, 0.03)  # shares of the half width of a coordinate
 
 
-@dataclass(frozen=True, slots=True)
-class ApproximateDesign:
-    """A design with its certificate."""
-
-    weights: Array  # weights of the poses, shape (n,), sum 1
-    information: Array  # mean information, shape (u, u)
-    dmax: float  # largest directional derivative over all poses
-
-    @property
-    def logdet_bound(self) -> float:
-        """What the log det of no mean information of these poses exceeds."""
-        size = len(self.information)
-        return float(np.linalg.slogdet(self.information)[1] + size * np.log(self.dmax / size))
-
-    def efficiency(self, regressors: Array) -> float:
-        """Lower bound of the D-efficiency of a set of poses against every design over the candidates.
-
-        Args:
-            regressors: regressors of the set, shape (k, 6, u), in the scaling of the design.
-        """
-        rows = regressors.reshape(-1, regressors.shape[2])
-        sign, logdet = np.linalg.slogdet(rows.T @ rows / len(regressors))
-        if sign <= 0:
-            return 0.0
-        return float(np.exp((logdet - self.logdet_bound) / len(self.information)))
-
-
-def approximate_design(regressors: Array, gap: float = GAP) -> ApproximateDesign:
-    """Multiplicative algorithm (Titterington 1976) on an active set that grows by whatever poses violate optimality.
+def candidate_design(regressors: Array) -> Design:
+    """The D-optimal design over candidates, with its certificate; its states are rows of the regressors.
 
     Args:
         regressors: regressors of all candidates, shape (n, 6, u); together of full rank.
-        gap: stops when dmax <= u (1 + gap).
     """
-    count, _, size = regressors.shape
-    products = (regressors.transpose(0, 2, 1) @ regressors).reshape(count, -1)
-    weights = np.full(count, 1.0 / count)
-    information, derivative = _derivatives(products, weights, size)
-    for _ in range(ROUNDS):
-        active = np.flatnonzero((weights > NEGLIGIBLE) | (derivative > size))
-        # What has no weight but would help gets a small share, so that it can grow.
-        weights[active] = np.maximum(weights[active], 1e-3 / len(active))
-        active_products, share = products[active], weights[active] / weights[active].sum()
-        for _ in range(STEPS):
-            share = share * _derivatives(active_products, share, size)[1] / size
-        share[share < NEGLIGIBLE] = 0.0
-        weights = np.zeros(count)
-        weights[active] = share / share.sum()
-        information, derivative = _derivatives(products, weights, size)
-        if derivative.max() <= size * (1.0 + gap):
-            break
-    return ApproximateDesign(weights, information, float(derivative.max()))
+    size = regressors.shape[2]
+
+    def largest(inverse: Array, _: Array) -> Maximum:
+        derivative = _derivative(regressors, inverse)
+        order = np.argsort(-derivative)[:EXCHANGED]
+        fresh = order[derivative[order] > size * (1.0 + GAP / 2)]
+        return Maximum(float(derivative[order[0]]), float(derivative[order[0]]), fresh[:, None], 0)
+
+    first = np.arange(0.0, len(regressors), max(1, len(regressors) // FIRST))[:, None]
+    return exchanged(lambda rows: regressors[rows[:, 0].astype(int)], first, largest, GAP)
 
 
-def _derivatives(products: Array, weights: Array, size: int) -> tuple[Array, Array]:
-    information = (weights @ products).reshape(size, size)
-    return information, np.asarray(products @ np.linalg.inv(information).ravel())
-
-
-SPACE_GAP = 1.5e-3  # an efficiency to 0.15 %
-SPACE_ROUNDS = 25
-STARTS = 200
-
-
-def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> float:
-    """Estimated upper bound of log det of the mean information of any poses, by an approximate design over the space.
+def continuous_design(case: Case, model: Model, scaling: Array, seeds: Array) -> Design:
+    """The D-optimal design over the whole pose space; its largest derivative is searched for, an estimate.
 
     Args:
         scaling: scaling of the columns, shape (u,).
         seeds: poses to start from, better many, together of full rank, shape (n, 6) [m, rad].
     """
-    space = space_of(case)
-    function = _derivative_function(model, scaling, space)
-    size = len(scaling)
-    pool, home = space.project(space.shares(seeds)), case.need_motion("a plan of poses")[0]
-    for _ in range(SPACE_ROUNDS):
-        regressors = pose_regressors(model, space.poses(pool, np.tile(home, (len(pool), 1)))) * scaling
-        design = approximate_design(regressors, SPACE_GAP / 5)
-        inverse: Array = np.asarray(np.linalg.inv(design.information), dtype=np.float64)
-        derivative = np.einsum("nki,ij,nkj->n", regressors, inverse, regressors, optimize=True)
-        starts = pool[np.argsort(-derivative)[:STARTS]]
-        maxima, values = _maximise(function, space, starts, inverse)
-        dmax = max(float(values.max()), design.dmax)
-        if dmax <= size * (1.0 + SPACE_GAP):
-            break
-        pool = np.vstack([pool[design.weights > 0.0], starts, maxima[values > size]])
-    return float(np.linalg.slogdet(design.information)[1] + size * np.log(dmax / size))
+    space, home = space_of(case), case.need_motion("a plan of poses")[0]
+    pool = space.project(space.shares(seeds))
+
+    def matrices_of(shares: Array) -> Array:
+        poses = space.poses(space.project(shares), np.tile(home, (len(shares), 1)))
+        return np.asarray(pose_regressors(model, poses) * scaling)
+
+    def largest(inverse: Array, known: Array) -> Maximum:
+        def derivative(shares: Array) -> Array:
+            return _derivative(matrices_of(shares), inverse)
+
+        starts = np.vstack([pool[np.argsort(-derivative(pool))[:STARTS]], known])
+        ways = (Way(k, () if sweep else LEVELS, CLIMBS) for sweep in range(SWEEPS) for k in range(space.size))
+        climbed, values = climb(derivative, starts, ways)
+        return Maximum(np.inf, float(values.max()), climbed[values > len(scaling) * (1.0 + SPACE_GAP / 2)], 0)
+
+    return exchanged(matrices_of, pool, largest, SPACE_GAP)
 
 
-def _derivative_function(model: Model, scaling: Array, space: PoseSpace | JointSpace) -> ca.Function:
-    share, inverse, none = ca.SX.sym("share", space.size), ca.SX.sym("inverse", len(scaling) ** 2), ca.SX.zeros(6)
-    position, turn = space.expression(share)
-    matrix = model.expression(position, turn, none, none) @ ca.diag(ca.DM(scaling))
-    weighted = matrix @ ca.reshape(inverse, len(scaling), len(scaling))
-    value = ca.sum1(ca.vec(weighted * matrix))
-    return ca.Function("derivative", [share, inverse], [value, ca.densify(ca.gradient(value, share))], {"cse": True})
-
-
-def _maximise(
-    function: ca.Function, space: PoseSpace | JointSpace, starts: Array, inverse: Array
-) -> tuple[Array, Array]:
-    """Local maxima by projected gradient steps from each start; coordinates and values."""
-    repeated = np.tile(inverse.ravel(), (len(starts), 1))
-    shares = starts.copy()
-    value, gradient = over_samples(function, shares, repeated)
-    step = np.full(len(shares), 0.3)
-    for _ in range(STEPS):
-        norm = np.maximum(np.abs(gradient).max(axis=1, keepdims=True), 1e-300)
-        trial = space.project(shares + step[:, None] * gradient / norm)
-        new, slope = over_samples(function, trial, repeated)
-        better = new[:, 0] > value[:, 0]
-        shares[better], value[better], gradient[better] = trial[better], new[better], slope[better]
-        step = np.where(better, np.minimum(step * 1.5, 1.0), step * 0.4)
-    return shares, value[:, 0]
+def _derivative(matrices: Array, inverse: Array) -> Array:
+    """Directional derivative trace(A F^-1 A^T) of each pose, shape (n,)."""
+    root = np.linalg.cholesky((inverse + inverse.T) / 2)
+    return np.asarray(np.square(matrices @ root).sum(axis=(1, 2)))

@@ -17,8 +17,8 @@ from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
 from planner.poses.candidates import (
     Candidates,
-    approximate_design,
-    continuous_bound,
+    candidate_design,
+    continuous_design,
     grid_candidates,
     sampled_candidates,
 )
@@ -73,9 +73,12 @@ def poses_planned(
     travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
     selection = pose_regressors(model, poses) * scaling
     seeds = np.vstack([candidates.poses[:: max(1, len(candidates.poses) // SEEDS)], poses])
-    space = continuous_bound(case, model, scaling, seeds)
+    designs = candidate_design(regressors), continuous_design(case, model, scaling, seeds)
     information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
+    efficiency, efficiency_space = (
+        float(np.exp((logdet - design.bound(len(scaling))) / len(scaling))) for design in designs
+    )
     criterion = POSE_CRITERIA[request.criterion]
     noise = request.noise if request.noise is not None else noise_of_average(case)
     worth = PoseWorth(
@@ -91,8 +94,8 @@ def poses_planned(
         travel_in_order_of_choice_s=unordered,
         criterion_value=float(criterion.value(information / len(poses))),
         condition=float(np.sqrt(np.linalg.cond(information))),
-        efficiency=approximate_design(regressors).efficiency(selection),
-        efficiency_space=float(np.exp((logdet - space) / len(scaling))),
+        efficiency=efficiency,
+        efficiency_space=efficiency_space,
         fewest_poses=len(reduce_best(selection, criterion, 1).kept),  # Table 5, "Min. poses"
         predicted_std_of_all_candidates=predicted_std_at_poses(
             case, model, scaling, regressors, candidates.poses, noise

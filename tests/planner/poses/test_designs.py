@@ -4,7 +4,7 @@ import cvxpy as cp
 import numpy as np
 import pytest
 
-from planner.poses.candidates import approximate_design, continuous_bound
+from planner.poses.candidates import candidate_design, continuous_design
 from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import margins_of
@@ -18,31 +18,31 @@ def value(letter: str, regressors: np.ndarray) -> float:
 
 def test_the_approximate_design_is_that_of_a_convex_solver(sample: Setting) -> None:
     some = sample.regressors[:60]
-    design = approximate_design(some)
+    design = candidate_design(some)
     products = some.transpose(0, 2, 1) @ some
     weights = cp.Variable(60, nonneg=True)
     information = sum(weights[k] * products[k] for k in range(60))
     problem = cp.Problem(cp.Maximize(cp.log_det(information)), [cp.sum(weights) == 1])
     problem.solve(solver=cp.CLARABEL)
     best = float(problem.value)
-    assert np.linalg.slogdet(design.information)[1] <= best + 1e-6
-    assert design.logdet_bound == pytest.approx(best, abs=14 * 1.1e-3)
-    assert design.logdet_bound >= best - 1e-6
+    assert design.logdet <= best + 1e-6
+    assert design.bound(14) == pytest.approx(best, abs=14 * 1.1e-3)
+    assert design.bound(14) >= best - 1e-6
     assert design.weights.sum() == pytest.approx(1.0)
 
 
 def test_no_set_of_candidates_passes_the_bound(sample: Setting) -> None:
-    design, draw = approximate_design(sample.regressors), np.random.default_rng(4)
+    bound, draw = candidate_design(sample.regressors).bound(14), np.random.default_rng(4)
     for _ in range(100):
         subset = draw.choice(200, size=int(draw.integers(5, 100)), replace=True)
-        assert 0.0 < design.efficiency(sample.regressors[subset]) <= 1.0
-    assert design.efficiency(sample.regressors[:2]) == 0.0
+        assert value("D", sample.regressors[subset]) - 14 * np.log(len(subset)) <= bound
 
 
 def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid: Setting) -> None:
-    design = approximate_design(grid.regressors)
+    bound = candidate_design(grid.regressors).bound(14)
     kept = reduce_best(grid.regressors, POSE_CRITERIA["D"], 30).kept
-    assert design.efficiency(grid.regressors[kept]) > 0.99
+    mean = value("D", grid.regressors[kept]) - 14 * np.log(30)
+    assert 0.99 < np.exp((mean - bound) / 14) <= 1.0
 
 
 @pytest.mark.parametrize("letter", few(*"DNAK", kept=2))
@@ -57,14 +57,14 @@ def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, lette
 def test_30_refined_poses_reach_95_percent_of_what_any_poses_in_the_space_could(sample: Setting) -> None:
     chosen = reduce_best(sample.regressors, POSE_CRITERIA["D"], 30).kept
     found, _ = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA["D"], sample.poses[chosen])
-    bound = continuous_bound(sample.case, sample.model, sample.scaling, sample.poses)
+    bound = continuous_design(sample.case, sample.model, sample.scaling, sample.poses).bound(14)
     mean = total_information(pose_regressors(sample.model, found) * sample.scaling) / 30
     efficiency = np.exp((np.linalg.slogdet(mean)[1] - bound) / 14)
     assert 0.95 <= efficiency <= 1.0
 
 
 def test_the_space_bounds_its_grid_and_every_sample(grid: Setting, sample: Setting) -> None:
-    bound = continuous_bound(sample.case, sample.model, grid.scaling, sample.poses)
-    assert approximate_design(grid.regressors).logdet_bound - 14 * 1.1e-3 <= bound
-    there = approximate_design(pose_regressors(sample.model, sample.poses) * grid.scaling)
-    assert there.logdet_bound - 14 * 1.1e-3 <= bound
+    bound = continuous_design(sample.case, sample.model, grid.scaling, sample.poses).bound(14)
+    assert candidate_design(grid.regressors).bound(14) - 14 * 1.1e-3 <= bound
+    there = candidate_design(pose_regressors(sample.model, sample.poses) * grid.scaling)
+    assert there.bound(14) - 14 * 1.1e-3 <= bound
