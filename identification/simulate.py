@@ -21,7 +21,7 @@ from identification.model import expected_forces, full_model, identification_mod
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.symbolic import Kinematics
-from identification.trajectories.executed import Execution, rippled, vibrating
+from identification.trajectories.executed import Execution, mode_frequency, rippled, vibrating
 
 if TYPE_CHECKING:
     from identification.result import Estimate  # plans simulate, and load nothing of identification
@@ -64,13 +64,6 @@ def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
 def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:
     """The parameters of a machine with weights on its platform; offsets and compensation stay."""
     return truth.model_copy(update={"body": reduce(together, weights, truth.body)}) if weights else truth
-
-
-def mode_frequency(truth: Truth, around: Circumstances) -> float:
-    """Frequency of the structural mode: its stiffness is the structure's, its mass what is moved [Hz]."""
-    assert around.disturbances is not None
-    mass = truth.body.mass_kg
-    return float(around.disturbances.mode_Hz * np.sqrt(mass / (mass + around.load)))
 
 
 def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> Array:
@@ -148,7 +141,7 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
         return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
     home = case.need_machine("the simulation of sensor forces")[0].home.vector
     fields = pose_fields(disturbances, home, motion.pose)
-    frequency = mode_frequency(simulation.parameters, around)
+    frequency = mode_frequency(disturbances, simulation.parameters.body.mass_kg, around.load)
     vibration = Kinematics(
         motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, disturbances.mode_damping)
     )

@@ -17,8 +17,7 @@ from identification.hexapod import Hexapod
 from identification.model import Model, identification_model, regressors
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
-from identification.simulate import circumstances, mode_frequency
-from identification.trajectories.executed import Execution, vibrating
+from identification.trajectories.executed import Execution, mode_frequency, vibrating
 from identification.trajectories.moves import StraightMove, has_steps
 from planner.noise import expected_noise
 from planner.plan_figures import predicted_std_of
@@ -90,9 +89,10 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     if cutoff is None or case.simulation is None or case.simulation.disturbances is None:
         return None
     model = identification_model(case, number)
-    around = circumstances(case, payload, True)
-    assert around.disturbances is not None
-    frequency = mode_frequency(case.simulation.parameters, around)
+    disturbances = case.simulation.disturbances
+    weights = () if case.payloads is None else case.payloads.weights[:payload]
+    load = sum(weight.mass_kg for weight in weights)
+    frequency = mode_frequency(disturbances, case.simulation.parameters.body.mass_kg, load)
     cycle = case.need_controller("the vibration of a machine").cycle
     noise = expected_noise(case, model, payload)
     u = nominal_parameters(model, case.body(payload))
@@ -100,10 +100,10 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     run = Joined((still[0], motion, still[1]))
     from identification.signals import Filter  # SciPy, which plans without a mode do without
 
-    low_pass, damping = Filter(cutoff, cycle), around.disturbances.mode_damping
+    low_pass, damping = Filter(cutoff, cycle), disturbances.mode_damping
     columns, added = _evaluated(Hexapod.of(case), model, run, u, low_pass, frequency, damping)
-    weight = around.load * float(np.linalg.norm(case.gravity))
-    by_pose = np.hypot(around.disturbances.pose_error_N, weight * around.disturbances.pose_error_of_load)
+    of_load = load * float(np.linalg.norm(case.gravity)) * disturbances.pose_error_of_load
+    by_pose = np.hypot(disturbances.pose_error_N, of_load)
     floor = float(np.sqrt(noise.sensors**2 + by_pose**2 / low_pass.noise_gain))  # slow errors pass the filter whole
     shift, s0 = _shift(columns[:, :-1], added, floor, low_pass)
     if _tells_smoothing(columns, u, s0, low_pass):

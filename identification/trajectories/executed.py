@@ -194,6 +194,16 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     return Execution.of_log(execution.machine, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
 
 
+def mode_frequency(disturbances: Disturbances, mass: float, load: float) -> float:
+    """Frequency of the structural mode: its stiffness is the structure's, its mass what is moved [Hz].
+
+    Args:
+        mass: mass of the platform [kg].
+        load: mass of what is mounted on it [kg].
+    """
+    return float(disturbances.mode_Hz * np.sqrt(mass / (mass + load)))
+
+
 def vibrating(accelerations: Array, step: float, frequency: float, damping: float) -> Array:
     """Accelerations of a platform behind a spring and a damper, driven by those of the drives.
 

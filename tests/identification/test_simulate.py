@@ -18,11 +18,10 @@ from identification.simulate import (
     Circumstances,
     circumstances,
     loaded_truth,
-    mode_frequency,
     pose_covariance,
     pose_fields,
 )
-from identification.trajectories.executed import Execution, rippled, vibrating
+from identification.trajectories.executed import Execution, mode_frequency, rippled, vibrating
 from tests.helpers import Harmonic, paper_poses
 from tests.simulated_machine import PoseExecution, simulate_standstills, true_forces
 
@@ -79,7 +78,7 @@ def test_a_steady_acceleration_passes_the_mode_unchanged():
 
 
 def test_the_mode_falls_with_the_root_of_the_mass():
-    bare, full = (mode_frequency(TRUTH, Circumstances(WEIGHTS[:k], FOUND)) for k in (0, 5))
+    bare, full = (mode_frequency(FOUND, TRUTH.body.mass_kg, Circumstances(WEIGHTS[:k], FOUND).load) for k in (0, 5))
     assert full / bare == pytest.approx(np.sqrt(31.83 / (31.83 + 5 * 19.93)))
 
 
