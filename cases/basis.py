@@ -1,4 +1,4 @@
-"""What of a case an artefact was computed from: kept in the artefact, compared when the artefact is used again."""
+"""What of a case an artefact was computed from: saved in the artefact, compared when the artefact is used again."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -127,7 +127,7 @@ class Artefact(NamedTuple):
             return (
                 [] if self.about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]
             )
-        # Of a list of tables that an artefact does not depend on nothing is kept.
+        # Of a list of tables that an artefact does not depend on nothing is saved.
         names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
         return [f"{name} was {_shown(then.get(name))}, is {_shown(now.get(name))}" for name in names]
 

@@ -1,4 +1,4 @@
-"""What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
+"""Settings of the case's controllers; anything uncertain is a required setting, never a guess."""
 
 import re
 from typing import Annotated, ClassVar, Literal, TypeVar

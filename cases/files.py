@@ -173,7 +173,7 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     try:  # one look: another command may be writing here
         entries = {entry.name for entry in path.iterdir()}
     except (NotADirectoryError, FileNotFoundError) as error:
-        # where a file stands above it, this is told below
+        # where a file stands above it, this is reported below
         if path.is_symlink() or (isinstance(error, NotADirectoryError) and os.path.lexists(path)):
             raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
     except OSError as error:

@@ -162,25 +162,25 @@ def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
     return PolynomialMotion(tuple(Piece(table[:, k], float(step)) for k, step in enumerate(steps[:, 0])))
 
 
-def even_deviation(found: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
+def even_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
     """Largest distance from a motion at the same instant, positions [m] and angles [rad]."""
-    t = _within(found, np.linspace(0.0, 1.0, CHECKS + 1))
-    return _distance(found.at(t).pose, motion, t)
+    t = _within(spline, np.linspace(0.0, 1.0, CHECKS + 1))
+    return _distance(spline.at(t).pose, motion, t)
 
 
-def path_speed_deviation(found: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
+def path_speed_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
     """The same if each piece is passed at constant speed of the origin along its path, in the time planned for it."""
     p, even = np.linspace(0.0, 1.0, 8 * CHECKS + 1), np.linspace(0.0, 1.0, CHECKS + 1)
-    origins = found.at(_within(found, p)).pose[:, :3].reshape(len(found.pieces), len(p), 3)
+    origins = spline.at(_within(spline, p)).pose[:, :3].reshape(len(spline.pieces), len(p), 3)
     ways = np.cumsum(np.linalg.norm(np.diff(origins, axis=1, prepend=origins[:, :1]), axis=2), axis=1)
     shares = [way / way[-1] if way[-1] > 1e-12 else p for way in ways]
     passed = np.array([np.interp(even, share, p) for share in shares])
-    return _distance(found.at(_within(found, passed)).pose, motion, _within(found, even))
+    return _distance(spline.at(_within(spline, passed)).pose, motion, _within(spline, even))
 
 
-def _within(found: PolynomialMotion, shares: Array) -> Array:
+def _within(spline: PolynomialMotion, shares: Array) -> Array:
     """Instants at shares of each piece's duration, one after the other [s]; shape (m,), or (pieces, m)."""
-    return np.asarray((found.times[:-1, None] + np.diff(found.times)[:, None] * shares).ravel())
+    return np.asarray((spline.times[:-1, None] + np.diff(spline.times)[:, None] * shares).ravel())
 
 
 def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]:

@@ -72,26 +72,26 @@ class _SinumerikWriter(BlockWriter):
     def wrong(self, key: str, problem: str) -> CaseError:
         return CaseError(self.place, f"controller.sinumerik.{key}", problem)
 
-    def stated(self, name: str, found: PolynomialMotion, motion: Trajectory) -> list[str]:
+    def stated(self, name: str, spline: PolynomialMotion, motion: Trajectory) -> list[str]:
         """How far the path is from the plan: its law of time is the controller's own."""
-        degree = len(found.pieces[0].coefficients) - 1
-        lines = [f"{name}: {len(found.pieces)} POLY blocks of degree {degree}, {found.duration:.6f} s"]
+        degree = len(spline.pieces[0].coefficients) - 1
+        lines = [f"{name}: {len(spline.pieces)} POLY blocks of degree {degree}, {spline.duration:.6f} s"]
         for law, (position, angle) in (
-            ("the polynomials' parameter passes evenly in time", even_deviation(found, motion)),
-            ("the path speed stays the same within each block", path_speed_deviation(found, motion)),
+            ("the polynomials' parameter passes evenly in time", even_deviation(spline, motion)),
+            ("the path speed stays the same within each block", path_speed_deviation(spline, motion)),
         ):
             lines.append(f"off the plan by {position / MM:.2g} mm, {angle / DEG:.2g} deg at most if {law}")
         return [c for line in lines for c in comments(line)]
 
-    def poly(self, found: PolynomialMotion) -> list[str]:
+    def poly(self, spline: PolynomialMotion) -> list[str]:
         """Finely rounded, lest rates step between pieces; the last ends as a pose does, where the next move starts."""
         decimals = (POLY_LENGTH_DECIMALS,) * 3 + (POLY_ANGLE_DECIMALS,) * 3
         units = (MM,) * 3 + (DEG,) * 3
         lines = []
-        for piece in found.pieces:
+        for piece in spline.pieces:
             coefficients = piece.coefficients * piece.duration ** np.arange(len(piece.coefficients))[:, None]
             end = coefficients.sum(axis=0)
-            ends = coordinates(end) if piece is found.pieces[-1] else None
+            ends = coordinates(end) if piece is spline.pieces[-1] else None
             words = []
             for k, axis in enumerate(self.axes):
                 items = [number(v[k] / units[k], decimals[k]) for v in (end, *coefficients[2:])]

@@ -131,7 +131,7 @@ def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
 
 
 SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
-APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
+APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: that move need not be fast
 
 
 def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgram:

@@ -1,4 +1,4 @@
-"""A result as it is exported: whether it may be, all of it as JSON, and what every language is told of it."""
+"""A result as it is exported: whether it may be, all of it as JSON, and the values that every language states."""
 
 import hashlib
 import re

@@ -1,1 +1,1 @@
-"""The proof of a program: what its text shows, what the controller answers for, and what nobody keeps."""
+"""The proof of a program: what its text shows, what the controller enforces, and what remains open."""

@@ -1,4 +1,4 @@
-"""What controllers answer for, beyond what a program's text fixes: limits of their own, time law, accuracy."""
+"""What controllers guarantee beyond a program's text: limits that they enforce, time law, accuracy."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -62,15 +62,15 @@ class Guarantees:
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a controller will make of a program's time, told before it runs."""
+    """The time that a controller will take for a program, predicted before it runs."""
 
     stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
     remarks: tuple[str, ...] = ()  # what to know about it and what to change, one sentence each
 
 
 @dataclass(frozen=True, slots=True)
-class Answering:
-    """What a program is judged by."""
+class Judge:
+    """What the limits of a program are judged by."""
 
     case: Case
     guarantees: Guarantees
@@ -82,16 +82,18 @@ class Answering:
         """Of excitations."""
         return self.case.need_motion("the check of a program")[1]
 
-    def answer(self, kind: LimitKind) -> Status:
-        """Who keeps a limit in a motion that the controller times."""
+    def status_of(self, kind: LimitKind) -> Status:
+        """Whether the controller enforces a limit in a motion that it times."""
         return Status.ENFORCED if kind.family in self.guarantees.enforced else Status.NOT_ENFORCED
 
-    def own(self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None) -> LimitCheck:
+    def prediction(
+        self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None
+    ) -> LimitCheck:
         """A limit in a move that the controller times: a prediction, for which the text is not answerable."""
-        verdict = self.answer(check.kind) if status is None else status
+        verdict = self.status_of(check.kind) if status is None else status
         return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
-    def forces_kept(
+    def proven_forces(
         self, kind: LimitKind, bound: Callable[[ForceBounds], Iterable[LimitCheck]], move: OwnMove | None = None
     ) -> LimitCheck | None:
         """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.

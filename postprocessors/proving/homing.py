@@ -18,7 +18,7 @@ from identification.limit_proof import prove
 from identification.limited_quantities import Box
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
-from postprocessors.proving.guarantees import Answering, Guarantees
+from postprocessors.proving.guarantees import Guarantees, Judge
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ _TRANSLATION = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.JERK
 _ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKind.ANGULAR_JERK
 
 
-def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """Limits of a move from an unknown pose.
 
     The feed must not be above the case's safe feed (a rapid is), for nobody can look for obstacles on a way that is not
@@ -118,14 +118,14 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
         yield from _of_joints(part, by, by.limits, clock)
     for bound in by.forces.anywhere(clock, share) if by.forces is not None else ():
         if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
-            yield by.own(bound, OwnMove.WAY_HOME, Status.PROVEN)
+            yield by.prediction(bound, OwnMove.WAY_HOME, Status.PROVEN)
             continue
-        proof = by.forces_kept(bound.kind, lambda forces: forces.anywhere(clock, share), OwnMove.WAY_HOME)
+        proof = by.proven_forces(bound.kind, lambda forces: forces.anywhere(clock, share), OwnMove.WAY_HOME)
         loose = replace(bound, place=bound.place.replace("at most", "at the limits"))
-        yield proof or by.own(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
+        yield proof or by.prediction(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
 
 
-def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Iterable[LimitCheck]:
+def _of_joints(part: Untimed, by: Judge, limits: Box, clock: float) -> Iterable[LimitCheck]:
     """Limits of the joints of a chain, of which nobody knows how far each will move."""
     share = by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed
@@ -147,7 +147,7 @@ def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Itera
         yield _row(jerking, 2.0 * peak / cycle if cycle > 0.0 else jerk, jerk, clock, by)
 
 
-def _of_a_pose(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """Limits of the coordinates of a hexapod, and of its struts."""
     limits = by.limits
     rate = limits.rate.copy()
@@ -165,21 +165,21 @@ def _of_a_pose(part: Untimed, by: Answering, clock: float) -> Iterable[LimitChec
     yield from _of_struts(feed, rate, peaks, by, clock)
 
 
-def _peak_accelerations(rate: Array, by: Answering) -> Array:
+def _peak_accelerations(rate: Array, by: Judge) -> Array:
     """Of each coordinate by the controller's own law over a long way, shape (6,) [m/s^2, rad/s^2]."""
     limits = by.limits
     laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
     return np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
 
 
-def _of_struts(feed: float, rate: Array, peaks: Array, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _of_struts(feed: float, rate: Array, peaks: Array, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """Bounds wherever the machine stands: |omega| <= |roll'| + |pitch'| + |yaw'|, and l'' <= |s''| + |s'|^2 / l."""
     machine, workspace, motion = by.case.need_machine("the check of a program")
     arm = float(np.linalg.norm(machine.platform.points, axis=1).max())
     omega = float(rate[3:].sum())
     speed = feed + arm * omega
-    kept = speed <= motion.strut_velocity_m_s and LimitKind.VELOCITY in by.guarantees.enforced
-    status = Status.ENFORCED if kept else None
+    enforced = speed <= motion.strut_velocity_m_s and LimitKind.VELOCITY in by.guarantees.enforced
+    status = Status.ENFORCED if enforced else None
     yield _row(LimitKind.STRUT_VELOCITY, speed, motion.strut_velocity_m_s, clock, by, status)
     turning = float(peaks[3:].sum()) + omega**2
     shortest = max(motion.strut_length[0], workspace.strut_length[0])
@@ -187,9 +187,7 @@ def _of_struts(feed: float, rate: Array, peaks: Array, by: Answering, clock: flo
     yield _row(LimitKind.STRUT_ACCELERATION, acceleration, motion.strut_acceleration_m_s2, clock, by)
 
 
-def _largest(
-    kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Answering
-) -> LimitCheck:
+def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Judge) -> LimitCheck:
     """The worst of all six coordinates, in the unit of its own, under the kind of translations."""
     k = int(np.argmax(values / limits))
     row = _row(kind, float(values[k]), float(limits[k]), clock, by)
@@ -197,16 +195,16 @@ def _largest(
 
 
 def _row(
-    kind: LimitKind, worst: float, limit: float, clock: float, by: Answering, status: Status | None = None
+    kind: LimitKind, worst: float, limit: float, clock: float, by: Judge, status: Status | None = None
 ) -> LimitCheck:
     """A bound and its limit [SI]."""
-    answer = by.answer(kind) if status is None else status
+    answer = by.status_of(kind) if status is None else status
     if answer is Status.ENFORCED:
         worst = min(worst, limit)
     check = LimitCheck(
         Limit(kind), _AT_MOST, worst * kind.scale, limit * kind.scale, kind.unit, worst / limit, clock, answer
     )
-    return by.own(check, OwnMove.WAY_HOME, answer)
+    return by.prediction(check, OwnMove.WAY_HOME, answer)
 
 
 def _feed_to_home(feed: float, safe: float, kind: LimitKind, clock: float) -> LimitCheck:

@@ -1,4 +1,4 @@
-"""The limits of one stretch of a program: what its text proves, what the controller keeps, and what nobody does."""
+"""The limits of one stretch of a program: what its text proves, what the controller enforces, and what remains open."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -25,7 +25,7 @@ from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.forces import Steady
-from postprocessors.proving.guarantees import Answering
+from postprocessors.proving.guarantees import Judge
 from postprocessors.proving.homing import predicted, way_home
 from postprocessors.reading import Still, Stretch, Timed, Untimed
 
@@ -35,7 +35,7 @@ SENSED = LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT
 BY_TIME_LAW = LimitKind.ACCELERATION, LimitKind.JERK, LimitKind.STRUT_ACCELERATION
 
 
-def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, float]:
+def judge(part: Stretch, by: Judge, clock: float) -> tuple[LimitReport, float]:
     """Limits and duration [s] of a stretch that starts at `clock`.
 
     Timed paths and moves with the trigger on are excitations, which keep the box of `[limits.motion]`; moves without it
@@ -59,7 +59,7 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
 PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
 
 
-def _require_timing(part: Timed, by: Answering) -> None:
+def _require_timing(part: Timed, by: Judge) -> None:
     """A block shorter than the controller's cycle does not keep its time; of one that is too long nothing is known."""
     guarantees, key = by.guarantees, by.guarantees.block_key
     steps, cycle = np.diff(part.points.times), 1e3 * by.guarantees.shortest_block
@@ -95,7 +95,7 @@ def _require_timing(part: Timed, by: Answering) -> None:
         )
 
 
-def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """What a timed path reaches between its points is proven only of a controller that follows the assumed curve."""
     _require_timing(part, by)
     in_box = part.trigger or not isinstance(part.points, Tabulated)
@@ -108,15 +108,15 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
         if by.guarantees.follows_paths:
             yield check
         elif kind in SENSED:
-            proof = by.forces_kept(kind, lambda forces: forces.on(part.points, clock))
+            proof = by.proven_forces(kind, lambda forces: forces.on(part.points, clock))
             yield proof or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
-            yield replace(check, status=by.answer(check.kind))
+            yield replace(check, status=by.status_of(check.kind))
         else:
             yield check
 
 
-def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """Geometry and programmed speed are proven; what follows from the controller's law is predicted.
 
     Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
@@ -131,45 +131,45 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering,
             continue
         match family:
             case LimitKind.VELOCITY:
-                yield by.own(check) if part.feed is None else asked[check.kind]
+                yield by.prediction(check) if part.feed is None else asked[check.kind]
             case LimitKind.STRUT_VELOCITY:
                 fastest = asked.get(check.kind)
                 if fastest is None or not fastest.kept:
-                    yield by.own(check)
-                elif part.feed is None:  # the fastest that the kept rates of all coordinates let pass
-                    yield by.own(fastest, status=Status.ENFORCED)
+                    yield by.prediction(check)
+                elif part.feed is None:  # the fastest that the enforced rates of all coordinates let pass
+                    yield by.prediction(fastest, status=Status.ENFORCED)
                 else:
                     yield fastest  # even at the full feed everywhere on the way
             case LimitKind.ACCELERATION | LimitKind.STRUT_ACCELERATION:
-                yield by.own(check)
+                yield by.prediction(check)
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
-                proof = by.forces_kept(
+                proof = by.proven_forces(
                     family, lambda forces: forces.along(motion, part.share_rate, clock), OwnMove.UNTIMED
                 )
-                yield proof or by.own(check, status=Status.NOT_ENFORCED)
+                yield proof or by.prediction(check, status=Status.NOT_ENFORCED)
             case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:
-                yield by.own(check, status=Status.NOT_ENFORCED)
+                yield by.prediction(check, status=Status.NOT_ENFORCED)
             case LimitKind.JERK:
                 yield _jerk(check, motion, by)
             case _:
                 yield check
 
 
-def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
+def _jerk(check: LimitCheck, motion: Trajectory, by: Judge) -> LimitCheck:
     """Where a law has no jerk limit its acceleration steps within a cycle, by twice its peak where it reverses."""
     cycle = by.guarantees.jerk_time
     if cycle <= 0.0:
-        return by.own(check)
+        return by.prediction(check)
     axes = by.limits.turns if check.kind is LimitKind.ANGULAR_JERK else ~by.limits.turns
     peak = np.abs(motion.at(np.linspace(0.0, motion.duration, FEWEST + 1)).accelerations).max(axis=0)
     steps = 2.0 * peak[axes] / cycle
     limit = by.limits.jerk[axes]
     k = int(np.argmax(steps / limit))
     ratio = float(steps[k] / limit[k])
-    return by.own(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
+    return by.prediction(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
 
 
-def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """Velocities if the programmed feed held from end to end: the text asks for them, whoever would slow it down.
 
     Of a rapid those at the limits of the coordinates, if the controller keeps these.
@@ -209,12 +209,12 @@ def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_b
     """
     reports = []
     for limited in (of_coordinates, of_mechanics):
-        instants = _telling_instants(motion, times, case, in_box, limited)
+        instants = _critical_instants(motion, times, case, in_box, limited)
         reports.append(prove_at(motion, case, instants, offset, in_box, limited))
     return worst_of(reports)
 
 
-def _telling_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> Array:
+def _critical_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> Array:
     """Instants among which lie the worst of each limit and all that is near one, shape (n,) [s]."""
     rough, starts = _grid(times, ROUGH, ROUGH_RATE)
     shares = np.maximum.reduceat(shares_at(motion, case, rough, in_box, limited), starts, axis=0)

@@ -12,11 +12,11 @@ from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, St
 from identification.limited_quantities import Box
 from identification.motion import Array
 from postprocessors.proving.forces import ForceBounds
-from postprocessors.proving.guarantees import Answering, Guarantees
+from postprocessors.proving.guarantees import Guarantees, Judge
 from postprocessors.proving.judging import judge
 from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
 
-MOST_TIMES = 10.0  # times a limit above which nobody needs the number
+MOST_TIMES = 10.0  # times a limit, above which the number itself does not matter
 
 
 def _times(ratio: float) -> str:
@@ -25,7 +25,7 @@ def _times(ratio: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A limit that the program passes."""
+    """A limit that the program exceeds."""
 
     line: int  # line of the program
     check: LimitCheck  # which limit, and by how much
@@ -33,7 +33,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class ProgramProof:
-    """What the proof found."""
+    """The proof of a program."""
 
     file: str  # the program
     controller: str  # controller that would run it
@@ -41,12 +41,12 @@ class ProgramProof:
     duration: float  # duration of everything whose duration is known [s]
     excitation: float  # duration of the motion with the trigger on [s]
     limits: LimitReport  # worst case of each limit
-    violations: tuple[Violation, ...]  # limits that are passed, the worst first
-    remarks: tuple[str, ...]  # what no limit says: where it begins and ends
+    violations: tuple[Violation, ...]  # limits that are exceeded, the worst first
+    remarks: tuple[str, ...]  # what no limit covers: where it begins and ends
 
     @property
     def ok(self) -> bool:
-        """Whether every limit that the program itself is answerable for is kept."""
+        """Whether every limit that the program itself is answerable for is satisfied."""
         return not self.violations
 
     @property
@@ -59,7 +59,7 @@ class ProgramProof:
 
     @property
     def verdict(self) -> str:
-        """What the proof comes to, never more than it holds."""
+        """The proof in one line, which claims no more than was proven."""
         if self.violations:
             return "NOT proven"
         families = [kind for kind in self._families(Status.ENFORCED) if kind not in self.relies_on]
@@ -135,7 +135,7 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     """
     if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
-    by = Answering(case, guarantees, reading.file, ForceBounds.of(case))
+    by = Judge(case, guarantees, reading.file, ForceBounds.of(case))
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[Violation] = []

@@ -256,7 +256,7 @@ class Grouping:
         return PolynomialMotion(tuple(Piece(own / time ** np.arange(len(own))[:, None], time) for own, time in pieces))
 
 
-Found = TypeVar("Found")
+Item = TypeVar("Item")
 
 _INK = re.compile(r"\S")
 
@@ -299,9 +299,9 @@ def each_word(
     text: str,
     position: int,
     pattern: re.Pattern[str],
-    found: Callable[[re.Match[str], int], Found],
+    word_of: Callable[[re.Match[str], int], Item],
     unreadable: Callable[[int, str], ProgramError],
-) -> Iterator[Found]:
+) -> Iterator[Item]:
     """What stands in a line from a position on, word by word.
 
     Args:
@@ -314,7 +314,7 @@ def each_word(
         match = pattern.match(text, position)
         if match is None:
             raise unreadable(ink.start() + 1, text[ink.start() : ink.start() + 12].rstrip())
-        yield found(match, ink.start() + 1)
+        yield word_of(match, ink.start() + 1)
         position = match.end()
 
 

@@ -1,4 +1,4 @@
-"""How much LinuxCNC will stretch a timed path, told before it runs, and what keeps its time.
+"""How much LinuxCNC will stretch a timed path, predicted before it runs, and settings that keep its time.
 
 It plans a turning path block by block, without look-ahead (tp.c), measured on 2.9. Each block is a trapezoid at half
 the acceleration limit along it, so that no block of length L is faster than sqrt(a L / 2). While one slows down the
