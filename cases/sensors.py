@@ -1,7 +1,7 @@
 """What measures, and what it is expected to carry: sensor frame, noise, rigid body and compensation factors."""
 
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -156,6 +156,23 @@ class SensorFrame(Part):
         return WRENCH if self.has_moments else BAR_FORCES
 
 
+class PoseField(NamedTuple):
+    """Force errors that depend on the pose: a random field over the struts' lengths."""
+
+    size: float  # standard deviation of a channel's error [N]
+    length: float  # distance in the space of the six strut lengths at which errors are half alike [m]
+
+    @property
+    def keys(self) -> dict[str, float]:
+        """As `[sensors]` of a case states it."""
+        return {"pose_error_N": float(f"{self.size:.3g}"), "pose_error_length_mm": float(f"{self.length / MM:.3g}")}
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        return f"{self.size:.3g} N over {self.length / MM:.3g} mm of strut lengths"
+
+
 class Sensors(Part):
     """Properties of the six channels."""
 
@@ -219,6 +236,13 @@ class Sensors(Part):
         if self.acceleration_noise_m_s2 is None and self.angular_acceleration_noise_rad_s2 is None:
             return None
         return frozen([self.acceleration_noise_m_s2 or 0.0] * 3 + [self.angular_acceleration_noise_rad_s2 or 0.0] * 3)
+
+    @property
+    def pose_field(self) -> PoseField | None:
+        """Errors that depend on the pose; None where the case states none."""
+        if self.pose_error_N is None or self.pose_error_length_mm is None:
+            return None
+        return PoseField(self.pose_error_N, self.pose_error_length_mm * MM)
 
     @property
     def state_noise(self) -> bool:

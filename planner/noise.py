@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases.schema import Case
-from identification.estimation.fit import PoseField, StatedNoise, matern, squared_distances, whitening_of
+from cases.sensors import PoseField
+from identification.estimation.fit import StatedNoise, matern, squared_distances, whitening_of
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
@@ -131,7 +132,7 @@ class PoseErrors:
     @classmethod
     def of(cls, case: Case, noise: ExpectedNoise) -> "PoseErrors | None":
         """What a case states, for a run at its rate with the weights of `noise`; None where it states none."""
-        field = PoseField.of(case.sensors)
+        field = case.sensors.pose_field
         if field is None:
             return None
         mixing = None if noise.whitening is None else noise.whitening @ noise.whitening.T

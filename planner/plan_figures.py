@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.estimation.fit import PoseField
+from identification.estimation.fit import field_covariance
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
 from identification.model import Model
@@ -177,8 +177,8 @@ def predicted_std_at_poses(
     """
     inverse = np.linalg.inv(total_information(regressors))
     covariance = noise**2 * inverse
-    if (field := PoseField.of(case.sensors)) is not None:
-        by_pose = field.covariance(Hexapod.of(case).strut_lengths(poses))
+    if (field := case.sensors.pose_field) is not None:
+        by_pose = field_covariance(field, Hexapod.of(case).strut_lengths(poses))
         covariance = covariance + inverse @ sum(a.T @ by_pose @ a for a in regressors.transpose(1, 0, 2)) @ inverse
     return _physical_std(case, model, covariance * np.outer(scaling, scaling))
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
-from identification.estimation.fit import PoseField
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
 from identification.motion import Array, Trajectory
@@ -136,7 +135,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
     white = None
-    if PoseField.of(case.sensors) is not None and not interrupted:
+    if case.sensors.pose_field is not None and not interrupted:
         fresh, best_family = request.family.families(own.case, request.duration)[0], starts[0].family
         fresh = fresh if fresh.settings == best_family.settings else best_family
         one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].tried.seed, request.payload,

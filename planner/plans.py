@@ -12,7 +12,6 @@ from cases.errors import HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.units import DEG, MM, as_html
-from identification.estimation.fit import PoseField
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
@@ -184,7 +183,7 @@ class Plan:
             "predicted_std": self.predicted_std,
             "assumed_noise_N": self.assumed_noise,
             "assumed_rate_Hz": self.assumed_rate,
-            "pose_errors": None if (field := PoseField.of(self.case.sensors)) is None else field.keys,
+            "pose_errors": None if (field := self.case.sensors.pose_field) is None else field.keys,
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }

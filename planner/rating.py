@@ -7,7 +7,6 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import payload_words
 from identification.criteria import reference_scaling
-from identification.estimation.fit import PoseField
 from identification.limit import LimitKind, LimitReport, Status
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
@@ -122,7 +121,7 @@ def _pose_error_remarks(
     case: Case, model: Model, scaling: Array, planned: PlannedMotion, request: Request, predicted: dict[str, float]
 ) -> tuple[str, ...]:
     """What errors that depend on the pose cost a plan, and what it gave up for them."""
-    field = PoseField.of(case.sensors)
+    field = case.sensors.pose_field
     if field is None:
         return ()
     worst = worst_std(without_pose_errors(case), model, scaling, planned.motion, request.payloads)

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from cases.sensors import Sensors
-from cases.units import MM
+from cases.sensors import PoseField, Sensors
 from identification.findings import Finding, Kind, note
 from identification.model import Model
 from identification.parameters import Selection
@@ -43,35 +42,6 @@ UNFILTERED = Filtered(1.0, 1)
 EACH = (0, 1, 2, 3, 4, 5)  # channels that have the same noise carry the same number: here none
 
 
-@dataclass(frozen=True, slots=True)
-class PoseField:
-    """A field of errors."""
-
-    size: float  # standard deviation of a channel's error [N]
-    length: float  # distance in the space of the six strut lengths at which errors are half alike [m]
-
-    @classmethod
-    def of(cls, sensors: Sensors) -> "PoseField | None":
-        """The field that a case states; None where it states none."""
-        if sensors.pose_error_N is None or sensors.pose_error_length_mm is None:
-            return None
-        return cls(sensors.pose_error_N, sensors.pose_error_length_mm * MM)
-
-    @property
-    def keys(self) -> dict[str, float]:
-        """As `[sensors]` of a case states it."""
-        return {"pose_error_N": float(f"{self.size:.3g}"), "pose_error_length_mm": float(f"{self.length / MM:.3g}")}
-
-    @property
-    def words(self) -> str:
-        """For people."""
-        return f"{self.size:.3g} N over {self.length / MM:.3g} mm of strut lengths"
-
-    def covariance(self, struts: Array) -> Array:
-        """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
-        return self.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / self.length)[0]
-
-
 def squared_distances(places: Array, others: Array) -> Array:
     """Between places, shapes (n, d) and (m, d), shape (n, m)."""
     middle = others.mean(axis=0)
@@ -89,6 +59,11 @@ def matern(distance: Array) -> tuple[Array, Array]:
     scaled = np.sqrt(3.0) * distance
     fading = np.exp(-scaled)
     return (1.0 + scaled) * fading, scaled**2 * fading
+
+
+def field_covariance(field: PoseField, struts: Array) -> Array:
+    """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
+    return field.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / field.length)[0]
 
 
 class Robust(NamedTuple):

@@ -19,8 +19,9 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
+from cases.sensors import PoseField
 from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
-from identification.estimation.fit import PoseField, Robust, matern, squared_distances
+from identification.estimation.fit import Robust, matern, squared_distances
 from identification.findings import Kind, note
 
 Array = NDArray[np.float64]

@@ -31,7 +31,6 @@ def bound(
 
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
-    from identification.estimation.fit import PoseField
     from identification.model import full_model
     from planner.bounds.information_limit import bound as information_limit
     from planner.bounds.information_limit import require_time
@@ -53,7 +52,7 @@ def bound(
         "over": "motions from rest to rest in the motion box" if tight else "motion box",
         "tight": tight,
         "weights": "equal",
-        "pose_errors": None if (field := PoseField.of(loaded.sensors)) is None else field.keys,
+        "pose_errors": None if (field := loaded.sensors.pose_field) is None else field.keys,
         "logdet_bound": limit.logdet,
         "logdet_design": limit.design_logdet,
         "logdet_proven": limit.proven_logdet,

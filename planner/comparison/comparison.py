@@ -11,7 +11,6 @@ from cases.basis import bound_hash
 from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
-from identification.estimation.fit import PoseField
 from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
 from planner.plans import Plan
 from planner.vibration import least_shaken
@@ -144,7 +143,7 @@ def _comparable(one: Conditions, other: Conditions) -> bool:
         return True
     if one.case.recording.rate_Hz != other.case.recording.rate_Hz:  # as many samples a second carry the noise
         return False
-    if PoseField.of(one.case.sensors) != PoseField.of(other.case.sensors):  # one prediction counts errors of the pose
+    if one.case.sensors.pose_field != other.case.sensors.pose_field:  # one prediction counts errors of the pose
         return False
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
 
@@ -158,7 +157,7 @@ def _in_words(conditions: Sequence[Conditions]) -> str:
 
 
 def _of_samples(case: Case) -> str:
-    field, rate = PoseField.of(case.sensors), f"at {case.recording.rate_Hz:g} Hz"
+    field, rate = case.sensors.pose_field, f"at {case.recording.rate_Hz:g} Hz"
     return rate if field is None else f"{rate} and {field.words} that depends on the pose"
 
 

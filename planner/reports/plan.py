@@ -8,7 +8,6 @@ from markupsafe import Markup
 from cases.errors import HexciteError
 from cases.files import provenance
 from identification.criteria import analyse, reference_scaling
-from identification.estimation.fit import PoseField
 from identification.limit import Status
 from identification.model import Model, identification_model
 from identification.motion import sample
@@ -156,7 +155,7 @@ def _deviations(plan: Plan, model: Model) -> tuple[Markup, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     worth = plan.of_motion[1]
     noise_text = " and noise of the accelerations as the case states it" if worth.noise_of_accelerations else ""
-    if (field := PoseField.of(plan.case.sensors)) is not None:
+    if (field := plan.case.sensors.pose_field) is not None:
         noise_text += f" and errors of {field.words} that depend on the pose"
     noise, rate = f"{plan.assumed_noise:g} N{noise_text}", plan.case.recording.rate_Hz
     words = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."

@@ -9,8 +9,8 @@ from scipy.linalg import block_diag
 from scipy.special import gamma, kv
 
 from cases.loading import find_case, load_case
+from cases.sensors import PoseField
 from identification.criteria import reference_scaling
-from identification.estimation.fit import PoseField
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from planner.families import Family
@@ -198,7 +198,7 @@ def test_keys_that_identify_prints_are_read_back(tmp_path: Path):
     lines = "\n".join(f"{key} = {value!r}" for key, value in field.keys.items())
     text = find_case("hexapod").read_text(encoding="utf-8").replace('weights = "equal"', f'weights = "equal"\n{lines}')
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    read = PoseField.of(load_case(tmp_path / "case.toml").sensors)
+    read = load_case(tmp_path / "case.toml").sensors.pose_field
     assert read is not None
     assert read.keys == field.keys
     assert (read.size, read.length) == pytest.approx((field.size, field.length), rel=5e-3)
