@@ -20,6 +20,8 @@ from identification.motion import Array
 from planner.poses.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import JointSpace, PoseSpace, space_of
 from planner.precision import solver_text
+from planner.search.ipopt import NumpyFunction
+from planner.search.objective import Local, criterion_at
 
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
 CHUNK = 16  # poses that are evaluated together at first
@@ -149,7 +151,7 @@ def reduce_smallest_change(
 
 
 STEPS = 300
-POWER_SQUARINGS = 3  # extreme eigenvalues are smoothed by a p-norm, p = 2^3
+HALVINGS = 2  # of the p-norm that smooths extreme eigenvalues, p = 8
 INSIDE = 1e-7  # kept from every edge, so that rounding of the solver cannot leave the space
 
 
@@ -168,7 +170,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     information, limits = _pose_functions(model, scaling, space, poses.shape[1])
     triangle = ca.sum2(information.map(count)(shares)) / count
     margins = ca.vec(limits.map(count)(shares, ca.DM(poses).T))
-    objective = _objective(criterion.letter, len(scaling))(triangle)
+    objective = _objective(criterion.letter, len(scaling))  # it must live as long as the solver
     low, high = space.bounds()
     start = space.project(space.shares(poses))
     options = {
@@ -180,7 +182,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
         "ipopt.sb": "yes",
         "print_time": False,
     }
-    solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective, "g": margins}, options)
+    solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective(triangle), "g": margins}, options)
     solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
     status = solver_text(solver.stats()["return_status"])
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
@@ -211,34 +213,23 @@ def _pose_functions(
     )
 
 
-def _objective(letter: str, size: int) -> ca.Function:
+def _objective(letter: str, size: int) -> NumpyFunction:
     """Lower triangle of the mean information -> what is minimised, smooth and of the order of 1."""
-    triangle = ca.SX.sym("triangle", size * (size + 1) // 2)
-    if letter == "D":
-        return ca.Function("objective", [triangle], [-log_determinant(size)(triangle) / size])
-    lower = ca.SX(ca.Sparsity.lower(size), triangle)
-    full = ca.densify(lower + lower.T - ca.diag(ca.diag(lower)))
-    root = ca.solve(ca.chol(full).T, ca.SX.eye(size))
-    inverse = ca.densify(root.T @ root)
-    if letter == "A":
-        return ca.Function("objective", [triangle], [ca.log(ca.trace(inverse))], {"cse": True})
-    smallest, largest = -_log_norm(inverse), _log_norm(full)
-    better = {"K": (smallest - largest) / 2, "N": smallest - largest / 2}[letter]
-    return ca.Function("objective", [triangle], [-better], {"cse": True})
+    lower = ca.Sparsity.lower(size)
+    rows, columns = np.array(lower.row()), np.array(lower.get_col())
 
+    def at(triangle: Array) -> Local:
+        information = np.zeros((size, size))
+        information[rows, columns] = information[columns, rows] = triangle
+        return criterion_at(letter, information, HALVINGS)
 
-def _log_norm(matrix: ca.SX) -> ca.SX:
-    """Log of the p-norm of the eigenvalues of a positive definite matrix, which is scaled against overflow."""
-    scale = ca.trace(matrix)
-    power = matrix / scale
-    for _ in range(POWER_SQUARINGS):
-        power = power @ power
-    return ca.log(scale) + ca.log(ca.trace(power)) / 2**POWER_SQUARINGS
+    def value(triangle: Array) -> tuple[Array]:
+        return (np.array([at(triangle).value]),)
 
+    def slope(triangle: Array, _: Array) -> tuple[Array]:
+        return (at(triangle).slope[rows, columns] * np.where(rows == columns, 1.0, 2.0),)
 
-def log_determinant(size: int) -> ca.Function:
-    """Lower triangle of a positive definite matrix -> log det, by Cholesky factors (CasADi has no logdet)."""
-    triangle = ca.SX.sym("triangle", ca.Sparsity.lower(size).nnz())
-    lower = ca.SX(ca.Sparsity.lower(size), triangle)
-    full = lower + lower.T - ca.diag(ca.diag(lower))
-    return ca.Function("log_determinant", [triangle], [2 * ca.sum1(ca.log(ca.diag(ca.chol(full))))])
+    x, count = ("x", len(rows)), len(rows)
+    table = [("jac_f_x", ca.Sparsity.dense(1, count))]
+    jacobian = NumpyFunction("jac_objective", [x, ("out_f", 1)], table, slope)
+    return NumpyFunction("objective", [x], [("f", ca.Sparsity.dense(1, 1))], value, jacobian)

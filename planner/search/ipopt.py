@@ -47,6 +47,7 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
         inputs: name and number of elements of each.
         outputs: name and sparsity of each.
         function: takes arrays of these lengths, returns the non-zeros of each output.
+        jacobian: of a function that stands in an expression; takes inputs and outputs.
     """
 
     def __init__(
@@ -55,9 +56,10 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
         inputs: Sequence[tuple[str, int]],
         outputs: Sequence[tuple[str, ca.Sparsity]],
         function: Callable[..., Sequence[Array]],
+        jacobian: "NumpyFunction | None" = None,
     ) -> None:
         super().__init__()
-        self.inputs, self.outputs, self.function = inputs, outputs, function
+        self.inputs, self.outputs, self.function, self.own_jacobian = inputs, outputs, function, jacobian
         self.construct(name, {})
 
     def get_n_in(self) -> int:
@@ -83,6 +85,14 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
     def get_sparsity_out(self, k: int) -> ca.Sparsity:
         """Sparsity of an output."""
         return self.outputs[k][1]
+
+    def has_jacobian(self) -> bool:
+        """Whether it was given."""
+        return self.own_jacobian is not None
+
+    def get_jacobian(self, *_: Any) -> ca.Function:
+        """As given."""
+        return self.own_jacobian
 
     def has_eval_buffer(self) -> bool:
         """Memory is passed on as it is."""

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cases.schema import Case
 from identification.criteria import uniform_states
@@ -13,7 +11,6 @@ from identification.model import Model, identification_model
 from identification.symbolic import over_samples
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
-from planner.poses.removal import log_determinant
 from planner.search.feasibility import box_middle
 from planner.search.program import regressor_kernel
 
@@ -32,14 +29,6 @@ def test_the_regressor_of_a_state_is_the_models_scaled(number: int, hexapod_case
     expected = over_samples(model.coordinate_regressor, *states)[0] * scaling
     table = np.hstack([*states, np.zeros((20, 1))])
     assert regressor_kernel(model, scaling).values(table).reshape(20, 6, size) == pytest.approx(expected, abs=1e-10)
-
-
-@given(size=st.integers(1, 12), seed=st.integers(0, 2**32 - 1))
-def test_log_determinant_is_that_of_numpy(size: int, seed: int):
-    factor = np.random.default_rng(seed).normal(size=(3 * size, size))
-    matrix = factor.T @ factor
-    triangle = matrix[np.triu_indices(size)]
-    assert float(log_determinant(size)(triangle)) == pytest.approx(np.linalg.slogdet(matrix)[1], rel=1e-8, abs=1e-8)
 
 
 def test_the_mean_does_not_depend_on_how_often_a_motion_repeats(
