@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from identification import method as method
     from identification import read as read
     from identification import tare as tare
+    from identification.identify import identify as identify
     from planner import Fourier as Fourier
     from planner import Manual as Manual
     from planner import Plan as Plan
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from planner import bound as bound
     from planner import compare as compare
     from planner import demo as demo
-    from planner import identify as identify
     from planner import plan as plan
     from planner import plan_poses as plan_poses
     from planner import report as report
@@ -56,7 +56,8 @@ __getattr__, __dir__ = door(
     {
         "cases": "Case HexciteError load_case",
         "identification": "Finding Look Recording Result force look method read tare",
-        "planner": "Fourier Manual Plan PointToPoint Spline bound compare demo identify plan plan_poses report retime "
+        "identification.identify": "identify",
+        "planner": "Fourier Manual Plan PointToPoint Spline bound compare demo plan plan_poses report retime "
         "run validate write",
         "postprocessors": "Program read_program",
         "postprocessors.export": "export",

@@ -105,6 +105,8 @@ def _fits(value: object, annotation: Any) -> bool:
         entries = value if isinstance(value, list | tuple) else ()
         listed = isinstance(value, Iterable) and not isinstance(value, str)
         return listed and all(_fits(entry, get_args(annotation)[0]) for entry in entries)
+    if get_origin(annotation) is Callable:
+        return callable(value)
     if not isinstance(annotation, type) or get_origin(annotation) is not None:
         return True
     return isinstance(value, WIDER.get(annotation, (annotation,)))

@@ -1,42 +1,122 @@
-"""From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), an estimator, physical form.
+"""From a recording to a result: kinematics (7)-(9), regressor (17)-(22), an estimator, physical form.
 
-The delay between forces and motion of a moving run is estimated together with the parameters. What speaks against a
-run is looked for before the estimate (`sample_checks`) and in what the estimate leaves (`wiring`, `contact`).
+Standstills are averaged where a run holds them. The delay between forces and motion of a moving run is estimated with
+the parameters. What speaks against a run is looked for before the estimate (`sample_checks`) and in its residuals
+(`wiring`, `contact`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from cases.errors import IdentificationError, NegativeMass, RecordingError
+from cases.basis import KEPT, result_basis
+from cases.errors import FileProblem, IdentificationError, NegativeMass, RecordingError
+from cases.files import provenance
 from cases.schema import Case
-from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
-from identification.estimation.fit import Uncertain
 from identification.estimation.noise_sources import NoiseSources, noise_sources
-from identification.findings import Finding, Kind, note, warning
+from identification.findings import Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
-from identification.findings.wiring import require_wiring
-from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, excerpt, fit_samples
+from identification.findings.wiring import fitting_case, require_wiring
+from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
+from identification.formats.reading import files_of
+from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
+from identification.outcome import TOLD_OF_RUNS, Result
 from identification.parameters import MASS, RIGID
 from identification.recording import Recording
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
-from identification.runs.evaluation import CLEAR, MOST_DELAY, Run, smoothed, smoothing_of, smoothing_told
-from identification.runs.preparation import moving_run, standstills
+from identification.runs.evaluation import MOST_DELAY, Run, mode_told, smoothed, smoothing_of, smoothing_told
+from identification.runs.preparation import delimited, moving_run, stands_only, standstills
+from identification.runs.rates import on_one_clock
+from identification.runs.standstills import average, find_standstills, match
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
 
 Array = NDArray[np.float64]
+
+RESTLESS = 3.0  # times the usual scatter of an averaged force
+SHARE = 0.5  # of the structural mode's frequency: there the first term that is left out is a sixteenth
+
+
+@runtime_checkable
+class PlanOfPoses(Protocol):
+    """A plan of standstills."""
+
+    @property
+    def poses(self) -> Array:
+        """Where it stands still to measure, in the order of visit, shape (n, k) [m or rad]."""
+
+
+def identify(
+    recording: Recording,
+    case: Case | None = None,
+    model: int | None = None,
+    *,
+    how: Method | Callable[[Model], Method] = GAUSS_MARKOV,
+    terms: Sequence[str] = (),
+    conditioning: Conditioning = USUAL,
+    poses: PlanOfPoses | None = None,
+) -> Result:
+    """Parameters with standard deviations from a recorded run.
+
+    Args:
+        recording: the run.
+        case: case of the machine; the recording's own unless given.
+        model: number in Table 2; by default what the run can carry.
+        how: estimator, and what is known beforehand; or what gives it for a model.
+        terms: forms of the error compensation instead of the model's: K1 to K5.
+        conditioning: what is done to the run beforehand.
+        poses: plan of poses whose standstills the run holds; a run of hexcite knows its own.
+
+    Raises:
+        IdentificationError: the run does not determine the parameters; the message names them.
+        RecordingError: the run cannot be evaluated.
+        CaseError: the case lacks what the evaluation needs.
+    """
+    case = recording.case if case is None else case
+    if case is None:
+        raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
+    whole = on_one_clock(recording, case)
+    run, standing = standing_of(whole, case, None if poses is None else poses.poses, conditioning.standstills)
+    number = default_model(run, case) if model is None else model
+    method = how if isinstance(how, Method) else how(identification_model(case, number, terms))
+    try:
+        estimate = estimate_parameters(run, case, number, method, terms, conditioning)
+    except (IdentificationError, RecordingError) as error:
+        own = recording.record.get("case")
+        if own not in (None, case.name):
+            raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
+        if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case, case.origin or None)):
+            raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
+        raise
+    stale = recording.remarks + (() if method.biases is None else method.biases.stale)
+    changed = (warning(Kind.CASE, sentence) for sentence in stale)
+    estimate = replace(estimate, findings=(*estimate.findings, *changed))
+    seconds = run.record.get("executed_s")  # the time that it took
+    if seconds is None and run.t is not None:
+        seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
+    record = {
+        **estimate.to_json(),
+        KEPT: result_basis(case),
+        **({"stale": list(stale)} if stale else {}),
+        **provenance(files_of(run.paths)),
+        "case_file": case.origin,
+        "plan_hash": run.record.get("plan_hash"),
+        "measuring_s": seconds,
+        **({"run": {k: run.record[k] for k in ("simulated", *TOLD_OF_RUNS) if k in run.record}} if run.record else {}),
+        **({} if standing is None else {"standstills": standing}),
+    }
+    return Result(case, record, estimate)
 
 
 def default_model(recording: Recording, case: Case) -> int:
@@ -47,7 +127,61 @@ def default_model(recording: Recording, case: Case) -> int:
     return most if recording.t is not None else 5 if most > RIGID else 0
 
 
-def identify(
+def standing_of(
+    recording: Recording, case: Case, poses: Array | None = None, asked: bool = False
+) -> tuple[Recording, dict[str, Any] | None]:
+    """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
+
+    A run of hexcite knows the poses of its program.
+
+    Args:
+        poses: other poses whose standstills the run holds, shape (n, k) [m or rad].
+        asked: average standstills without knowing the poses.
+
+    Raises:
+        StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
+        RecordingError: no standstills, though there should be some.
+    """
+    expected = poses if poses is not None else poses_of_record(recording.record, len(case.drive_columns))
+    if recording.t is None:
+        if poses is None and not asked:
+            return recording, None
+        raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
+    if expected is None and not asked and not stands_only(recording):
+        return recording, None
+    settle = case.poses.settle_s if case.poses is not None else 0.5
+    averages = average(recording, find_standstills(recording, settle))
+    if expected is not None:
+        averages, _ = match(averages, case, expected, recording.source)
+    assert averages.weights is not None
+    entries = {
+        "count": len(averages.forces),
+        "matched_to_poses": expected is not None,
+        "found_by": "trigger" if delimited(recording.trigger) else "motion",
+        "restless": [k for k, weight in enumerate(averages.weights, 1) if weight * RESTLESS < 1.0],
+    }
+    return averages, entries
+
+
+def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
+    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
+
+    Raises:
+        FileProblem: the entry is damaged.
+    """
+    entry = record.get("poses_m_rad")
+    if not entry:
+        return None
+    try:
+        poses = np.array(entry, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
+    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
+        raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
+    return poses
+
+
+def estimate_parameters(
     recording: Recording,
     case: Case,
     number: int | None = None,
@@ -55,7 +189,7 @@ def identify(
     terms: Sequence[str] = (),
     conditioning: Conditioning = USUAL,
 ) -> Estimate:
-    """Identifies the parameters of a model from one recording.
+    """The estimate of a model's parameters from one recording, whose standstills are averaged already.
 
     Its matrices are small: a second thread of BLAS would only wait for the first, and wait long on a busy machine. BLAS
     therefore has one thread meanwhile; the caller's setting is restored at the end.
@@ -92,7 +226,7 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     if len(recording.forces) > 1:
         require_alive(recording.forces)
     moves = recording.t is not None and case.setup != "1a"
-    if not moves and conditioning != USUAL:
+    if not moves and (conditioning.periodic or conditioning.flexible):
         raise RecordingError("is not a moving run; --period and --flexible are for moving runs")
     if not moves and model.needs_motion and not set(method.known) >= _inertia(model) | set(method.dropped):
         raise IdentificationError(
@@ -100,10 +234,12 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
             "model from 0 to 5, or record a motion"
         )
     estimate = _evaluated(recording, case, model, method, conditioning)
-    softer = _below(case, estimate.told.get("structural_mode_Hz")) if conditioning.flexible else None
-    if softer is not None:
-        return replace(_evaluated(recording, softer, model, method, conditioning), case=case)
-    return estimate
+    mode, cutoff = estimate.told.get("structural_mode_Hz"), case.recording.filter_cutoff_Hz
+    if mode is None or cutoff is None or cutoff <= SHARE * mode["value"]:
+        return estimate
+    below = case.recording.model_copy(update={"filter_cutoff_Hz": SHARE * float(mode["value"])})
+    softer = case.model_copy(update={"recording": below})
+    return replace(_evaluated(recording, softer, model, method, conditioning), case=case)
 
 
 def _samples(
@@ -147,7 +283,8 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
             fitted = fit_samples(rich, method, problem, fitted.at)
     if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
         smoothing = smoothing_of(fitted.samples, fitted.fit)
-        findings += _mode_found(smoothing, case) if conditioning.flexible else [smoothing_told(smoothing)]
+        cutoff = fitted.samples.filter.cutoff
+        findings.append(mode_told(smoothing, cutoff) if conditioning.flexible else smoothing_told(smoothing))
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
     noise = stated_noise(case, fitted, method)
     findings += [] if noise is None else noise.findings
@@ -177,42 +314,5 @@ def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None
     return noise_sources(samples, fitted.fit, fitted.w, fitted.at, case.sensors)
 
 
-def identifiability(estimate: Estimate) -> Identifiability:
-    """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
-    samples = excerpt(estimate.evaluated)
-    selection = estimate.how.selection(samples.model)
-    matrices = samples.regressors(estimate.at)
-    return analyse(matrices @ selection.basis, selection.names)
-
-
 def _inertia(model: Model) -> set[str]:
     return {name for name in model.names if name[0] == "I"}
-
-
-SHARE = 0.5  # of the mode's frequency: there the first term that is left out is a sixteenth
-
-
-def _mode_found(found: Uncertain, case: Case) -> list[Finding]:
-    """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
-    entries = {"smoothing_s2": found._asdict()}
-    if -found.value < CLEAR * found.std:
-        sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
-        return [note(Kind.MODEL, sentence, **entries)]
-    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-found.value)))
-    std = frequency * found.std / (2.0 * -found.value)
-    sentence = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
-    sentence += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
-    return [note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})]
-
-
-def _below(case: Case, told: Any) -> Case | None:
-    """The case with a low-pass at half the mode that an estimate was told of; None where it is as low already.
-
-    Args:
-        told: `structural_mode_Hz` of the estimate; None where none is seen.
-    """
-    cutoff = case.recording.filter_cutoff_Hz
-    if told is None or cutoff is None or cutoff <= SHARE * told["value"]:
-        return None
-    recording = case.recording.model_copy(update={"filter_cutoff_Hz": SHARE * float(told["value"])})
-    return case.model_copy(update={"recording": recording})

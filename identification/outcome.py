@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from identification.criteria import Identifiability
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.recording import Recording
-from identification.result import Estimate, Residuals, Value, physical_values
+from identification.result import Estimate, Residuals, Value, identifiability_of, physical_values, residuals_of
 from identification.saved_result import AGAIN, read_record, require_agreement
 
 if TYPE_CHECKING:
@@ -31,25 +32,23 @@ PROMINENT = ("m", "xC", "yC", "zC")  # shown first
 _OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """Identified parameters.
 
     Args:
         case: case of the recording.
         record: what result.json says.
-        identifiability: what the run determined; None where nothing says.
         estimate: estimate with everything that is not saved; None where it was loaded.
-        residuals: residuals of the recorded forces; None where it was loaded.
+        determined: what the run determined, as loaded; None where no file says it.
         file: file that it was loaded from.
         remarks: what has changed in the case since, where it was loaded nevertheless.
     """
 
     case: Case
     record: Mapping[str, Any]
-    identifiability: Identifiability | None = None
     estimate: Estimate | None = None
-    residuals: Residuals | None = None
+    determined: Identifiability | None = None
     file: Path | None = None
     remarks: tuple[str, ...] = ()
 
@@ -61,6 +60,16 @@ class Result:
     def parameters(self) -> dict[str, Value]:
         """Physical parameters by name [SI]."""
         return {name: Value(**entry) for name, entry in self.record["parameters"].items()}
+
+    @cached_property
+    def identifiability(self) -> Identifiability | None:
+        """What the run determined; None where nothing says."""
+        return self.determined if self.estimate is None else identifiability_of(self.estimate)
+
+    @cached_property
+    def residuals(self) -> Residuals | None:
+        """Residuals of the recorded forces; None where it was loaded."""
+        return None if self.estimate is None else residuals_of(self.estimate)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -159,14 +168,13 @@ class Result:
         result = cls(own, record, file=file)
         result.require_agreement()
         remarks = artefact.require_unchanged(result_basis(own), own, stale)
-        beside = file.parent / "identifiability.json"
-        if not beside.is_file():
-            return replace(result, remarks=remarks)
-        try:
-            told = Identifiability.of_json(read_json(beside, "hexcite identify"))
-        except DAMAGED as error:
-            raise FileProblem(beside, f"entry {error} is missing or damaged", AGAIN) from error
-        return replace(result, identifiability=told, remarks=remarks)
+        beside, determined = file.parent / "identifiability.json", None
+        if beside.is_file():
+            try:
+                determined = Identifiability.of_json(read_json(beside, "hexcite identify"))
+            except DAMAGED as error:
+                raise FileProblem(beside, f"entry {error} is missing or damaged", AGAIN) from error
+        return replace(result, determined=determined, remarks=remarks)
 
     def require_agreement(self) -> None:
         """Refuses entries that are not what they are by others.

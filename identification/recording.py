@@ -126,6 +126,7 @@ class Recording(Stream):
     case: Case | None = None  # case that it is of; None where that is not known
     paths: tuple[Path, ...] = ()  # paths of the files that it was read from
     record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none
+    remarks: tuple[str, ...] = ()  # what has changed in the case since, where it is evaluated nevertheless
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
         """Makes a folder with recording.csv and recording.json.

@@ -9,12 +9,13 @@ from scipy.fft import rfft, rfftfreq
 from scipy.special import stdtrit
 
 from cases.schema import Case
+from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
 from identification.estimation.noise_sources import NoiseSources, attenuation_of
 from identification.findings import Finding, Severity, quantities, sentences
-from identification.fitting import Fitted
+from identification.fitting import Fitted, excerpt
 from identification.model import Model, expected_forces, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.averaging import PeriodicRun
@@ -253,3 +254,10 @@ def residuals_of(estimate: Estimate) -> Residuals:
     every = replace(samples, rows=(rows if samples.spoilt is None else rows[~samples.spoilt[rows]])[:MOST_SAMPLES])
     predicted = expected_forces(every.model, every.kinematics(delay), u)
     return Residuals(every.t, every.recorded_forces, predicted, samples.filter.step, every.forces)
+
+
+def identifiability_of(estimate: Estimate) -> Identifiability:
+    """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
+    samples = excerpt(estimate.evaluated)
+    selection = estimate.how.selection(samples.model)
+    return analyse(samples.regressors(estimate.at) @ selection.basis, selection.names)

@@ -140,13 +140,14 @@ class Standstills:
 
 
 class Conditioning(NamedTuple):
-    """What a user asks to be done to a moving run."""
+    """What a user asks to be done to a run; all but the last to a moving one."""
 
     periodic: bool = False  # evaluation by Fourier series of a repeating run instead of the low-pass
     period: float | None = None  # its period [s]; None: to be found
     harmonics: int | None = None  # harmonics of the series; None: as many as stand out of the noise
     # estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency
     flexible: bool = False
+    standstills: bool = False  # average the run's standstills, wherever they are
 
 
 USUAL = Conditioning()

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from planner.plans import Plan as Plan
     from planner.reports.page import report as report
     from planner.retiming.retimed import retime as retime
-    from planner.runs.identifying import identify as identify
     from planner.runs.running import run as run
     from planner.runs.written import write as write
 
@@ -33,7 +32,6 @@ __getattr__, __dir__ = door(
         "planner.plans": "Plan",
         "planner.reports.page": "report",
         "planner.retiming.retimed": "retime",
-        "planner.runs.identifying": "identify",
         "planner.runs.running": "run",
         "planner.runs.written": "write",
         "planner.comparison.validation": "validate",

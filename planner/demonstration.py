@@ -7,6 +7,7 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
+from identification.identify import identify
 from identification.model import full_model
 from identification.motion import Joined
 from identification.outcome import Result
@@ -16,7 +17,6 @@ from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plans import Plan
 from planner.request import Request
-from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
 from planner.runs.written import usual_dialect, write
 from postprocessors.dialects import Program, dialect

@@ -19,7 +19,7 @@ from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, noise_components, whitened
 from identification.findings import Finding, Kind, note, warning
-from identification.findings.sample_checks import cut_off
+from identification.findings.sample_checks import cut_off, shorter_than_planned
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
@@ -152,7 +152,7 @@ def other_rate(recording: Recording, case: Case, method: Method, fitted: Fitted)
 def found_before(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
     """What recorder, estimator, window and periods have to say."""
     samples, fit = fitted.samples, fitted.fit
-    cut = cut_off(recording) if samples.nuisances else []
+    cut = [*cut_off(recording), *shorter_than_planned(recording)] if samples.nuisances else []
     periods = samples.findings(fit, fitted.w) if isinstance(samples, PeriodicRun) else ()
     return [*cut, *fit.findings, *samples.window, *periods]
 

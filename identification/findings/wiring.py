@@ -10,6 +10,7 @@ by what a model leaves.
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, IdentificationError
+from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.estimation.compressed import column_scale, joint_triangle
@@ -57,6 +59,31 @@ def require_wiring(recording: Recording, case: Case, model: Model, negative: boo
     explanation = other_wiring(recording, case, model, negative)
     if explanation is not None:
         raise IdentificationError(explanation)
+
+
+def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
+    """A case whose machine has a pose with such strut lengths: built in, or in a folder beside this one's, or here.
+
+    Args:
+        lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
+        case: case that was tried.
+        name: its name, if it has one.
+    """
+    own = None if name is None or name in built_in_cases() else find_case(name)
+    places = [Path.cwd()] if own is None else [own.resolve().parent.parent, Path.cwd()]
+    around = dict.fromkeys(file for place in places for file in sorted(place.glob(f"*/{CASE_FILE}")))
+    for candidate in (*built_in_cases(), *map(str, around)):
+        try:
+            other = load_case(candidate)
+            if other.machine == case.machine or other.machine is None or other.workspace is None:
+                continue
+            low, high = other.workspace.strut_length
+            if np.all((lengths >= low) & (lengths <= high)):
+                Hexapod.of(other).poses(lengths[None])
+                return candidate
+        except HexciteError:
+            continue
+    return None
 
 
 class Order(NamedTuple):

@@ -222,6 +222,19 @@ def smoothing_told(found: Uncertain) -> Finding:
     return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=found._asdict())
 
 
+def mode_told(found: Uncertain, cutoff: float) -> Finding:
+    """The structural mode that sharpens forces by b, behind a low-pass [Hz]."""
+    entries = {"smoothing_s2": found._asdict()}
+    if -found.value < CLEAR * found.std:
+        sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
+        return note(Kind.MODEL, sentence, **entries)
+    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-found.value)))
+    std = frequency * found.std / (2.0 * -found.value)
+    sentence = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
+    sentence += f"compensated, behind a low-pass at {cutoff:.3g} Hz"
+    return note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})
+
+
 def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
 

@@ -105,7 +105,7 @@ def _read(
     from identification.outcome import Result
     from identification.recording import read
     from identification.runs.rates import on_one_clock
-    from planner.runs.identifying import case_of
+    from planner.cli.identification import case_of
 
     loaded, remarks = case_of(recording, case, stale, parameters)
     saved = Result.load(parameters, loaded, stale)

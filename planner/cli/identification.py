@@ -5,15 +5,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.errors import HexciteError
+from cases.basis import Artefact, recording_basis
+from cases.errors import HexciteError, RecordingError
+from cases.files import another_kind
+from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import Method, method
 from identification.estimation.priors import Prior
 from identification.external import external_force
 from identification.model import Model
-from identification.outcome import Result, biases_of
+from identification.outcome import Result, biases_of, case_of_result
 from identification.parameters import physical_form, symmetric_platform
 from identification.recording import read
+from identification.recording import record_of as about_recording
 from identification.result import Value
 from identification.runs.rates import on_one_clock
 from identification.samples import Conditioning
@@ -24,7 +28,38 @@ from planner.request import read_value
 AUTO = "auto"
 
 
-def read_conditioning(period: str | None, harmonics: int | None, flexible: bool = False) -> Conditioning:
+def case_of(
+    path: Path, case: str | None, stale: bool = False, result: Path | None = None
+) -> tuple[Case, tuple[str, ...]]:
+    """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
+
+    Args:
+        case: named case, which is taken as it is now; None where the folder knows.
+        result: folder of a result, whose case is taken where the recording names none.
+
+    Raises:
+        RecordingError: no recording, or nothing says which machine it is from.
+        FileProblem: its case has changed, and `stale` is not set.
+        CaseError: the case cannot be read.
+    """
+    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
+    if not recorded and (other := another_kind(path, "recording.json")):
+        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
+    if case is not None:
+        return load_case(case), ()
+    about = about_recording(path)
+    if not about:
+        if result is not None:
+            return case_of_result(result), ()
+        raise RecordingError(path, "does not say which machine it is from", "name it with --case")
+    artefact = Artefact(path / "recording.json", about, "run the program again")
+    loaded = artefact.case()
+    return loaded, artefact.require_unchanged(recording_basis(loaded), loaded, stale)
+
+
+def read_conditioning(
+    period: str | None, harmonics: int | None, flexible: bool = False, standstills: bool = False
+) -> Conditioning:
     """The conditioning that options ask for.
 
     Args:
@@ -40,8 +75,8 @@ def read_conditioning(period: str | None, harmonics: int | None, flexible: bool 
     if flexible and period is not None:
         raise HexciteError("--flexible: lowers the low-pass, which --period does without; leave one of them out")
     if period is None:
-        return Conditioning(flexible=flexible)
-    return Conditioning(True, None if period == AUTO else _seconds(period), harmonics)
+        return Conditioning(flexible=flexible, standstills=standstills)
+    return Conditioning(True, None if period == AUTO else _seconds(period), harmonics, standstills=standstills)
 
 
 def _seconds(text: str) -> float:

@@ -73,30 +73,46 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
+    from dataclasses import replace
+
+    from cases.errors import HexciteError
     from cases.files import RESULT, check_folder, output_place
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
+    from identification.identify import identify as find_parameters
     from identification.recording import read
-    from planner.cli.identification import answer_of_result, method_of, read_conditioning, show_result, verify_result
-    from planner.runs.identifying import Wish, case_of, identified, poses_of_plan
+    from planner.cli.identification import (
+        answer_of_result,
+        case_of,
+        method_of,
+        read_conditioning,
+        show_result,
+        verify_result,
+    )
+    from planner.plan_folder import load_plan
 
-    conditioning = read_conditioning(period, harmonics, flexible)
+    conditioning = read_conditioning(period, harmonics, flexible, standstills)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     loaded, changed = case_of(recordings[0], case, stale)
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
-    wish = Wish(
-        model,
-        lambda model: method_of(model, loaded, estimator, fix, drop, symmetric, prior, weights, biases, stale),
-        words,
-        conditioning,
-        None if poses is None else poses_of_plan(poses, loaded),
-        standstills,
-    )
+    plan = None
+    if poses is not None:
+        plan = load_plan(poses, loaded, stale=True)  # of a plan of poses only these are wanted
+        if not len(plan.poses):
+            raise HexciteError(f"{poses}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.status("identifying", json):
-        result = identified(read(recordings, loaded), loaded, wish, changed)
+        result = find_parameters(
+            replace(read(recordings, loaded), remarks=changed),
+            loaded,
+            model,
+            how=lambda model: method_of(model, loaded, estimator, fix, drop, symmetric, prior, weights, biases, stale),
+            terms=words,
+            conditioning=conditioning,
+            poses=plan,
+        )
         console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:

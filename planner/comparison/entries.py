@@ -15,7 +15,7 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.sample_checks import scan
 from identification.formats.reading import files_of
-from identification.identify import default_model
+from identification.identify import default_model, standing_of
 from identification.model import Model, identification_model
 from identification.motion import Array
 from identification.outcome import Result
@@ -28,7 +28,6 @@ from planner.plan_figures import predicted_std
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
 from planner.poses.pose_criteria import pose_regressors
-from planner.runs.identifying import standing_of
 from planner.vibration import Vibration, vibration
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
-from identification.identify import identify
+from identification.identify import estimate_parameters, standing_of
 from identification.motion import Array
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording, read
@@ -24,7 +24,6 @@ from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, sensed
 from identification.trajectories.executed import Execution
 from planner.comparison.error_budget import BODY, error_budget, linear_answer, true_deviations
-from planner.runs.identifying import standing_of
 
 COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
 SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
@@ -137,7 +136,7 @@ def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturb
     bare: Estimate | None = None
     for k in mounted:
         recording, parts = excitation.recorded(k, disturbances, once)
-        estimate = identify(recording, case)
+        estimate = estimate_parameters(recording, case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
@@ -181,7 +180,7 @@ def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
         )
     bare: Estimate | None = None
     for k, file in enumerate(files):
-        estimate = identify(standing_of(on_one_clock(read(file, case), case), case)[0], case)
+        estimate = estimate_parameters(standing_of(on_one_clock(read(file, case), case), case)[0], case)
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)

@@ -85,7 +85,7 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 
 
 def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
-    from identification.identify import identify
+    from identification.identify import estimate_parameters
     from identification.limit import KINETIC
     from identification.simulate import circumstances, loaded_truth, simulate_recording, truth_rows
     from planner.runs.running import execute
@@ -100,7 +100,7 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     rows = []
     for seed in job.noise_seeds:
         recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)
-        estimate = identify(recording, job.case, job.request.model)
+        estimate = estimate_parameters(recording, job.case, job.request.model)
         truth = truth_rows(truth_case, estimate)
         half = [v.interval(estimate.fit.freedom)[1] - v.value for v in estimate.physical.values()]
         inside = sum(abs(r["error"]) <= h for r, h in zip(truth, half, strict=True))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.samples import Conditioning
@@ -26,7 +26,7 @@ def conditioning_rows() -> list[list[str]]:
         for seed in range(SEEDS):
             run = recorded(coarse, Repeating(seed=seed), seed)
             for k, how in enumerate((Conditioning(), Conditioning(True))):
-                found = identify(run, coarse, conditioning=how)
+                found = estimate_parameters(run, coarse, conditioning=how)
                 errors[k, seed] = [v.value for v in found.physical.values()] - truth
         usual, series = np.sqrt(np.mean(errors**2, axis=1))
         ratio = f"{np.exp(np.mean(np.log(usual / series))):.3g}"

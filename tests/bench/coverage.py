@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from cases.schema import Case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
@@ -43,7 +43,7 @@ def coverage(case: Case, execution: Execution, trigger: np.ndarray, seeds: int) 
     for seed in range(seeds):
         noise = np.random.default_rng(1000 + seed).normal(0.0, simulation.force_noise_N, clean.shape)
         run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
-        estimate = identify(run, case, 9)
+        estimate = estimate_parameters(run, case, 9)
         for row, value in zip(truth_rows(case, estimate), estimate.physical.values(), strict=True):
             low, high = value.interval(estimate.fit.freedom)
             inside += low <= row["truth"] <= high
@@ -78,7 +78,7 @@ def coloured_coverage(
         drawn = np.random.default_rng(2000 + seed).normal(size=(len(clean) + 1000, 6))
         noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
         run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
-        estimate = identify(run, case, 9)
+        estimate = estimate_parameters(run, case, 9)
         values.append(estimate.fit.values)
         white.append(np.sqrt(np.diag(estimate.fit.covariance)))
         robust.append(np.sqrt(np.diag(estimate.fit.covariance_robust)))

@@ -13,7 +13,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import read, write_recording
 from identification.simulate import simulate_recording
 from planner.cli.console import print_table
@@ -95,7 +95,7 @@ def identification(folder: Path) -> list[list[str]]:
     times = []
     for _ in range(3):
         began = time.perf_counter()
-        identify(read(file, case), case, 9)
+        estimate_parameters(read(file, case), case, 9)
         times.append(time.perf_counter() - began)
     rows = [["identification of 20 000 samples x 6 forces, CSV to result", f"{min(times):.2f} s", "1.5 s"]]
     ideal = coverage(idealised(case), run.execution, run.trigger, SEEDS)

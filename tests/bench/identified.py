@@ -11,7 +11,7 @@ import hexcite as hx
 from cases.loading import load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.outcome import biases_of
 from identification.recording import Recording, read
 from identification.simulate import simulate_recording
@@ -60,13 +60,13 @@ def _contacts() -> Rows:
     for seed in range(50):
         run = simulate_recording(case, executions[seed % 3], np.array([[0.2, 2.8]]), seed)
         assert run.t is not None
-        alarms += any("contact" in w for w in identify(run, case).warnings)
+        alarms += any("contact" in w for w in estimate_parameters(run, case).warnings)
         draw = np.random.default_rng(seed)
         push, start = draw.normal(size=3), float(draw.uniform(0.4, 2.4))
         extra = np.linalg.solve(frame, np.r_[20.0 * push / np.linalg.norm(push), 0.0, 0.0, 0.0])
         on = (run.t >= start) & (run.t < start + 0.2)
         touched = replace(run, forces=run.forces - on[:, None] * extra)
-        told = [w for w in identify(touched, case).warnings if "contact from" in w]
+        told = [w for w in estimate_parameters(touched, case).warnings if "contact from" in w]
         late.append(abs(float(told[0].split("contact from ")[1].split()[0]) - start) if told else np.inf)
     return [
         ["contacts of 20 N, 0.2 s: worst error of their begin, 50 runs", f"{1e3 * max(late):.0f} ms", "50 ms"],
@@ -82,7 +82,7 @@ def _wrist() -> Rows:
     assert run.rotations is not None
     halves = (slice(0, 12), slice(12, 24))
     half = [replace(run, forces=run.forces[k], rotations=run.rotations[k], specific_forces=None) for k in halves]
-    estimate, whole = identify(half[0], case), identify(run, case)
+    estimate, whole = estimate_parameters(half[0], case), estimate_parameters(run, case)
     left = half[1].forces - _static_regressor(half[1], case.gravity) @ estimate.fit.values
     rms = np.sqrt(np.mean(left**2, axis=0))
     mass = whole.physical["m"]
@@ -101,11 +101,11 @@ def _moving_wrist() -> Rows:
         still = Path(folder) / "still"
         hx.identify(read(STATIC, case), case).save(still)
         given = method(biases=biases_of(still, case))
-    masses = [identify(run, case, how=how).physical["m"] for how in (method(), given)]
+    masses = [estimate_parameters(run, case, how=how).physical["m"] for how in (method(), given)]
     delays = []
     for cutoff in (5.0, 10.0, 20.0, 40.0):
         form = case.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
-        delay = identify(run, case.model_copy(update={"recording": form})).delay
+        delay = estimate_parameters(run, case.model_copy(update={"recording": form})).delay
         assert delay is not None
         delays.append(1e3 * delay.value)
     free, fixed = masses

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.simulate import simulate_recording
@@ -20,7 +20,7 @@ def leaps() -> list[list[str]]:
     late = CASE.simulation.force_delay + CASE.simulation.force_sampling_offset_cycles / CASE.simulation.encoder_rate_Hz
     errors, delays = [], []
     for seed in range(SEEDS):
-        found = identify(simulate_recording(CASE, execution, window, seed), CASE)
+        found = estimate_parameters(simulate_recording(CASE, execution, window, seed), CASE)
         errors.append([(v.value - t) / v.reported for v, t in zip(found.physical.values(), truth, strict=True)])
         assert found.delay is not None
         delays.append((found.delay.value - late) / found.delay.std)

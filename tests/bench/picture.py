@@ -22,13 +22,13 @@ BLUE, RED, GREY = "#0072b2", "#d55e00", "#627d98"
 
 def draw(demo: Path, picture: Path) -> None:
     """Three panels, left to right the chain: motion, forces, parameters."""
-    from identification.identify import identify
+    from identification.identify import estimate_parameters
 
     case = load_case("hexapod")
     machine, _, _ = case.need_machine("the picture")
     motion = sample(load_plan(demo / "plan").motion, 200.0)
     recording = read(demo / "recording", case)
-    rows = truth_rows(case, identify(recording, case, 9))
+    rows = truth_rows(case, estimate_parameters(recording, case, 9))
     mpl.rcParams.update({"font.size": 9, "svg.fonttype": "none", "axes.spines.top": False, "axes.spines.right": False})
     figure = Figure(figsize=(11, 3.6), layout="constrained")
     grid = figure.add_gridspec(1, 3, width_ratios=(1.0, 1.25, 1.25))

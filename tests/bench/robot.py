@@ -13,6 +13,7 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.criteria import reference_scaling
+from identification.identify import identify
 from identification.model import identification_model
 from identification.simulate import truth_rows
 from identification.symbolic import over_samples
@@ -23,7 +24,6 @@ from planner.noise import expected_noise, mean_information, seen_through
 from planner.plan_figures import predicted_std
 from planner.planning import make
 from planner.request import Request
-from planner.runs.identifying import identify
 from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.feasibility import keep_limits

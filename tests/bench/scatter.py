@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from planner.comparison.trials import Excitation
 from planner.runs.running import carried_out
 from postprocessors.dialects import read_program
@@ -41,6 +41,6 @@ def _estimates(program: Path, method: str) -> np.ndarray:
     for k in range(MACHINES):
         machine = found.model_copy(update={"pose_error_seed": 100 + k})
         excitation = Excitation(case, method, run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 1000 + k)
-        physical = identify(excitation.recorded(0, machine)[0], case).physical
+        physical = estimate_parameters(excitation.recorded(0, machine)[0], case).physical
         rows.append([(v.value, v.reported, v.std) for v in physical.values()])
     return np.array(rows)

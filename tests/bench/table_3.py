@@ -5,7 +5,7 @@ import numpy as np
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
@@ -40,7 +40,7 @@ def table_3(case: Case, noise: float = 1.0, seed: int = 0) -> dict[int, Estimate
     found: dict[int, Estimate | str] = {}
     for number in MODELS:
         try:
-            found[number] = identify(recording, case, number)
+            found[number] = estimate_parameters(recording, case, number)
         except IdentificationError as error:
             found[number] = str(error)
     return found

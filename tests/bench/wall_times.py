@@ -22,14 +22,14 @@ FROM_PYTHON = f"""
 import sys, time
 from pathlib import Path
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import read
 case = load_case("hexapod")
 recording = read(Path(sys.argv[1]), case)
 times = []
 for _ in range({REPEATS}):
     began = time.perf_counter()
-    identify(recording, case)
+    estimate_parameters(recording, case)
     times.append(time.perf_counter() - began)
 print(max(times))
 """

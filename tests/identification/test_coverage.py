@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.simulate import simulate_recording
@@ -27,7 +27,7 @@ def coverage(seeds: int) -> float:
     execution, inside = PoseExecution(Hexapod.of(CASE), MOTION), []
     for seed in range(seeds):
         recording = simulate_recording(CASE, execution, np.array([[0.1, 1.9]]), seed)
-        estimate = identify(recording, CASE)
+        estimate = estimate_parameters(recording, CASE)
         intervals = np.array([v.interval(estimate.fit.freedom) for v in estimate.physical.values()])
         inside.append((intervals[:, 0] <= PHYSICAL) & (intervals[:, 1] >= PHYSICAL))
     return float(np.mean(inside))
@@ -49,7 +49,7 @@ def test_the_delay_is_as_sure_as_it_says_also_under_noise_with_memory(colour: fl
     for seed in range(20):
         drawn = np.random.default_rng(seed).normal(size=(len(clean.forces) + 1000, 6))
         noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
-        delay = identify(replace(clean, forces=clean.forces + noise), CASE).delay
+        delay = estimate_parameters(replace(clean, forces=clean.forces + noise), CASE).delay
         errors.append(delay.value / delay.std)
     assert 0.65 < np.sqrt(np.mean(np.square(errors))) < 1.4  # 20 runs tell it to 16 %
 

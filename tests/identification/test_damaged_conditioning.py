@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import Recording, read, write_recording
 from identification.runs.rates import on_one_clock
 from identification.samples import Conditioning
@@ -42,7 +42,7 @@ def test_a_damaged_run_ends_in_an_answer_or_in_one_line(seed: int, asked: Condit
 
     def evaluated() -> Recording:
         recording = on_one_clock(read(file, CASE), CASE)
-        identify(recording, CASE, conditioning=asked)
+        estimate_parameters(recording, CASE, conditioning=asked)
         return recording
 
     answer(evaluated, "damaged.csv")

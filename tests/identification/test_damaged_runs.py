@@ -8,7 +8,7 @@ import pytest
 
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import read, write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, answer, few
@@ -36,12 +36,12 @@ def within_3_std(seeds: range, folder: Path) -> float:
     execution = PoseExecution(Hexapod.of(HEXAPOD), Harmonic(seed=1, duration=2.0))
     write_recording(file, simulate_recording(HEXAPOD, execution, np.array([[0.2, 1.8]]), 1), HEXAPOD)
     text = file.read_text()
-    clean = identify(read(file, HEXAPOD), HEXAPOD)
+    clean = estimate_parameters(read(file, HEXAPOD), HEXAPOD)
     std = np.sqrt(np.diag(clean.fit.covariance))
     good = 0
     for seed in seeds:
         file.write_text(mildly_damaged(text, seed))
-        estimate = answer(lambda: identify(read(file, HEXAPOD), HEXAPOD), str(file))
+        estimate = answer(lambda: estimate_parameters(read(file, HEXAPOD), HEXAPOD), str(file))
         good += estimate is not None and bool((np.abs(estimate.fit.values - clean.fit.values) < 3.0 * std).all())
     return good / len(seeds)
 

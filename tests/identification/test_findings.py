@@ -15,7 +15,7 @@ from identification.findings import contact
 from identification.findings.contact import find_contacts
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.motion import Joined
 from identification.parameters import linear_parameters
 from identification.recording import Recording
@@ -38,7 +38,7 @@ def run(seed: int = 0) -> Recording:
 
 def errors(recording: Recording) -> tuple[float, tuple[str, ...]]:
     """Largest error of the parameters in their own standard deviations, and the warnings."""
-    estimate = identify(recording, CASE)
+    estimate = estimate_parameters(recording, CASE)
     std = np.sqrt(np.maximum(np.diag(estimate.fit.covariance), np.diag(estimate.fit.covariance_robust)))
     for warning in estimate.warnings:
         one_line(ValueError(warning))
@@ -85,7 +85,7 @@ def test_a_run_that_nothing_touches_raises_no_alarm(seeds: range) -> None:
 def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact, "MOST_TOUCHED", 0.08)
     with pytest.raises(IdentificationError, match=r"leave the model in (9|10) % of the samples") as caught:
-        identify(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0])), CASE)
+        estimate_parameters(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0])), CASE)
     one_line(caught.value)
 
 
@@ -94,7 +94,7 @@ def test_a_contact_of_up_to_half_the_run_is_located_although_the_fit_follows_it(
     seed: int, start: float, duration: float
 ) -> None:
     with pytest.raises(IdentificationError, match="an identification run must be free") as caught:
-        identify(pushed(run(seed), start, np.array([12.0, 0.0, 16.0]), duration), CASE)
+        estimate_parameters(pushed(run(seed), start, np.array([12.0, 0.0, 16.0]), duration), CASE)
     found = re.search(r"lines (\d+) to (\d+): external contact from ([\d.]+) to ([\d.]+) s", one_line(caught.value))
     assert found is not None
     first, last, begin, end = (float(v) for v in found.groups())
@@ -107,7 +107,7 @@ def test_a_contact_of_up_to_half_the_run_is_located_although_the_fit_follows_it(
 def test_noise_with_memory_is_no_contact() -> None:
     """It is told for what it is: residuals that follow each other."""
     noise = lfilter([0.3], [1.0, -0.98], np.random.default_rng(0).normal(size=(len(run().t) + 500, 6)), axis=0)[500:]
-    warnings = identify(replace(run(), forces=run().forces + noise), CASE).warnings
+    warnings = estimate_parameters(replace(run(), forces=run().forces + noise), CASE).warnings
     assert any("residuals follow each other" in w for w in warnings)
     assert not any("contact from" in w for w in warnings)
 
@@ -116,7 +116,7 @@ def test_noise_with_memory_is_no_contact() -> None:
 def test_exchanged_channels_are_named(a: int, b: int) -> None:
     swapped = with_forces(lambda f: f.__setitem__((slice(None), [a, b]), f[:, [b, a]]), run(3))
     with pytest.raises(IdentificationError, match=f"force channels {a + 1} and {b + 1} are exchanged") as caught:
-        identify(swapped, CASE)
+        estimate_parameters(swapped, CASE)
     assert "run.csv" in one_line(caught.value)
 
 
@@ -124,7 +124,7 @@ def test_exchanged_channels_are_named(a: int, b: int) -> None:
 def test_a_turned_sign_is_named(channel: int) -> None:
     turned = with_forces(lambda f: f.__setitem__((slice(None), channel), -f[:, channel]), run(3))
     with pytest.raises(IdentificationError, match=f"sign of force channel {channel + 1} is turned"):
-        identify(turned, CASE)
+        estimate_parameters(turned, CASE)
 
 
 def test_clipped_forces_are_left_out_with_their_rows() -> None:
@@ -134,7 +134,7 @@ def test_clipped_forces_are_left_out_with_their_rows() -> None:
     cut = with_forces(lambda f: f.__setitem__((slice(None), 2), f[:, 2] - 330.0), whole)  # a tare brings it into range
     cut = replace(cut, forces=np.clip(cut.forces, -150.0, 150.0))
     assert np.mean(np.abs(cut.forces) >= 150.0) > 0.001
-    found, ignored = identify(cut, case), identify(cut, CASE)
+    found, ignored = estimate_parameters(cut, case), estimate_parameters(cut, CASE)
     assert any("channel 2 is at the end of its range of 150 N; left out" in w for w in found.warnings)
     assert any(re.match(r"lines? \d+", w) for w in found.warnings)
     rows = [k for k, name in enumerate(found.model.names) if not name.startswith("f_q0")]
@@ -223,7 +223,7 @@ def test_what_accelerations_leap_by_between_moves_is_the_motion_s(seed: int) -> 
     away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
     assert np.abs(away).max() > 20.0
     assert scan(recording, CASE).warnings == ()
-    assert not [w for w in identify(recording, CASE).warnings if "contact" in w or "jumps" in w]
+    assert not [w for w in estimate_parameters(recording, CASE).warnings if "contact" in w or "jumps" in w]
 
 
 @pytest.mark.parametrize("size", [1e-3, 0.1])
@@ -239,19 +239,19 @@ def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: 
 
 def test_a_run_with_most_samples_damaged_is_refused() -> None:
     with pytest.raises(RecordingError, match=r"% of the samples are unusable.*record again"):
-        identify(with_forces(lambda f: f.__setitem__((slice(100, 1800), 0), 5000.0), run()), CASE)
+        estimate_parameters(with_forces(lambda f: f.__setitem__((slice(100, 1800), 0), 5000.0), run()), CASE)
 
 
 def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
     longest = float(run().struts.max()) * 1e3 - 5.0
     workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})
-    (warning,) = identify(run(), CASE.model_copy(update={"workspace": workspace})).warnings
+    (warning,) = estimate_parameters(run(), CASE.model_copy(update={"workspace": workspace})).warnings
     assert re.match(rf"lines \d+ to \d+.*strut \d of .* is outside the workspace of 650 to {longest:g} mm", warning)
 
 
 def test_a_motion_without_clock_is_no_list_of_standstills() -> None:
     with pytest.raises(RecordingError, match=r"no t_s column, yet its \d+ rows .* give recording.clock.period_ms"):
-        identify(replace(run(), t=None, trigger=None), CASE)
+        estimate_parameters(replace(run(), t=None, trigger=None), CASE)
 
 
 def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated() -> None:
@@ -260,7 +260,7 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
     case = simulated(case, encoder_rate_Hz=20.0)
     slow = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2000.0))
     recording = replace(simulate_recording(case, slow, np.array([[0.0, 1.0]]), 0, "run.csv"), trigger=None)
-    estimate = identify(recording, case, 5)
+    estimate = estimate_parameters(recording, case, 5)
     assert any("never faster than 1 mm/s" in w for w in estimate.warnings)
     assert estimate.evaluated.samples > 0.99 * 2000 * 20 - 200
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
@@ -268,23 +268,23 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
 
 def test_residuals_that_are_not_white_are_told() -> None:
     """A model without the elastic terms leaves what follows the pose."""
-    warnings = identify(run(), CASE, 6).warnings
+    warnings = estimate_parameters(run(), CASE, 6).warnings
     assert any("robust standard deviations are" in w for w in warnings)
 
 
 def test_struts_in_the_wrong_order_are_told() -> None:
     whole = run(1)
     with pytest.raises(IdentificationError, match="struts 1 and 2, 3 and 4, 5 and 6 are exchanged"):
-        identify(replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]]), CASE)
+        estimate_parameters(replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]]), CASE)
 
 
 def test_a_mass_that_is_not_nominal_is_told() -> None:
     """Neither with payloads nor without."""
     told = CASE.model_dump(exclude_defaults=True)
     other = type(CASE).model_validate(told | {"nominal": told["nominal"] | {"mass_kg": 60.0}})
-    warnings = identify(run(), other).warnings
+    warnings = estimate_parameters(run(), other).warnings
     assert any("31.8 kg where nominal.mass_kg is 60 kg, more than a third off" in w for w in warnings)
-    assert not any("more than a third" in w for w in identify(run(), CASE).warnings)
+    assert not any("more than a third" in w for w in estimate_parameters(run(), CASE).warnings)
 
 
 @pytest.mark.parametrize(("stated", "told"), [(1.0, False), (0.25, True)])
@@ -292,7 +292,7 @@ def test_residuals_far_above_the_stated_noise_are_told(stated: float, told: bool
     """Of 1 N here; a dimension that is not the machine's shows so, in large motions."""
     data = CASE.model_dump(exclude_defaults=True)
     data["sensors"]["force_noise_N"] = stated
-    warnings = identify(run(), type(CASE).model_validate(data)).warnings
+    warnings = estimate_parameters(run(), type(CASE).model_validate(data)).warnings
     assert any(f"force_noise_N states {stated:g} N" in w and "[machine]" in w for w in warnings) == told, warnings
 
 
@@ -300,7 +300,7 @@ def test_many_contacts_are_one_finding_with_a_count() -> None:
     touched = run()
     for start in (0.4, 1.4, 2.4):
         touched = pushed(touched, start, np.array([0.0, 0.0, 20.0]), 0.08)
-    (warning,) = [w for w in identify(touched, CASE).warnings if "contact" in w]
+    (warning,) = [w for w in estimate_parameters(touched, CASE).warnings if "contact" in w]
     told = r"3 external contacts, 0\.\d+ s in all, up to [\d.]+ N; the longest: lines "
     assert re.match(told, one_line(ValueError(warning)))
 
@@ -319,18 +319,18 @@ def test_forces_in_another_unit_are_told_by_the_mass(unit: str, factor: float) -
     unlimited = CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"range_N": None})})
     recorded = run()
     with pytest.raises(IdentificationError, match=f"forces seem to be in {unit}; set recording.units.forces") as caught:
-        identify(replace(recorded, forces=factor * recorded.forces), unlimited)
+        estimate_parameters(replace(recorded, forces=factor * recorded.forces), unlimited)
     one_line(caught.value)
 
 
 def test_a_model_without_inertia_is_no_contact() -> None:
     motion = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0))
     with pytest.raises(IdentificationError, match="it has no inertia, which moves them in a motion; choose a model"):
-        identify(simulate_recording(CASE, motion, np.array([[0.2, 3.8]]), 1), CASE, 3)
+        estimate_parameters(simulate_recording(CASE, motion, np.array([[0.2, 3.8]]), 1), CASE, 3)
 
 
 def test_a_clock_in_another_unit_is_named() -> None:
     recorded = run()
     assert recorded.t is not None
     with pytest.raises(RecordingError, match=r"1 s apart seem to be in ms: set recording.clock.unit = 'ms'"):
-        identify(replace(recorded, t=1e3 * recorded.t), CASE)
+        estimate_parameters(replace(recorded, t=1e3 * recorded.t), CASE)

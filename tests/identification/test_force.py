@@ -16,7 +16,7 @@ from cases.files import json_text, provenance
 from cases.loading import load_case
 from identification.external import external_force, payload_between, require_two, tare
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.motion import Standstill
 from identification.outcome import Result
 from identification.recording import Recording
@@ -37,7 +37,7 @@ def recorded(seed: int = 0, motion_seed: int = 0) -> Recording:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Result:
     file = tmp_path_factory.mktemp("result") / "result.json"
-    file.write_text(json_text(identify(recorded(), CASE).to_json() | provenance([])))
+    file.write_text(json_text(estimate_parameters(recorded(), CASE).to_json() | provenance([])))
     return Result.load(file, CASE)
 
 

@@ -10,7 +10,7 @@ import pytest
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import Recording, read
 from tests.helpers import few, one_line
 
@@ -52,7 +52,7 @@ def weight_regressor(recording: Recording, which: slice) -> np.ndarray:
 
 
 def test_mass_and_centre_of_gravity_are_the_published_ones(recording: Recording) -> None:
-    found = identify(recording, CASE).physical
+    found = estimate_parameters(recording, CASE).physical
     assert found["m"].value == pytest.approx(0.932, abs=0.004)
     assert found["zC"].value == pytest.approx(0.0439, abs=0.0005)
     assert found["xC"].value == pytest.approx(0.0003, abs=0.0005)
@@ -61,33 +61,33 @@ def test_mass_and_centre_of_gravity_are_the_published_ones(recording: Recording)
 
 @pytest.mark.parametrize("channel", range(6))
 def test_published_offsets_lie_in_their_95_percent_intervals(recording: Recording, channel: int) -> None:
-    estimate = identify(recording, CASE)
+    estimate = estimate_parameters(recording, CASE)
     low, high = estimate.physical[f"f_q0_{channel + 1}"].interval(estimate.fit.freedom)
     assert low <= OFFSETS[channel] <= high
 
 
 def test_offsets_carry_the_unit_of_their_channel(recording: Recording) -> None:
-    found = identify(recording, CASE).physical
+    found = estimate_parameters(recording, CASE).physical
     assert [found[f"f_q0_{k}"].unit for k in range(1, 7)] == ["N"] * 3 + ["N m"] * 3
 
 
 def test_the_wrong_sense_is_told_by_a_negative_mass(recording: Recording) -> None:
     with pytest.raises(IdentificationError, match=r"signs of all force channels are turned: .*sense") as caught:
-        identify(recording, with_sense("sensor_on_load"))
+        estimate_parameters(recording, with_sense("sensor_on_load"))
     one_line(caught.value)
 
 
 def test_the_first_twelve_poses_predict_the_other_twelve(recording: Recording) -> None:
     """Least squares by another hand left an rms of 0.143 N and 0.0047 N m."""
     first, rest = slice(0, 12), slice(12, 24)
-    estimate = identify(rows(recording, first), CASE)
+    estimate = estimate_parameters(rows(recording, first), CASE)
     error = recording.forces[rest] - weight_regressor(recording, rest) @ estimate.fit.values
     assert np.sqrt(np.mean(error[:, :3] ** 2, axis=0)).max() <= 0.1435
     assert np.sqrt(np.mean(error[:, 3:] ** 2, axis=0)).max() <= 0.00475
 
 
 def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Recording) -> None:
-    estimate = identify(recording, CASE)
+    estimate = estimate_parameters(recording, CASE)
     assert estimate.fit.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
     np.testing.assert_allclose(estimate.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
     np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
@@ -98,7 +98,7 @@ def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -
     """At 5 Hz a delay passes for a turn of the accelerometer, unless it has a band of its own."""
     form = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
     case = CASE.model_copy(update={"recording": form})
-    estimate = identify(moving(case), case)
+    estimate = estimate_parameters(moving(case), case)
     assert estimate.delay is not None
     assert -6.5e-3 < estimate.delay.value < -5.2e-3
     mass = estimate.physical["m"]
@@ -118,7 +118,7 @@ def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
     less = replace(felt, t=felt.t[there], specific_forces=felt.specific_forces[there])
     others = tuple(less if s is felt else s for s in whole.others)
     run = replace(whole, t=whole.t[keep], forces=whole.forces[keep], others=others)
-    sound, estimate = identify(whole, CASE), identify(run, CASE)
+    sound, estimate = estimate_parameters(whole, CASE), estimate_parameters(run, CASE)
     assert sound.evaluated.samples - estimate.evaluated.samples > 0.3 * 690
     assert sum("samples are missing; no filter reaches across" in w for w in estimate.warnings) == 2
     mass, before = estimate.physical["m"], sound.physical["m"]
@@ -135,7 +135,7 @@ def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float)
     assert run.t is not None
     pushed = (run.t > run.t[0] + 3.0) & (run.t < run.t[0] + 3.2)
     forces = run.forces + push * pushed[:, None] * np.array([0.0, 1.0, 0.0, 0.05, 0.0, 0.0])
-    estimate = identify(replace(run, forces=forces), CASE)
+    estimate = estimate_parameters(replace(run, forces=forces), CASE)
     found = [w for w in estimate.warnings if "contact" in w]
     if not push:
         assert found == []
@@ -146,6 +146,6 @@ def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float)
     assert abs(begin - run.t[0] - 3.0) < 0.05
     assert abs(end - run.t[0] - 3.2) < 0.05
     assert peak == pytest.approx(push, rel=0.2)
-    free = identify(run, CASE)
+    free = estimate_parameters(run, CASE)
     assert abs(estimate.physical["m"].value - free.physical["m"].value) < 0.3 * free.physical["m"].reported
     assert abs(estimate.delay.value - free.delay.value) < free.delay.std

@@ -12,7 +12,7 @@ from cases.loading import load_case
 from identification.external import external_force
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.outcome import Result
 from identification.recording import read, write_recording
@@ -74,7 +74,7 @@ def damaged(lines: list[str], folder: Path, *edits: Edit) -> Path:
 
 
 def identified(file: Path) -> Estimate:
-    return identify(read(file, CASE), CASE)
+    return estimate_parameters(read(file, CASE), CASE)
 
 
 @pytest.fixture(scope="module")
@@ -174,4 +174,4 @@ def test_periods_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) ->
 
     recording = read(damaged(lines, tmp_path, without(1500, 1580)), CASE)
     with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave period out"):
-        identify(recording, CASE, conditioning=Conditioning(True))
+        estimate_parameters(recording, CASE, conditioning=Conditioning(True))

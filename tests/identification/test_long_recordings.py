@@ -8,9 +8,9 @@ import pytest
 from cases.loading import load_case
 from identification import signals
 from identification.hexapod import Hexapod
-from identification.identify import identifiability, identify
+from identification.identify import estimate_parameters
 from identification.recording import Recording
-from identification.result import Estimate
+from identification.result import Estimate, identifiability_of
 from identification.signals import STRETCHES, fair_part
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
@@ -40,9 +40,9 @@ def test_a_fair_part_is_all_of_few_and_even_stretches_of_many(count: int, few: N
 
 def estimates(recording: Recording, monkeypatch: pytest.MonkeyPatch) -> tuple[Estimate, Estimate]:
     """Of the whole run at once, and begun from a part."""
-    whole = identify(recording, CASE)
+    whole = estimate_parameters(recording, CASE)
     monkeypatch.setattr(signals, "FAIR_PART", FEW)
-    return whole, identify(recording, CASE)
+    return whole, estimate_parameters(recording, CASE)
 
 
 def test_parameters_and_delay_are_those_of_the_whole_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,6 +96,6 @@ def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.Mon
 
 
 def test_what_a_part_tells_of_identifiability_is_that_of_the_whole(few: None) -> None:
-    estimate = identify(RUN, CASE)
-    found = identifiability(estimate)
+    estimate = estimate_parameters(RUN, CASE)
+    found = identifiability_of(estimate)
     assert (found.rank, len(found.names)) == (20, 20)

@@ -5,7 +5,7 @@ import pytest
 
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.recording import Recording
@@ -42,7 +42,7 @@ def noisy(exact: Recording, seed: int) -> Recording:
 
 @pytest.mark.slow
 def test_shares_and_attenuation_are_those_of_the_noise_that_was_added(exact: Recording) -> None:
-    found = [identify(noisy(exact, seed), NOISY) for seed in range(SEEDS)]
+    found = [estimate_parameters(noisy(exact, seed), NOISY) for seed in range(SEEDS)]
     sources = [f.noise for f in found]
     # The share of the forces is known exactly, that of the accelerations is the rest of s0^2.
     s0_squared = np.mean([f.fit.s0**2 for f in found])

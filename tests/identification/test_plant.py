@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import Recording
 from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
@@ -45,7 +45,7 @@ def recorded(seed: int) -> Recording:
 
 def errors(seed: int) -> np.ndarray:
     """Errors of all parameters in reported standard deviations."""
-    estimate = identify(recorded(seed), CASE)
+    estimate = estimate_parameters(recorded(seed), CASE)
     rows = truth_rows(CASE, estimate)
     assert len(rows) == 16
     return np.array([row["error"] / row["std"] for row in rows])

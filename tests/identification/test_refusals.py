@@ -11,7 +11,7 @@ from cases.errors import CaseError, HexciteError, IdentificationError, Recording
 from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.motion import Standstill
 from identification.recording import Recording
 from identification.simulate import simulate_recording
@@ -119,22 +119,22 @@ REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]]
 def test_it_is_refused_by_name(what: str) -> None:
     recording, case, number, kind, says = REFUSALS[what]
     with pytest.raises(kind, match=says) as caught:
-        identify(recording, case, number)
+        estimate_parameters(recording, case, number)
     assert "run.csv" in one_line(caught.value)
 
 
 def test_the_highest_cutoff_that_is_named_is_taken() -> None:
-    assert identify(RUN, filtered_at(200.0)).fit.s0 > 0.0
+    assert estimate_parameters(RUN, filtered_at(200.0)).fit.s0 > 0.0
 
 
 def test_another_model_is_answered_with_the_choices() -> None:
     with pytest.raises(IdentificationError, match=r"model 10 .*choose 0, 1, 2"):
-        identify(RUN, CASE, 10)
+        estimate_parameters(RUN, CASE, 10)
 
 
 def test_struts_of_a_case_without_machine_are_refused_by_the_case() -> None:
     with pytest.raises(CaseError, match="case ft_wrist: machine: is missing"):
-        identify(STILL, WRIST)
+        estimate_parameters(STILL, WRIST)
 
 
 def place(error: BaseException) -> int:
@@ -148,5 +148,5 @@ def place(error: BaseException) -> int:
 def test_struts_that_cannot_close_are_named_by_their_place_in_the_recording(recording: Recording, reach: int) -> None:
     """Rows from 1000 on are impossible; in a moving run the filter smears them by its own length."""
     with pytest.raises(IdentificationError, match="no pose has the strut lengths") as caught:
-        identify(with_struts(jam, recording), CASE)
+        estimate_parameters(with_struts(jam, recording), CASE)
     assert abs(place(caught.value) - 1000) <= reach

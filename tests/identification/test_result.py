@@ -9,7 +9,7 @@ import pytest
 from cases.files import json_text
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.result import Estimate, Value
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
@@ -21,7 +21,7 @@ CASE = load_case("hexapod")
 @pytest.fixture(scope="module")
 def estimate() -> Estimate:
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.0))
-    return identify(simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv"), CASE)
+    return estimate_parameters(simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv"), CASE)
 
 
 def test_an_interval_of_95_percent_is_student_s() -> None:

@@ -10,7 +10,7 @@ from cases.errors import CaseError
 from cases.loading import load_case
 from cases.sensors import together
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.motion import Standstill
 from identification.parameters import body_parameters, linear_parameters
@@ -135,7 +135,7 @@ def test_s0_of_the_480_poses_grows_with_the_load_as_table_7_prints_it():
     poses = np.column_stack([places, Rotation.from_matrix(turns).as_euler("xyz")])
     for k, printed in enumerate(Q5M):
         recording = simulate_standstills(CASE, poses, 1000, k, circumstances(CASE, k, disturbed=True))
-        assert printed / 1.5 < identify(recording, CASE, 5).s0_N < printed * 1.5
+        assert printed / 1.5 < estimate_parameters(recording, CASE, 5).s0_N < printed * 1.5
 
 
 def test_more_weights_than_the_case_has_are_refused():

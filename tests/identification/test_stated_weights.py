@@ -9,7 +9,7 @@ from cases.schema import Case
 from identification.estimation.estimators import method
 from identification.estimation.fit import StatedNoise, acceleration_to_force, components_of
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
@@ -81,7 +81,9 @@ def test_covariance_does_not_depend_on_the_pose() -> None:
 @pytest.mark.slow
 def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     """20 runs: a scatter is known to 16 % for each parameter, to a few percent over all 20."""
-    estimates = {w: [identify(r, CASE, how=method(weights=w)) for r in runs(CASE, 20)] for w in ("equal", "stated")}
+    estimates = {
+        w: [estimate_parameters(r, CASE, how=method(weights=w)) for r in runs(CASE, 20)] for w in ("equal", "stated")
+    }
     scatter, told, inside = {}, {}, {}
     for weights, found in estimates.items():
         values = np.array([[v.value for v in e.physical.values()] for e in found])
@@ -103,7 +105,7 @@ def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
 def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
     case = shaken(2.0, 0.0, 0.0)
     recording = runs(case, 1)[0]
-    equal, stated = (identify(recording, case, how=method(weights=w)) for w in ("equal", "stated"))
+    equal, stated = (estimate_parameters(recording, case, how=method(weights=w)) for w in ("equal", "stated"))
     np.testing.assert_allclose(stated.fit.values, equal.fit.values, rtol=1e-9)
     np.testing.assert_allclose(stated.fit.covariance, equal.fit.covariance, rtol=1e-9)
     assert stated.fit.s0 == pytest.approx(equal.fit.s0 / 2.0, rel=1e-9)
@@ -112,19 +114,19 @@ def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
 
 def test_a_known_mass_and_a_real_body_go_with_stated_weights() -> None:
     recording = runs(CASE, 1)[0]
-    known = identify(recording, CASE, how=method("consistent", known={"m": 31.83}, weights="stated"))
+    known = estimate_parameters(recording, CASE, how=method("consistent", known={"m": 31.83}, weights="stated"))
     assert known.physical["m"].value == pytest.approx(31.83, rel=1e-12)
-    free = identify(recording, CASE, how=method("nonlinear", weights="stated"))
-    plain = identify(recording, CASE, how=method(weights="stated"))
+    free = estimate_parameters(recording, CASE, how=method("nonlinear", weights="stated"))
+    plain = estimate_parameters(recording, CASE, how=method(weights="stated"))
     np.testing.assert_allclose(free.fit.values, plain.fit.values, rtol=1e-6, atol=1e-6)
 
 
 def test_weights_that_cannot_be_are_refused() -> None:
     recording = runs(CASE, 1)[0]
     with pytest.raises(IdentificationError, match=r"the case states no noise; give sensors\.force_noise_N"):
-        identify(recording, BARE, how=method(weights="stated"))
+        estimate_parameters(recording, BARE, how=method(weights="stated"))
     with pytest.raises(IdentificationError, match="robust finds its own"):
-        identify(recording, CASE, how=method("robust", weights="stated"))
+        estimate_parameters(recording, CASE, how=method("robust", weights="stated"))
     with pytest.raises(IdentificationError, match="weights 'best' are unknown; choose equal, per_channel"):
         method(weights="best")
 
@@ -134,7 +136,7 @@ def test_residuals_are_taken_apart_into_the_noise_that_made_them(noise: tuple[fl
     """From one run of two seconds, without any statement of the case."""
     mute = BARE.model_copy(update={"simulation": shaken(*noise).simulation})
     recording = simulate_recording(mute, PoseExecution(Hexapod.of(mute), MOTION), np.array([[0.1, 1.9]]), 0)
-    found = identify(recording, mute)
+    found = estimate_parameters(recording, mute)
     parts = found.told["noise_components"]
     keys = ("force_noise_N", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
     felt = np.linalg.norm(acceleration_to_force(MODEL, TRUTH), axis=0)

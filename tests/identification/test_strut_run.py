@@ -9,7 +9,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters
 from identification.simulate import loaded_truth, simulate_recording
@@ -43,7 +43,7 @@ def test_parameters_are_found_within_their_deviations(changes: dict[str, object]
     assert case.simulation is not None
     motion = Harmonic(seed=3, duration=6.0, size=0.8)
     recording = simulate_recording(case, PoseExecution(MACHINE, motion), np.array([[0.3, 5.7]]), seed)
-    found = identify(recording, case, 6)
+    found = estimate_parameters(recording, case, 6)
     model = identification_model(case, 6)
     truth = linear_parameters(model, case.simulation.parameters)
     deviation = np.sqrt(np.maximum(np.diag(found.fit.covariance), np.diag(found.fit.covariance_robust)))

@@ -11,6 +11,7 @@ from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
 from cases.recording_format import WRENCH
 from cases.schema import Case
+from identification.identify import identify
 from identification.limit_proof import prove
 from identification.limited_chain import chain_frames, sensor_motion
 from identification.model import identification_model
@@ -27,7 +28,6 @@ from planner.planning import make
 from planner.plans import Plan
 from planner.reports.plan import plan_page
 from planner.request import Request
-from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, execute
 from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here

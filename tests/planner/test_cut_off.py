@@ -11,9 +11,10 @@ import pytest
 from cases.errors import IdentificationError
 from cases.loading import built_in_cases
 from cases.schema import Case
-from identification.findings.sample_checks import cut_off
+from identification.findings.sample_checks import cut_off, shorter_than_planned
+from identification.findings.wiring import fitting_case
 from identification.hexapod import Hexapod
-from planner.runs.identifying import fitting_case, identify, shorter_than_planned
+from identification.identify import identify
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
 
@@ -31,14 +32,14 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
 @pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
 def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool) -> None:
     found = shorter_than_planned(replace(run(), record={"planned_s": duration}))
-    assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == ()
+    assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == []
     assert bool(found) == told
     assert all(str(f).startswith("the trigger is on for 2.6 s, the program lasts ") for f in found)
 
 
 def test_an_override_that_was_recorded_explains_a_short_run() -> None:
     fast = replace(run(), override=np.full(len(run().forces), 1.2))
-    assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == ()
+    assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == []
 
 
 def test_a_machine_whose_struts_fit_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

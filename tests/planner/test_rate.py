@@ -8,7 +8,7 @@ import pytest
 from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from planner.plan_figures import worst_std
 from planner.poses.planned_poses import noise_of_average
@@ -35,6 +35,6 @@ def test_half_the_rate_makes_deviations_the_root_of_two_times_as_large() -> None
 def test_a_recording_of_another_rate_says_so() -> None:
     recorded = run()
     slow = replace(recorded, t=recorded.t[::2], struts=recorded.struts[::2], forces=recorded.forces[::2], trigger=None)
-    notes = identify(slow, CASE).notes
+    notes = estimate_parameters(slow, CASE).notes
     assert any("recorded at 500 Hz; predictions assume 1000 Hz" in n and "1.41 times" in n for n in notes)
-    assert not any("predictions assume" in note for note in identify(recorded, CASE).notes)
+    assert not any("predictions assume" in note for note in estimate_parameters(recorded, CASE).notes)

@@ -6,7 +6,7 @@ from scipy.signal import welch
 
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.result import Residuals, residuals_of
 from identification.simulate import simulate_recording
 from planner.reports.identify import distribution_chart
@@ -23,7 +23,7 @@ def test_gaussian_residuals_lie_on_the_density_whatever_the_forces_are() -> None
 def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Case) -> None:
     execution = PoseExecution(Hexapod.of(hexapod_case), Harmonic(seed=1, duration=2.0))
     recording = simulate_recording(hexapod_case, execution, np.array([[0.1, 1.9]]), 0)
-    estimate = identify(recording, hexapod_case)
+    estimate = estimate_parameters(recording, hexapod_case)
     found = residuals_of(estimate)
     rms = np.sqrt(np.mean(found.left**2, axis=0))
     np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)), rtol=0.05)

@@ -8,7 +8,7 @@ import pytest
 
 from cases.schema import Case
 from identification.criteria import reference_scaling
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.motion import Joined
 from identification.trajectories.curves import FourierMotion
@@ -95,7 +95,7 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     by_mode = step.budget["m"][MODE]
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)
     assert predicted == pytest.approx(abs(by_mode), rel=0.25)
-    assert identify(excitation.recorded(0, case.simulation.disturbances)[0], case).fit.s0 == pytest.approx(
+    assert estimate_parameters(excitation.recorded(0, case.simulation.disturbances)[0], case).fit.s0 == pytest.approx(
         found.s0, rel=0.15
     )
 

@@ -21,7 +21,7 @@ from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case
 from cases.units import MM
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import read
@@ -272,7 +272,7 @@ def tally_of_runs(seeds: range, folder: Path) -> Tally:
         file.write_bytes(content)
 
         def call():
-            return identify(on_one_clock(read(file, run.case), run.case), run.case)
+            return estimate_parameters(on_one_clock(read(file, run.case), run.case), run.case)
 
         found = tally.attempt(seed, call, str(file))
         if found is None:
@@ -331,7 +331,7 @@ def tally_of_other_files(seeds: range, folder: Path) -> Tally:
         file = folder / "run.txt"
         file.write_bytes(content)
         if name in ("standstills", "wrist"):
-            found = tally.attempt(seed, lambda: identify(read(file, case), case), str(file))
+            found = tally.attempt(seed, lambda: estimate_parameters(read(file, case), case), str(file))
             if found is not None and not (
                 np.isfinite(found.fit.values).all() and np.isfinite(found.fit.covariance).all()
             ):

@@ -12,7 +12,7 @@ from cases.loading import load_case
 from identification.estimation.biases import OFFSET_NAMES, Biases, accelerometer_bias
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line
 from tests.identification.moving_run import CASE, NAMES, U
@@ -62,9 +62,9 @@ def test_errors_of_given_offsets_are_in_the_reported_deviations() -> None:
         draw = np.random.default_rng(seed)
         biases = given(U[OFFSETS] + STD * draw.normal(size=6))
         run = replace(RUN, forces=RUN.forces + draw.normal(size=RUN.forces.shape))
-        estimate = identify(run, CASE, how=method(biases=biases))
+        estimate = estimate_parameters(run, CASE, how=method(biases=biases))
         away.append((estimate.fit.values - U) / np.sqrt(np.diag(estimate.fit.covariance)))
-        offsets_exact = np.diag(identify(run, CASE, how=method(known=biases.known)).fit.covariance)
+        offsets_exact = np.diag(estimate_parameters(run, CASE, how=method(known=biases.known)).fit.covariance)
         free = offsets_exact > 0.0
         bare.append((estimate.fit.values - U)[free] / np.sqrt(offsets_exact[free]))
     assert np.std(away) == pytest.approx(1.0, abs=0.25)
@@ -73,9 +73,11 @@ def test_errors_of_given_offsets_are_in_the_reported_deviations() -> None:
 
 def test_an_offset_that_has_drifted_is_named() -> None:
     off = U[OFFSETS] + [0.0, 0.0, 0.0, 40.0, 0.0, 0.0]
-    warnings = identify(RUN, CASE, how=method(biases=given(off))).warnings
+    warnings = estimate_parameters(RUN, CASE, how=method(biases=given(off))).warnings
     assert any("f_q0_4 of this run is" in w and "have drifted" in w for w in warnings)
-    assert not any("drifted" in w for w in identify(RUN, CASE, how=method(biases=given(U[OFFSETS]))).warnings)
+    assert not any(
+        "drifted" in w for w in estimate_parameters(RUN, CASE, how=method(biases=given(U[OFFSETS]))).warnings
+    )
 
 
 @pytest.mark.parametrize(
@@ -96,16 +98,17 @@ def test_offsets_alone_leave_nothing_to_a_model_of_offsets() -> None:
     table = load_case("clamping_table")
     run = replace(RUN, rotations=np.tile(np.eye(3), (len(RUN.forces), 1, 1)), struts=None, trigger=None)
     with pytest.raises(HexciteError, match="all parameters are known"):
-        identify(run, table, 0, method(biases=given(U[OFFSETS])))
+        estimate_parameters(run, table, 0, method(biases=given(U[OFFSETS])))
 
 
 def test_the_deviations_grow_with_what_the_offsets_are_uncertain_by() -> None:
     """The regressor's own least squares: du/db by differences of two fits."""
     values = U[OFFSETS]
-    sure = identify(RUN, CASE, how=method(biases=given(values, 1e-9 * STD)))
-    unsure = identify(RUN, CASE, how=method(biases=given(values, STD)))
+    sure = estimate_parameters(RUN, CASE, how=method(biases=given(values, 1e-9 * STD)))
+    unsure = estimate_parameters(RUN, CASE, how=method(biases=given(values, STD)))
     moved = [
-        (identify(RUN, CASE, how=method(known=given(values + step).known)).fit.values - sure.fit.values) / 1e-3
+        (estimate_parameters(RUN, CASE, how=method(known=given(values + step).known)).fit.values - sure.fit.values)
+        / 1e-3
         for step in 1e-3 * np.eye(6)
     ]
     expected = np.array(moved).T @ np.diag(STD**2) @ np.array(moved)
@@ -117,7 +120,7 @@ def test_what_given_offsets_make_of_the_mass_is_told() -> None:
     """Beside what the run leaves: squares add up to the whole, and the part of the offsets grows with their errors."""
     told = []
     for scale in (1.0, 3.0):
-        estimate = identify(RUN, CASE, how=method(biases=given(U[OFFSETS], scale * STD)))
+        estimate = estimate_parameters(RUN, CASE, how=method(biases=given(U[OFFSETS], scale * STD)))
         (note,) = [n for n in estimate.notes if "offsets that were taken make" in n]
         whole, offsets, left = (float(v) for v in re.findall(r"([\d.e-]+) kg", note))
         assert whole == pytest.approx(np.hypot(offsets, left), rel=0.1)

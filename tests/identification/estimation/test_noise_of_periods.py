@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import Recording
 from identification.samples import Conditioning
 from tests.helpers import ideal, simulated
@@ -24,14 +24,14 @@ def forces_of(recording: Recording, seed: int, std: float) -> Recording:
 
 
 def squares(recording: Recording) -> float:
-    return identify(recording, CASE, conditioning=WISH).fit.s0 ** 2
+    return estimate_parameters(recording, CASE, conditioning=WISH).fit.s0 ** 2
 
 
 @pytest.mark.slow
 def test_shares_are_those_that_each_noise_alone_leaves() -> None:
     """Averaging takes noise of forces and struts alike; the struts' grows with the square of the frequency."""
     case, seeds = stated(CASE, force_noise_N=0.5, strut_noise_um=5.0), range(4)
-    said = [identify(noisy(forces_of(EXACT, k, 0.5), k, 5.0), case, conditioning=WISH).noise for k in seeds]
+    said = [estimate_parameters(noisy(forces_of(EXACT, k, 0.5), k, 5.0), case, conditioning=WISH).noise for k in seeds]
     total = np.mean([squares(noisy(forces_of(EXACT, k, 0.5), k, 5.0)) for k in seeds])
     forces = np.mean([squares(forces_of(EXACT, k, 0.5)) for k in seeds]) / total
     struts = np.mean([squares(noisy(EXACT, k, 5.0)) for k in seeds]) / total
@@ -45,7 +45,9 @@ def test_shares_are_those_that_each_noise_alone_leaves() -> None:
 def test_steps_of_encoders_that_repeat_are_not_averaged_away(period: float, repeats: bool) -> None:
     case = simulated(CASE, encoder_resolution_um=20.0)
     run = forces_of(recorded(case, Repeating(period, 3)), 0, 0.5)
-    found = identify(run, stated(CASE, force_noise_N=0.5, encoder_resolution_um=20.0), conditioning=WISH).noise
+    found = estimate_parameters(
+        run, stated(CASE, force_noise_N=0.5, encoder_resolution_um=20.0), conditioning=WISH
+    ).noise
     assert found.explained == pytest.approx(1.0, abs=0.25)
     above = 15  # harmonics of the struts beside those of the forces
     orders = np.arange(1, 40 + above + 1) * 2 * np.pi / period
@@ -57,8 +59,8 @@ def test_steps_of_encoders_that_repeat_are_not_averaged_away(period: float, repe
 def test_attenuation_is_the_mean_bias_by_noise_of_the_struts() -> None:
     seeds, std = range(5), 100.0
     case = stated(CASE, strut_noise_um=std)
-    true = identify(EXACT, CASE, conditioning=WISH)
-    found = [identify(noisy(EXACT, k, std), case, conditioning=WISH) for k in seeds]
+    true = estimate_parameters(EXACT, CASE, conditioning=WISH)
+    found = [estimate_parameters(noisy(EXACT, k, std), case, conditioning=WISH) for k in seeds]
     names = ("m", "IC11", "IC22", "IC33")
     off = np.array([[e.physical[n].value - true.physical[n].value for n in names] for e in found])
     said = np.mean([[e.attenuation[n]["bias"] for n in names] for e in found], axis=0)

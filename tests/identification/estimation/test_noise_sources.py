@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.estimation.estimators import method
 from identification.estimation.noise_sources import acceleration_effects
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model, regressors
 from identification.motion import Motion
 from identification.recording import Recording
@@ -51,7 +51,7 @@ def run(case: Case, seed: int = 0, size: float = 1.0) -> Recording:
 
 
 def squares(case: Case, seed: int) -> float:
-    return identify(run(case, seed), case).fit.s0 ** 2
+    return estimate_parameters(run(case, seed), case).fit.s0 ** 2
 
 
 def test_gain_of_the_second_derivative_is_what_the_filter_makes_of_white_noise() -> None:
@@ -70,7 +70,7 @@ def test_shares_are_those_that_each_noise_alone_leaves() -> None:
     total = np.mean([squares(both, k) for k in seeds])
     shares = [np.mean([squares(case, k) for k in seeds]) / total for case in alone]
     assert min(shares) > 0.2  # the test sees both
-    said = [identify(run(both, k), stated(both, **sources)).noise for k in seeds]
+    said = [estimate_parameters(run(both, k), stated(both, **sources)).noise for k in seeds]
     assert np.mean([s.force_sensors for s in said]) == pytest.approx(shares[0], rel=0.15)
     assert np.mean([s.accelerations for s in said]) == pytest.approx(shares[1], rel=0.15)
     assert np.mean([s.explained for s in said]) == pytest.approx(1.0, abs=0.1)
@@ -78,7 +78,7 @@ def test_shares_are_those_that_each_noise_alone_leaves() -> None:
 
 def test_what_is_not_stated_is_left_unexplained() -> None:
     case = simulated(CASE, force_noise_N=2.0)
-    found = identify(run(case), stated(case, force_noise_N=1.0))
+    found = estimate_parameters(run(case), stated(case, force_noise_N=1.0))
     assert found.noise.to_json()["unexplained"] == pytest.approx(0.75, abs=0.08)
     assert found.noise.accelerations is None
     assert found.attenuation is None
@@ -127,7 +127,7 @@ def test_attenuation_is_the_mean_bias_of_a_coarse_encoder(steps: bool) -> None:
     for seed in seeds:
         exact = run(clean, seed, size)
         recorded = run(coarse, seed, size) if steps else noisy(exact, seed, resolution / np.sqrt(12.0))
-        true, found = identify(exact, clean), identify(recorded, noise)
+        true, found = estimate_parameters(exact, clean), estimate_parameters(recorded, noise)
         off.append([found.physical[n].value - true.physical[n].value for n in true.physical])
         said.append([a["bias"] for a in found.attenuation.values()])
         std.append([v.std for v in found.physical.values()])
@@ -139,23 +139,23 @@ def test_attenuation_is_the_mean_bias_of_a_coarse_encoder(steps: bool) -> None:
 
 
 def test_attenuation_that_cannot_be_told_is_said_to_be_so() -> None:
-    found = identify(run(CASE), stated(CASE, encoder_resolution_um=500.0))
+    found = estimate_parameters(run(CASE), stated(CASE, encoder_resolution_um=500.0))
     assert found.attenuation is None
     assert any("half or more" in w and "sensors.encoder_resolution_um" in w for w in found.warnings)
 
 
 def test_a_case_that_states_nothing_is_told_nothing() -> None:
-    told = identify(run(CASE), CASE).to_json()
+    told = estimate_parameters(run(CASE), CASE).to_json()
     assert told["noise_sources"] is None
     assert told["attenuation"] is None
 
 
 def test_too_much_stated_noise_is_told() -> None:
-    found = identify(run(CASE), stated(CASE, force_noise_N=2.0))
+    found = estimate_parameters(run(CASE), stated(CASE, force_noise_N=2.0))
     assert any("there is less of it; check sensors.force_noise_N" in w for w in found.warnings)
 
 
 def test_an_estimator_without_comparison_says_so() -> None:
-    found = identify(run(CASE), stated(CASE, force_noise_N=1.0), how=method("full"))
+    found = estimate_parameters(run(CASE), stated(CASE, force_noise_N=1.0), how=method("full"))
     assert found.noise is None
     assert any("gauss-markov and consistent" in w for w in found.warnings)

@@ -12,7 +12,7 @@ from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import matern
 from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.result import Estimate
 from identification.simulate import UNDISTURBED, Circumstances, simulate_recording
 from tests.helpers import Harmonic, taylor_slope
@@ -159,7 +159,7 @@ def test_waves_add_up_to_the_correlation() -> None:
 def identified(around: Circumstances) -> Estimate:
     motion = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=6.0))
     recording = simulate_recording(CASE, motion, np.array([[0.2, 5.8]]), 3, "run.csv", around)
-    return identify(recording, CASE)
+    return estimate_parameters(recording, CASE)
 
 
 def test_identify_says_that_errors_come_back_and_allows_for_them() -> None:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import machine_of
 from identification.recording import Recording
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
@@ -58,14 +58,14 @@ def recorded(run: str, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -
 def test_what_was_done_to_the_readings_is_named_with_the_remedy(what: str, run: str) -> None:
     change, words = READINGS[what]
     with pytest.raises(IdentificationError, match=words) as caught:
-        identify(recorded(run, change), ROBOT)
+        estimate_parameters(recorded(run, change), ROBOT)
     assert "raw wrench" in str(caught.value)
 
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("share", [0.3, 1.0, 1.6])
 def test_another_load_is_not_taken_for_it(share: float, run: str) -> None:
-    identify(recorded(run, lambda q, forces: share * forces), ROBOT)
+    estimate_parameters(recorded(run, lambda q, forces: share * forces), ROBOT)
 
 
 @pytest.mark.parametrize(
@@ -80,4 +80,4 @@ def test_wrong_cables_are_still_named_as_such(
     change: Callable[[np.ndarray, np.ndarray], np.ndarray], words: str
 ) -> None:
     with pytest.raises(IdentificationError, match=words):
-        identify(recorded("moving", change), ROBOT)
+        estimate_parameters(recorded("moving", change), ROBOT)

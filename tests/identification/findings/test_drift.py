@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from cases.schema import Case
 from identification.external import external_force, tare
 from identification.findings import Kind
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.outcome import Result
 from identification.recording import Recording, read, write_recording
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
@@ -31,7 +31,7 @@ def recorded(seed: int, drift: np.ndarray | float = 0.0, memory: float = 0.0, **
 
 
 def found(recording: Recording, case: Case = ROBOT) -> list[str]:
-    return [f.sentence for f in identify(recording, case).findings if f.kind is Kind.OFFSETS]
+    return [f.sentence for f in estimate_parameters(recording, case).findings if f.kind is Kind.OFFSETS]
 
 
 def of_channel(k: int, values: np.ndarray) -> np.ndarray:
@@ -44,7 +44,9 @@ def test_a_drift_is_named_with_channel_rate_and_remedy(channel: int, name: str, 
     assert f"offset of {name} drifts by {a_minute:+.2g}"[:-2] in told
     assert f"{unit} a minute" in told
     assert "hexcite tare" in told
-    entries = [f.quantity for f in identify(recorded(0, of_channel(channel, a_minute * T / 60.0)), ROBOT).findings]
+    entries = [
+        f.quantity for f in estimate_parameters(recorded(0, of_channel(channel, a_minute * T / 60.0)), ROBOT).findings
+    ]
     (drift,) = (entry["offset_drift"] for entry in entries if "offset_drift" in entry)
     assert drift["channel"] == name
     assert 60.0 * drift["change"] / drift["span"] == pytest.approx(a_minute, rel=0.1)
@@ -91,7 +93,7 @@ def test_standstills_drift_in_their_order() -> None:
 
 @pytest.fixture(scope="module")
 def saved() -> Result:
-    return Result(ROBOT, identify(recorded(7), ROBOT).to_json())
+    return Result(ROBOT, estimate_parameters(recorded(7), ROBOT).to_json())
 
 
 def test_readings_that_are_off_all_along_are_named(saved: Result) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from cases.loading import load_case
 from identification.findings.fit_checks import recorded_overrides
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.motion import Joined, Motion, Standstill, TimedPoints, Trajectory
 from identification.recording import Recording
 from identification.simulate import simulate_recording
@@ -74,7 +74,7 @@ def recorded(motion: Trajectory, seed: int = 0) -> Recording:
 
 def test_parameters_do_not_care_about_the_feed() -> None:
     run = recorded(AtFeed(PLAN, (1.0,), (1.0, 0.6)))
-    estimate = identify(run, CASE)
+    estimate = estimate_parameters(run, CASE)
     assert abs(estimate.physical["m"].value - 31.83) < 4.5 * estimate.physical["m"].reported
 
 
@@ -85,10 +85,10 @@ def test_a_recorded_override_is_told_where_it_counts() -> None:
     override[1000:1500], override[1500:1600] = 0.5, 0.75
     run = replace(run, override=override)
     assert recorded_overrides(run) == ((slice(1000, 1500), 0.5), (slice(1500, 1600), 0.75))
-    estimate = identify(run, CASE)
+    estimate = estimate_parameters(run, CASE)
     (warning,) = [w for w in estimate.warnings if "feed other than 100 %" in w]
     assert "by the recorded override: lines 1002 to 1501 (1.000 to 1.499 s) at 50 %, lines 1502 to 1601" in warning
     assert [e["feed"] for e in estimate.told["feed"]["stretches"]] == [0.5, 0.75]
-    plain = identify(replace(run, override=None), CASE)
+    plain = estimate_parameters(replace(run, override=None), CASE)
     np.testing.assert_array_equal(estimate.fit.values, plain.fit.values)
-    assert identify(replace(run, override=np.ones(len(run.t))), CASE).warnings == ()
+    assert estimate_parameters(replace(run, override=np.ones(len(run.t))), CASE).warnings == ()

@@ -12,7 +12,7 @@ from cases.loading import load_case
 from cases.recording_format import Drives
 from cases.schema import Case
 from identification.findings.wiring import Order, orders_of, other_wiring
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.recording import read
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, few, one_line
@@ -40,7 +40,7 @@ def test_an_exchange_is_named_with_its_residuals_and_columns(side: str, which: i
     with pytest.raises(
         IdentificationError, match=r"residuals 0\.\d+ N(, while no pose| instead of [\d.]+ N)"
     ) as caught:
-        identify(mixed, CASE)
+        estimate_parameters(mixed, CASE)
     line = one_line(caught.value)
     what = "struts" if side == "struts" else "force channels"
     assert order.words(what) in line
@@ -63,7 +63,7 @@ def test_every_exchange_is_named(side: str, which: int) -> None:
 def test_turned_signs_of_channels_are_named(signs: str) -> None:
     whole, turned = run(1), tuple(int(f"{sign}1") for sign in signs)
     with pytest.raises(IdentificationError, match="turned: residuals") as caught:
-        identify(replace(whole, forces=whole.forces * np.array(turned)), CASE)
+        estimate_parameters(replace(whole, forces=whole.forces * np.array(turned)), CASE)
     assert Order(tuple(range(6)), turned).words("force channels") in str(caught.value)
 
 
@@ -71,7 +71,7 @@ def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     """The residuals are those of the right signs; only the mass tells."""
     whole = run(1)
     with pytest.raises(IdentificationError, match=r"signs of all force channels are turned: .*mass") as caught:
-        identify(replace(whole, forces=-whole.forces), CASE)
+        estimate_parameters(replace(whole, forces=-whole.forces), CASE)
     assert "exchange both ends of these bars in sensor_frame.bars" in one_line(caught.value)
 
 
@@ -83,10 +83,10 @@ def test_a_turned_sign_of_a_force_torque_sensor_does_not_pass_unnoticed(channel:
     data["sensors"] |= {"weights": "per_unit"}
     case = Case.model_validate(data)
     whole = simulate_recording(case, MOTIONS[0], np.array([[0.2, 2.8]]), 0, "run.csv")
-    assert identify(whole, case).warnings == ()
+    assert estimate_parameters(whole, case).warnings == ()
     turned = replace(whole, forces=whole.forces * np.where(np.arange(6) == channel, -1.0, 1.0))
     try:
-        (said,) = (warning for warning in identify(turned, case).warnings if "no body" in warning)
+        (said,) = (warning for warning in estimate_parameters(turned, case).warnings if "no body" in warning)
     except IdentificationError as error:
         said = str(error)
     assert "sign" in said
@@ -101,7 +101,7 @@ def test_nothing_is_blamed_on_a_sound_run(seed: int) -> None:
 def test_silent_sensors_are_not_blamed_on_their_cables() -> None:
     whole = run(0)
     with pytest.raises(IdentificationError, match="channel 1 reads 0 at every sample"):
-        identify(replace(whole, forces=np.zeros_like(whole.forces)), CASE)
+        estimate_parameters(replace(whole, forces=np.zeros_like(whole.forces)), CASE)
 
 
 def test_exchanged_drives_are_mended_where_drives_are_named() -> None:
@@ -121,7 +121,7 @@ def test_standstills_tell_exchanged_struts_too() -> None:
     away = draw.uniform(-1.0, 1.0, (40, 6)) * np.r_[[0.12] * 3, [0.15] * 3]
     still = simulate_standstills(CASE, HOME + away, 1000, 0)
     with pytest.raises(IdentificationError, match="struts 3 and 4 are exchanged"):
-        identify(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
+        estimate_parameters(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
 
 
 def standing_on_a_wrist(file: Path, scale: np.ndarray) -> Path:
@@ -145,12 +145,12 @@ def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist
     with pytest.raises(
         IdentificationError, match=f"the sign of force channel {channel + 1} is turned: residuals .* N m"
     ):
-        identify(read(file, case), case)
+        estimate_parameters(read(file, case), case)
 
 
 def test_moments_in_newton_millimetres_are_noticed(tmp_path: Path) -> None:
     case = load_case("ft_wrist")
     sound, wrong = (standing_on_a_wrist(tmp_path / f"{k}.csv", np.repeat([1.0, k], 3)) for k in (1.0, 1e3))
-    assert identify(read(sound, case), case).warnings == ()
-    (said,) = identify(read(wrong, case), case).warnings
+    assert estimate_parameters(read(sound, case), case).warnings == ()
+    (said,) = estimate_parameters(read(wrong, case), case).warnings
     assert "recording.units.moments = 'Nmm'" in said

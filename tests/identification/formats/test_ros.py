@@ -16,8 +16,8 @@ from rosbags.typesys import Stores, get_typestore
 from cases.errors import RecordingError
 from cases.schema import Case
 from identification.formats.look import look
+from identification.identify import identify
 from identification.recording import read
-from planner.runs.identifying import identify
 from tests.chains import ROBOT, swing, swung_forces
 from tests.helpers import answer, one_line
 from tests.planner.command_line import call

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from cases.errors import RecordingError
 from cases.loading import load_case
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.result import Estimate, residuals_of
@@ -39,13 +39,13 @@ def far(estimate: Estimate) -> float:
 
 @pytest.fixture(scope="module")
 def clean() -> Estimate:
-    return identify(recorded(CASE, Repeating()), CASE, conditioning=AUTO)
+    return estimate_parameters(recorded(CASE, Repeating()), CASE, conditioning=AUTO)
 
 
 @pytest.mark.parametrize("period", few(1.3, 2.0, 2.0 / 3.0 * np.sqrt(3.0)))
 def test_an_ideal_machine_gives_its_parameters_back(period: float) -> None:
     """Whether or not the period is a whole number of samples: derivatives are analytic, nothing is differenced."""
-    estimate = identify(recorded(ideal(CASE), Repeating(period, 3)), CASE, conditioning=AUTO)
+    estimate = estimate_parameters(recorded(ideal(CASE), Repeating(period, 3)), CASE, conditioning=AUTO)
     np.testing.assert_allclose(values(estimate), PHYSICAL, rtol=1e-6, atol=1e-6)
     assert estimate.told["periodic"]["period_s"] == pytest.approx(period, rel=1e-8)
     assert estimate.told["periodic"]["periods"] == 3
@@ -54,7 +54,7 @@ def test_an_ideal_machine_gives_its_parameters_back(period: float) -> None:
 @pytest.mark.slow
 def test_with_little_noise_of_the_struts_it_agrees_with_the_low_pass() -> None:
     run = recorded(CASE, Repeating(), seed=1)
-    clean, usual = identify(run, CASE, conditioning=AUTO), identify(run, CASE)
+    clean, usual = estimate_parameters(run, CASE, conditioning=AUTO), estimate_parameters(run, CASE)
     assert np.abs((values(clean) - values(usual)) / reported(usual)).max() < 0.3
     np.testing.assert_allclose(reported(clean), reported(usual), rtol=0.35)
     assert clean.delay.value == pytest.approx(usual.delay.value, abs=2 * usual.delay.std)
@@ -73,7 +73,7 @@ def test_errors_are_as_large_as_reported(clean: Estimate) -> None:
 def test_coarse_encoders_bias_the_low_pass_and_spare_the_series(step_um: float) -> None:
     case = simulated(CASE, encoder_resolution_um=step_um)
     run = recorded(case, Repeating(period=2.0003))
-    usual, periodic = identify(run, case), identify(run, case, conditioning=AUTO)
+    usual, periodic = estimate_parameters(run, case), estimate_parameters(run, case, conditioning=AUTO)
     assert far(periodic) < far(usual) / 8.0
     assert np.abs((values(periodic) - PHYSICAL) / reported(periodic)).max() < 5.0
     white = np.array([v.std for v in usual.physical.values()])
@@ -86,24 +86,28 @@ def test_more_noise_of_the_struts_leaves_fewer_harmonics() -> None:
     counts = []
     for step_um in (0.1, 10.0, 200.0):
         case = simulated(CASE, encoder_resolution_um=step_um)
-        counts.append(identify(recorded(case, Repeating()), case, conditioning=AUTO).told["periodic"]["harmonics"])
+        counts.append(
+            estimate_parameters(recorded(case, Repeating()), case, conditioning=AUTO).told["periodic"]["harmonics"]
+        )
     assert counts[0] > counts[1] > counts[2] >= 4  # of the motion itself
 
 
 @pytest.mark.parametrize("delay_ms", few(2.5, 0.0, 15.0))
 def test_the_delay_is_found(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
-    estimate = identify(recorded(case, Repeating(periods=2)), case, conditioning=AUTO)
+    estimate = estimate_parameters(recorded(case, Repeating(periods=2)), case, conditioning=AUTO)
     assert estimate.delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-7)
 
 
 def test_forces_and_regressor_pass_the_same_filter() -> None:
     """What is above the harmonics leaves the estimate alone on either side, however few they are."""
     run = recorded(ideal(CASE), Repeating(periods=2))
-    few = identify(run, CASE, conditioning=Conditioning(True, harmonics=4))
+    few = estimate_parameters(run, CASE, conditioning=Conditioning(True, harmonics=4))
     np.testing.assert_allclose(values(few), PHYSICAL, rtol=1e-5, atol=1e-5)
     ripple = 50.0 * np.sin(2 * np.pi * 30.0 * run.t)[:, None]
-    disturbed = identify(replace(run, forces=run.forces + ripple), CASE, conditioning=Conditioning(True, None, 4))
+    disturbed = estimate_parameters(
+        replace(run, forces=run.forces + ripple), CASE, conditioning=Conditioning(True, None, 4)
+    )
     np.testing.assert_allclose(values(disturbed), values(few), rtol=1e-6, atol=1e-6)
 
 
@@ -112,7 +116,7 @@ def test_a_contact_in_one_period_costs_that_period_and_nothing_else() -> None:
     touched = run.forces.copy()
     here = (run.t > LEAD + 4.5) & (run.t < LEAD + 4.7)
     touched[here] += np.linalg.solve(MODEL.structure, [20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    estimate = identify(replace(run, forces=touched), CASE, conditioning=AUTO)
+    estimate = estimate_parameters(replace(run, forces=touched), CASE, conditioning=AUTO)
     assert estimate.told["periodic"]["periods"] == 3
     assert any("period 3 of 4 differs from the others by up to" in w and "left out" in w for w in estimate.warnings)
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
@@ -131,7 +135,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
     stuck = run.forces.copy()
     rows = np.flatnonzero((run.t > LEAD + 2.5) & (run.t < LEAD + 2.9))
     stuck[rows, 2] = stuck[rows[0], 2]
-    estimate = identify(replace(run, forces=stuck), CASE, conditioning=AUTO)
+    estimate = estimate_parameters(replace(run, forces=stuck), CASE, conditioning=AUTO)
     assert estimate.told["periodic"]["periods"] == 3
     assert any("period 2 of 4 has bad samples" in w for w in estimate.warnings)
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
@@ -180,5 +184,5 @@ def test_what_cannot_be_done_is_refused_in_a_line(change: dict, wish: Conditioni
     run = recorded(CASE, Repeating())
     run = replace(run, **{k: v[: len(run.t)] if isinstance(v, np.ndarray) else v for k, v in change.items()})
     with pytest.raises((RecordingError, ValueError), match=message) as caught:
-        identify(run, CASE, 0 if run.struts is None else 9, conditioning=wish)
+        estimate_parameters(run, CASE, 0 if run.struts is None else 9, conditioning=wish)
     assert "run.csv" in one_line(caught.value)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.motion import Motion
 from identification.recording import Recording
 from identification.result import Estimate
@@ -52,7 +52,7 @@ def off(estimate: Estimate) -> float:
 @pytest.mark.parametrize("mode", [25.0, pytest.param(40.0, marks=pytest.mark.slow)])
 def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
     recording = run(mode)
-    rigid, flexible = identify(recording, CASE), identify(recording, CASE, conditioning=FLEXIBLE)
+    rigid, flexible = estimate_parameters(recording, CASE), estimate_parameters(recording, CASE, conditioning=FLEXIBLE)
     found = flexible.told["structural_mode_Hz"]
     assert found["value"] == pytest.approx(mode, rel=0.05)
     assert abs(flexible.physical["m"].value - TRUE_MASS) < 0.3 * abs(rigid.physical["m"].value - TRUE_MASS)
@@ -62,7 +62,7 @@ def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
 
 
 def test_a_rigid_machine_has_no_mode():
-    estimate = identify(run(1e5), CASE, conditioning=FLEXIBLE)
+    estimate = estimate_parameters(run(1e5), CASE, conditioning=FLEXIBLE)
     assert "structural_mode_Hz" not in estimate.told
     assert any("no structural mode is seen" in note for note in estimate.notes)
     assert off(estimate) < 4.0
@@ -71,4 +71,4 @@ def test_a_rigid_machine_has_no_mode():
 def test_what_does_not_move_has_no_mode_to_see():
     poses = CASE.machine.home.vector + np.random.default_rng(0).uniform(-0.1, 0.1, (20, 6))
     with pytest.raises(RecordingError, match="flexible are for moving runs"):
-        identify(simulate_standstills(CASE, poses, 100, 0), CASE, conditioning=FLEXIBLE)
+        estimate_parameters(simulate_standstills(CASE, poses, 100, 0), CASE, conditioning=FLEXIBLE)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording, Stream
@@ -75,7 +75,7 @@ def test_the_noise_of_averages_falls_with_the_root_of_their_number() -> None:
 
 
 def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
-    estimate = identify(on_one_clock(two_rates(10.0), CASE), CASE)
+    estimate = estimate_parameters(on_one_clock(two_rates(10.0), CASE), CASE)
     values = np.array([v.value for v in estimate.physical.values()])
     np.testing.assert_allclose(values, PHYSICAL, rtol=2e-4, atol=2e-5)
     assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
@@ -84,13 +84,13 @@ def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
 @pytest.mark.slow
 def test_errors_are_those_of_ten_times_the_samples() -> None:
     """s0 is told for the averages; the standard deviations are those of the information that all samples hold."""
-    many = identify(on_one_clock(two_rates(10.0, noise=3.0, late=0.003), CASE), CASE)
+    many = estimate_parameters(on_one_clock(two_rates(10.0, noise=3.0, late=0.003), CASE), CASE)
     values, std = (np.array([getattr(v, k) for v in many.physical.values()]) for k in ("value", "reported"))
     assert many.fit.s0 == pytest.approx(3.0 / np.sqrt(10.0), rel=0.12)
     assert np.abs((values - PHYSICAL) / std).max() < 4.0
     assert many.delay.value == pytest.approx(0.003, abs=4 * many.delay.std)
     thinned = two_rates(1.0, noise=3.0)
-    few = identify(on_one_clock(thinned, CASE), CASE)
+    few = estimate_parameters(on_one_clock(thinned, CASE), CASE)
     ratio = [few.physical[n].std / v.std for n, v in many.physical.items()]
     assert np.exp(np.mean(np.log(ratio))) == pytest.approx(np.sqrt(10.0), rel=0.15)
     assert "10 samples averaged for each of the motion (2 ms" in many.notes[0]
@@ -115,7 +115,7 @@ def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
         joined.lines.place(7) == f"line {2 + 3 % ratio + ratio + 7 * ratio}"
     )  # the first average needs what is before it
     assert joined.t[7] == recording.t[3 % ratio + ratio + 7 * ratio]
-    estimate = identify(joined, CASE)
+    estimate = estimate_parameters(joined, CASE)
     assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=3e-3)
 
@@ -145,7 +145,7 @@ def test_an_average_over_a_clipped_sample_counts_as_clipped() -> None:
     joined = on_one_clock(replace(recording, forces=forces), CASE)
     (row,) = np.flatnonzero(np.abs(joined.forces[:, 1]) >= 4999.0)
     assert joined.t[row] == pytest.approx(recording.t[7003], abs=1.1e-3)
-    assert any("at the end of its range" in w for w in identify(joined, CASE).warnings)
+    assert any("at the end of its range" in w for w in estimate_parameters(joined, CASE).warnings)
 
 
 def test_averages_over_missing_forces_are_marked() -> None:

@@ -8,7 +8,7 @@ import pytest
 from cases.errors import RecordingError, StandstillMismatch
 from cases.loading import load_case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording
 from identification.runs.preparation import stands_only
@@ -83,7 +83,7 @@ def test_the_run_is_matched_to_its_program_with_and_without_the_trigger() -> Non
 
 def test_identification_of_averages_is_within_its_error_bars_and_says_how_noisy_an_average_is() -> None:
     many = measured(poses(20))
-    estimate = identify(average(many, find_standstills(many, SETTLE)), CASE, 5)
+    estimate = estimate_parameters(average(many, find_standstills(many, SETTLE)), CASE, 5)
     for name, truth in {"m": 31.83, "zC": 0.10505, "k0": 24.05, "k2": 37.38, "k3": 28.27}.items():
         value = estimate.physical[name]
         assert abs(value.value - truth) < 4.5 * value.std
@@ -100,8 +100,8 @@ def test_a_restless_standstill_counts_less() -> None:
     standing = average(replace(many, forces=shaken), windows)
     assert int(np.argmin(standing.weights)) == 7
     assert standing.weights[7] < 1.0 / 20.0
-    weighted = identify(standing, CASE, 5)
-    plain = identify(replace(standing, weights=None), CASE, 5)
+    weighted = estimate_parameters(standing, CASE, 5)
+    plain = estimate_parameters(replace(standing, weights=None), CASE, 5)
     truth = 31.83
     assert abs(weighted.physical["m"].value - truth) < 0.3 * abs(plain.physical["m"].value - truth)
     assert weighted.physical["m"].std < 0.2 * plain.physical["m"].std

@@ -2,7 +2,7 @@
 
 import pytest
 
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from planner.comparison.error_budget import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, cause_of
 from planner.comparison.trials import trials
 from tests.helpers import few, ideal
@@ -30,7 +30,7 @@ def test_a_part_is_what_vanishes_when_its_disturbance_is_switched_off(method, ca
     excitation, without_it = method(CASE), FOUND.model_copy(update=off)
     step = disturbed({moving: "D", standing: "Q"}[method])[1]
     once = excitation.moved(0, without_it) if method is standing else None
-    without = identify(excitation.recorded(3, without_it, once)[0], CASE)
+    without = estimate_parameters(excitation.recorded(3, without_it, once)[0], CASE)
     largest = 0.0
     for name, parts in step.budget.items():
         std = step.estimate.physical[name].reported

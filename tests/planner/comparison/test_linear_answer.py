@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.simulate import pose_fields
@@ -19,7 +19,7 @@ def test_true_deviations_are_the_scatter_over_machines_that_err_with_the_pose_ot
     """Each machine's own waves, through the evaluation of the same run; of 60 machines a deviation is 9 % uncertain."""
     excitation = moving(CASE)
     recording, _ = excitation.recorded(3, FOUND)
-    estimate = identify(recording, CASE)
+    estimate = estimate_parameters(recording, CASE)
     answer = linear_answer(CASE, recording, estimate)
     load = 3 * 19.93
     weight, poses = 9.81 * load, Hexapod.of(CASE).poses(recording.struts)
@@ -39,11 +39,11 @@ def test_true_deviations_are_the_scatter_over_machines_that_err_with_the_pose_ot
 def test_what_forces_move_an_estimate_by_is_foretold():
     excitation = moving(CASE)
     recording, _ = excitation.recorded(0, None)
-    estimate = identify(recording, CASE)
+    estimate = estimate_parameters(recording, CASE)
     answer = linear_answer(CASE, recording, estimate)
     push = 0.5 * np.sin(np.arange(len(recording.t))[:, None] * [0.003, 0.004, 0.005, 0.006, 0.007, 0.008])
     foretold = answer.of(answer.seen(push)[:, :, None])[:, 0]
-    pushed = identify(replace(recording, forces=recording.forces + push), CASE)
+    pushed = estimate_parameters(replace(recording, forces=recording.forces + push), CASE)
     moved = pushed.fit.values - estimate.fit.values
     assert np.linalg.norm(foretold) > 0.0
     np.testing.assert_allclose(foretold, moved, atol=0.02 * np.abs(moved).max())

@@ -8,6 +8,7 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
+from identification.identify import identify
 from identification.limit_proof import prove
 from identification.model import static_model
 from identification.motion import StandingPoses
@@ -15,7 +16,6 @@ from identification.simulate import truth_rows
 from planner.library import plan_poses
 from planner.plans import Plan
 from planner.poses.travel import fastest_move
-from planner.runs.identifying import identify
 from planner.runs.running import execute
 from planner.runs.written import write
 from tests.chains import chain_case

@@ -6,7 +6,7 @@ import pytest
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.identify import identify
+from identification.identify import estimate_parameters
 from identification.limit_proof import prove
 from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
@@ -72,7 +72,7 @@ def test_sensors_see_the_motion_that_encoders_see(hexapod_case: Case):
     executed = run(text, hexapod_case)
     pointwise = PoseExecution(Hexapod.of(hexapod_case), motion_of(text, hexapod_case))
     s0, aliased = (
-        identify(simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case).fit.s0
+        estimate_parameters(simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case).fit.s0
         for execution in (executed.execution, pointwise)
     )
     assert s0 == pytest.approx(hexapod_case.simulation.force_noise_N, rel=0.2)
