@@ -12,6 +12,7 @@ import hexcite as hx
 from cases import door
 from cases.schema import Case
 
+RECORDING = hx.Recording("run.csv", None, None, None, np.zeros((3, 6)), None)
 WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "retime": (lambda case: hx.retime("folder"), ("plan = 'folder'", "a Plan", "hx.Plan.load")),
     "report": (lambda case: hx.report(3, "x.html"), ("value = 3", "a Result")),
@@ -28,6 +29,7 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "write": (lambda case: hx.write("plan"), ("plan = 'plan'", "a Plan")),
     "run": (lambda case: hx.run(3, case), ("program = 3", "a Program or a path")),
     "identify": (lambda case: hx.identify("run.csv"), ("recording = 'run.csv'", "a Recording")),
+    "identify by a method": (lambda case: hx.identify(RECORDING, how="robust"), ("how = 'robust'", "a Method")),
     "compare": (lambda case: hx.compare("plan"), ("things = 'plan'", "a list, each entry a Plan")),
     "compare numbers": (lambda case: hx.compare([3]), ("things = [3]", "a list, each entry a Plan")),
     "validate": (lambda case: hx.validate("hexapod"), ("case = 'hexapod'", "a Case")),
