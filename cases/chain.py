@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Tag, field_validator, model_validator
 
-from cases.machine import Array, KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of
+from cases.machine import KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of
 from cases.machine import Number as Real
 from cases.sensors import RigidBody
-from cases.units import DEG, MM
+from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction

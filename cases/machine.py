@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, model_validator
 
-from cases.units import DEG, MM
-
-Array = NDArray[np.float64]
+from cases.units import DEG, MM, Array
 
 
 class Part(BaseModel):

@@ -15,8 +15,8 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
-from cases.machine import POSE, Array, Grid, Number, Part, Positive, Range, frozen
-from cases.units import DEG, MM
+from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen
+from cases.units import DEG, MM, Array
 
 
 class JointPoses(Part):

@@ -10,8 +10,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from cases.machine import POSE, Array, Number, Part, Positive, Six, Vector, frozen
-from cases.units import DEG, MM, MS, UM
+from cases.machine import POSE, Number, Part, Positive, Six, Vector, frozen
+from cases.units import DEG, MM, MS, UM, Array
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 TEMPERATURE = "temperature_degC"  # of the sensor

@@ -16,11 +16,11 @@ from pydantic import Field, PrivateAttr, Tag, field_validator, model_validator
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.machine import Array, HexapodMachine, MotionLimits, Part, Vector, Workspace, frozen, kind_of
+from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, frozen, kind_of
 from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.units import DEG, MINUTE, MM, as_html
+from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds

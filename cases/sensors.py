@@ -8,7 +8,6 @@ from pydantic import Field, model_validator
 
 from cases.machine import (
     WORST_CONDITION,
-    Array,
     Joints,
     NonNegative,
     Number,
@@ -20,7 +19,7 @@ from cases.machine import (
     frozen,
 )
 from cases.recording_format import BAR_FORCES, WRENCH
-from cases.units import DEG, MM, MS, UM
+from cases.units import DEG, MM, MS, UM, Array
 
 
 class Disturbances(Part):

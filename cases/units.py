@@ -6,6 +6,12 @@
 import math
 from html import escape
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""Floats of any shape."""
+
 MM = 1e-3  # [m]
 UM = 1e-6  # [m]
 DEG = math.pi / 180.0  # [rad]

@@ -19,9 +19,9 @@ from pydantic import ValidationError
 
 from cases.chain import LEAST_AXIS
 from cases.errors import CaseError
-from cases.machine import Array, turned
+from cases.machine import turned
 from cases.sensors import RigidBody, together
-from cases.units import MM
+from cases.units import MM, Array
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _MOST = 1e6  # of any number, in units of SI: beyond any machine

@@ -13,15 +13,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from cases.units import Array
 from identification.model import Model
 from identification.symbolic import over_samples
-
-Array = NDArray[np.float64]
-
 
 CRITERIA: dict[str, Callable[[Array], float]] = {
     "A": lambda mu: -float(np.sum(mu**-2.0)),  # average variance, -trace F^-1 (30)

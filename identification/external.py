@@ -13,6 +13,7 @@ from scipy.special import chdtri
 
 from cases.basis import KEPT
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.biases import drifted_since, shifted_all_along
 from identification.findings import Severity, sentences
 from identification.findings.sample_checks import Scan, unmeasured
@@ -22,8 +23,6 @@ from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Bloc
 from identification.recording import Recording
 from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, standstills
-
-Array = NDArray[np.float64]
 
 
 class ExternalForce(NamedTuple):

@@ -5,10 +5,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError, NegativeMass
+from cases.units import Array
 from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
@@ -18,8 +18,6 @@ from identification.parameters import MASS
 from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.wrist import WristRun
 from identification.samples import Samples
-
-Array = NDArray[np.float64]
 
 DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-9  # [s]; the step that is left is in the fit's own nuisance

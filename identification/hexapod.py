@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from cases.units import Array
 from identification.machine_limits import hexapod_shares
 from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rotation, rpy, twist, twist_rate
-
-Array = NDArray[np.float64]
 
 # Forward kinematics stops when the struts agree to a thousandth of a nanometre: far below any encoder, far above
 # rounding (1e-16 relative to 1 m).

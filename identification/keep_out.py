@@ -3,12 +3,9 @@
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.machine import KeepOut, Workspace
-from cases.units import MM
-
-Array = NDArray[np.float64]
+from cases.units import MM, Array
 
 
 def distance_of_points(points: Array, corners: Array) -> Array:

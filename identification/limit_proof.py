@@ -8,9 +8,9 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.limit import LimitCheck, LimitKind, LimitReport, Status, worst_of
 from identification.limited_chain import body_clearances, chain_frames, joint_efforts, joint_ranges, sensor_motion
 from identification.limited_quantities import (
@@ -25,8 +25,6 @@ from identification.limited_quantities import (
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 from identification.trajectories.moves import StraightMove
-
-Array = NDArray[np.float64]
 
 PROOF_RATE = 10_000.0  # [1/s]; at most 200 rad/s^3 * (1e-4 s)^2 / 8 escape between samples, 1e-7 of the rate limits
 CHUNK = 2000  # samples at once: what is computed of them stays in the processor's cache

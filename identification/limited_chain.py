@@ -10,20 +10,17 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
 from cases.machine import Tool
 from cases.sensors import RigidBody, payload_words
-from cases.units import MM
+from cases.units import MM, Array
 from identification.keep_out import distance_of_segments
 from identification.limit import Limit, LimitKind
 from identification.limited_quantities import Quantity, axis_rotation
 from identification.motion import Motion
 from identification.overload import SHARE
-
-Array = NDArray[np.float64]
 
 _Frames = tuple[Array, Array, Array]
 Frames = Sequence[_Frames]

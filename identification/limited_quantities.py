@@ -4,16 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.chain import JointMotionLimits
 from cases.machine import HexapodMachine, MotionLimits, Workspace
-from cases.units import DEG
+from cases.units import DEG, Array
 from identification.keep_out import distances, guarded
 from identification.limit import Limit, LimitKind
 from identification.motion import Motion
-
-Array = NDArray[np.float64]
 
 STEP = 10.0  # times the limit of jerk: a change of the acceleration that is a step, not the rounding of two pieces
 SHORTEST_GAP = 1e-6  # [s] between instants, below which a change of the acceleration is not looked at more closely

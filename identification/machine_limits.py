@@ -13,19 +13,16 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.chain import Chain
 from cases.machine import Tool
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import DEG, MM, Array
 from identification.limit import LimitKind
 from identification.symbolic import Share, rotation
 
 if TYPE_CHECKING:
     from identification.hexapod import Hexapod
-
-Array = NDArray[np.float64]
 
 ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
 ALONG_TOOLS = (0.0, 0.5, 1.0)  # of a tool's

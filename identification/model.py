@@ -9,10 +9,11 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.errors import CaseError, IdentificationError
 from cases.schema import Case
+from cases.units import Array
 from identification.hexapod import Hexapod
 from identification.parameters import (
     ERROR_TERMS,
@@ -30,8 +31,6 @@ from identification.parameters import (
 from identification.serial_chain import SerialChain
 from identification.strut_sensors import StrutLayout, rods, structure
 from identification.symbolic import Kinematics, Machine, gibbs, over_samples, rotation
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

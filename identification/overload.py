@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.sensors import RigidBody, payload_words
+from cases.units import Array
 from identification.limit import LimitKind
 from identification.limited_quantities import Quantity, strut_vectors
 from identification.motion import Motion
-
-Array = NDArray[np.float64]
 
 SHARE = 0.8  # of the sensors' range; the rest is for process forces, offsets and the platform's deformation
 _CROSS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)  # S of each unit vector

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.errors import IdentificationError
 from cases.sensors import RigidBody, Truth
+from cases.units import Array
 
 if TYPE_CHECKING:
     from identification.model import Model
@@ -160,8 +161,6 @@ MODELS: dict[int, tuple[Block, ...]] = {
 ERROR_TERMS: dict[str, Block] = {"K1": K1, "K2": K2, "K3": K3, "K4": K4, "K5": K5}
 """Forms of the error compensation, (10) to (15), that may be combined freely."""
 
-
-Array = NDArray[np.float64]
 
 INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of the six components of an inertia
 _CENTRE = (Parameter("xC", "m"), Parameter("yC", "m"), Parameter("zC", "m"))

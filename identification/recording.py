@@ -33,9 +33,9 @@ from cases.recording_format import (
     WRENCH,
 )
 from cases.schema import Case
-from cases.units import MM, as_html
+from cases.units import MM, Array, as_html
 from identification.findings import Finding, Kind, note
-from identification.formats.table import Array, Lines, lost_samples, uniform_step, unreadable
+from identification.formats.table import Lines, lost_samples, uniform_step, unreadable
 
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, Field, NonNegativeFloat, PositiveInt, ValidationError
 
 from cases.errors import FileProblem
@@ -13,8 +12,6 @@ from cases.files import read_json
 from identification.estimation.fit import Uncertain
 from identification.model import Model
 from identification.result import SCHEMA_VERSION, Value, physical_values
-
-Array = NDArray[np.float64]
 
 AGAIN = "identify again"
 ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise

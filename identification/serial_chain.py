@@ -12,17 +12,17 @@ from typing import ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.chain import Chain
 from cases.schema import Case
 from cases.sensors import RigidBody
+from cases.units import Array
 from identification.limit import LimitKind
 from identification.machine_limits import clearance_shares
 from identification.overload import SHARE
 from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rpy
 
-Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft
 
 from cases.errors import RecordingError
+from cases.units import Array
 
-Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 # Nuttall's four-term window with continuous first derivative (A. Nuttall, IEEE Trans. ASSP 29 (1981) 84): side lobes

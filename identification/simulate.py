@@ -10,12 +10,11 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
-from cases.units import DEG, MM
+from cases.units import DEG, MM, Array
 from identification.estimation.fit import acceleration_to_force, squared_distances
 from identification.model import expected_forces, full_model, identification_model, machine_of
 from identification.parameters import linear_parameters, physical_form
@@ -25,8 +24,6 @@ from identification.trajectories.executed import Execution, mode_frequency, ripp
 
 if TYPE_CHECKING:
     from identification.result import Estimate  # plans simulate, and load nothing of identification
-
-Array = NDArray[np.float64]
 
 WAVES = 48  # of which a pose error is made
 

@@ -18,14 +18,12 @@ from functools import cached_property, partial
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.sensors import StrutSensors
+from cases.units import Array
 from identification.hexapod import Hexapod
 from identification.parameters import Block, Parameter, Rods, State
 from identification.symbolic import rotation
-
-Array = NDArray[np.float64]
 
 SLOW = 1e-3  # [rad/s] below which Coulomb friction of a joint, which has no value at rest, grows with the rate
 

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.limit import LimitKind
 
-Array = NDArray[np.float64]
 FrameMotion = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
 """Motion of the frame {P} of the load in {B}: position of its origin [m], R, twist [m/s, rad/s] and twist rate."""
 CHUNK = 1000  # samples a call of the interpreter, whose results then stay in the cache of the processor

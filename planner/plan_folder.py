@@ -16,13 +16,13 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, json_text, read_json
 from cases.machine import LARGEST
 from cases.schema import Case
+from cases.units import Array
 from identification.criteria import reference_scaling, singular_values
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove
-from planner.families import Array
 from planner.families.ptp import unit_profile
 from planner.noise import standing_model
 from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses

@@ -12,17 +12,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
 from identification.findings import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import MASS, OFFSETS
-
-Array = NDArray[np.float64]
 
 OFFSET_NAMES = tuple(p.name for p in OFFSETS.parameters)
 FEWEST_POSES = 3  # with less, biases and small turns of an accelerometer cannot be told apart

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.compressed import (
     column_scale,
     gauss_markov,
@@ -22,7 +23,6 @@ from identification.estimation.compressed import (
 )
 from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, whitening_of
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 WEIGHT_ROUNDS = 20

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
+from cases.units import Array
 from identification.estimation.compressed import orthonormal
 
-Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 Spectra = NDArray[np.complex128]
 

@@ -9,14 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.findings import Finding, Kind, warning
-
-Array = NDArray[np.float64]
 
 _PART = 600  # rows of a QR that stay in the cache
 _PIECE = 20_000  # samples whose rows are held at once

@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.channel_weights import full_weights, per_channel
 from identification.estimation.compressed import gauss_markov
@@ -22,8 +22,6 @@ from identification.estimation.robust import consistent, huber
 from identification.findings import Kind, note, warning
 from identification.model import Model
 from identification.parameters import Selection, physical_form, select
-
-Array = NDArray[np.float64]
 
 THINNEST = 1e-3  # [m] rms distance of a body's mass from any plane: thinner than any tool or workpiece
 PER_UNIT = (0, 0, 0, 1, 1, 1)  # channels of a force/torque sensor: forces, moments

@@ -13,15 +13,13 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.sensors import PoseField, Sensors
+from cases.units import Array
 from identification.findings import Finding, Kind, note
 from identification.model import Model
 from identification.parameters import Selection
-
-Array = NDArray[np.float64]
 
 
 class Uncertain(NamedTuple):

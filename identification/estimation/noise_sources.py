@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import fft
 
 from cases.sensors import Sensors
+from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.findings import Finding, Kind, warning
 from identification.hexapod import Hexapod
@@ -32,8 +32,6 @@ from identification.parameters import PhysicalForm
 from identification.runs.averaging import FINER, PeriodicRun
 from identification.runs.evaluation import Run
 from identification.symbolic import Kinematics, Machine, over_samples
-
-Array = NDArray[np.float64]
 
 MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
 EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic

@@ -12,10 +12,10 @@ from dataclasses import replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.findings import Kind, note
@@ -29,9 +29,6 @@ from identification.parameters import (
     physical_form,
     require_names,
 )
-
-Array = NDArray[np.float64]
-
 
 Estimator = Callable[[Array, Array, Sequence[str]], Fit]
 """Regressors (n, 6, u), forces (n, 6) and names -> Fit; bind weights and the like with functools.partial."""

@@ -14,17 +14,15 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
 from cases.sensors import PoseField
+from cases.units import Array
 from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 from identification.estimation.fit import Robust, matern, squared_distances
 from identification.findings import Kind, note
-
-Array = NDArray[np.float64]
 
 UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding
 JITTER = 1e-9  # white noise beside all others, as a share of their variance

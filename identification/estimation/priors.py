@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.compressed import (
     column_scale,
     compress,
@@ -26,8 +27,6 @@ from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.nonlinear import gauss_newton
 from identification.model import Model
 from identification.parameters import PhysicalForm, physical_form, require_names
-
-Array = NDArray[np.float64]
 
 
 class Prior(NamedTuple):

@@ -22,11 +22,10 @@ from scipy.linalg import solve_triangular
 from scipy.special import fdtrc
 
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.compressed import column_scale, gauss_markov, long_run_covariance, settled
 from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
 from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS
-
-Array = NDArray[np.float64]
 
 HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
 MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noise its standard deviation

@@ -17,6 +17,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.special import chdtri, ndtri
 
 from cases.errors import IdentificationError
+from cases.units import Array
 from identification.estimation.channel_weights import least_trimmed_squares
 from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.estimation.fit import Uncertain
@@ -28,7 +29,6 @@ from identification.recording import Recording
 from identification.samples import Samples
 from identification.signals import FAIR_PART, fair_part, stretches
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are asked for, so that a run of an hour stays silent

@@ -32,8 +32,8 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
-from cases.units import MM
-from identification.formats.table import UNIFORMITY, Array, ColumnTable, crowded, listed, lost_samples, shown
+from cases.units import MM, Array
+from identification.formats.table import UNIFORMITY, ColumnTable, crowded, listed, lost_samples, shown
 from identification.formats.text_errors import without
 from identification.recording import Channel, Rows, Stream
 

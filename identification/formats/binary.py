@@ -21,7 +21,8 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
-from identification.formats.table import Array, ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
+from cases.units import Array
+from identification.formats.table import ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
 from identification.formats.text import select
 from identification.formats.text_errors import without
 

@@ -25,12 +25,12 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
+from cases.units import Array
 from identification.formats.assembly import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables, whole
-from identification.formats.table import Array
 from identification.formats.text import read_blocks, rows_of
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none

@@ -9,7 +9,7 @@ import numpy as np
 
 from cases.recording_format import CLOCK, DRIVES, STRUTS, TICKS, TRIGGER, WRENCH, units_of
 from cases.schema import Case
-from cases.units import MM, as_html
+from cases.units import MM, Array, as_html
 from identification.formats.assembly import switched
 from identification.formats.binary import (
     AXES,
@@ -24,7 +24,7 @@ from identification.formats.binary import (
 )
 from identification.formats.layout import TextLayout
 from identification.formats.naming import matched
-from identification.formats.table import Array, Stamps, listed, lost_samples, shown
+from identification.formats.table import Stamps, listed, lost_samples, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
 AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace

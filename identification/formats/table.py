@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
+from cases.units import Array
 
-Array = NDArray[np.float64]
 Stamps = NDArray[np.float64] | NDArray[np.int64]
 
 _SHOWN_NAMES = 40

@@ -18,6 +18,7 @@ from scipy.special import fdtrc
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.compressed import orthonormal
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.findings import Finding, Kind, note, warning
@@ -39,7 +40,6 @@ from identification.runs.repeating import FourierSeries, RepeatingPart, find_par
 from identification.samples import Conditioning
 from identification.symbolic import Kinematics
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 FINER = 6  # regressors are computed at so many times the instants that are kept: their harmonics must not fold back

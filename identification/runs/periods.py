@@ -12,13 +12,12 @@ from scipy.fft import rfft
 from scipy.special import chdtri
 
 from cases.errors import RecordingError
+from cases.units import Array
 from identification.findings import Finding, Kind, warning
 from identification.findings.sample_checks import places
 from identification.recording import Recording
 from identification.runs.repeating import FourierSeries, RepeatingPart, fit_series
 from identification.signals import stretches
-
-Array = NDArray[np.float64]
 
 INDEPENDENT = 24  # complex values that a spectral matrix of six channels is averaged over
 STRANGE = 8.0  # standard deviations of the periods' scatter, anywhere in a period, that noise never reaches

@@ -17,8 +17,6 @@ from identification.runs.evaluation import MOST_DELAY, Run
 from identification.samples import Standstills
 from identification.signals import Filter, stretches
 
-Array = NDArray[np.float64]
-
 LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
 MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
 STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills

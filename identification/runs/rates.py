@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.schema import Case
+from cases.units import Array
 from identification.hexapod import Hexapod
 from identification.recording import Averaged, Channel, Recording, Stream
-
-Array = NDArray[np.float64]
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide

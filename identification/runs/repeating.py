@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
+from cases.units import Array
 from identification.signals import stretches
-
-Array = NDArray[np.float64]
 
 TOLERATED = 0.01  # of the motion's rms: struts a period later; controllers repeat themselves to a thousandth
 COARSE = 0.05  # the same before the period is known to fractions of a sample

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import DEG, MM, Array
 from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.model import machine_of
@@ -16,7 +16,6 @@ from identification.recording import Recording
 from identification.runs.preparation import MOVING, delimited
 from identification.signals import stretches
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s

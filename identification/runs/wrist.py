@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.biases import Biases
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.fit import Filtered, Robust
@@ -27,7 +28,6 @@ from identification.recording import Recording, Stream
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving

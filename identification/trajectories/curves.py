@@ -9,12 +9,11 @@ from math import factorial, perm
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cases.units import Array
 from identification.motion import Motion
 from identification.trajectories.moves import Profile, StraightMove
-
-Array = NDArray[np.float64]
 
 SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.sensors import Disturbances
+from cases.units import Array
 from identification.limit import LimitKind
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
@@ -22,8 +23,6 @@ from identification.symbolic import Kinematics, Machine, over_samples, rate_matr
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

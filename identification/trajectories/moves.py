@@ -13,11 +13,10 @@ from enum import Enum
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cases.units import Array
 from identification.motion import Joined, Motion, Trajectory
-
-Array = NDArray[np.float64]
 
 UNLIMITED = math.inf  # no limit of jerk in any coordinate
 

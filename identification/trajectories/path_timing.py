@@ -11,15 +11,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.errors import HexciteError
 from cases.schema import Case
+from cases.units import Array
 from identification.hexapod import kinetic
 from identification.motion import Motion, Trajectory
 from identification.trajectories.moves import UntimedMotion
-
-Array = NDArray[np.float64]
 
 STEPS_PER_SECOND = 400.0  # gridpoints of the path
 FEWEST_STEPS = 2000

@@ -13,9 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from planner.bounds.features import PAIRS, Features
-
-Array = NDArray[np.float64]
 
 BATCH = 8  # cells halved at once: calls into NumPy cost as much as the arithmetic of one cell
 REPORT = 0.5  # [s] between two words on progress

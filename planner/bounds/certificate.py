@@ -20,10 +20,9 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from planner.bounds.branch import CONTROL, WIDEST, Bounded, Enclosure, enclose
 from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PRODUCTS, Features, Multipliers
-
-Array = NDArray[np.float64]
 
 _SIGNS = np.array(list(product([-1.0, 1.0], repeat=CORNERS))).T  # (8, 256)
 _UPPER = np.triu_indices(CORNERS)

@@ -12,16 +12,14 @@ from time import process_time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.model import Model
 from identification.symbolic import over_samples
 from planner.bounds.branch import Maximum, maximise
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.features import CORNER_COORDINATES, Features
-
-Array = NDArray[np.float64]
 
 SEED = 0
 FIRST_STATES = 1000

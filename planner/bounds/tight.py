@@ -13,16 +13,14 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
+from cases.units import Array
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design, Way, climb
 from planner.bounds.features import Features, Moments, Multipliers, combined, mixed, motion_moments
-
-Array = NDArray[np.float64]
 
 SEED = 0
 FIRST_STATES = 1000

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.motion import Trajectory
 from planner.search.rows import LinearRows, Rows
 from planner.search.states import States, linear_states
-
-Array = NDArray[np.float64]
 
 CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 

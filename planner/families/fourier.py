@@ -14,10 +14,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from identification.trajectories.curves import FourierMotion, run_in, run_out
 from planner.families import LinearFamily, LinearMaps
-
-Array = NDArray[np.float64]
 
 START_SHARE = 0.8  # random starts use this share of the tightest limit: significantly different from zero, inside
 DENSITY = 24  # instants of the optimiser's grid in one period of the highest harmonic

@@ -5,17 +5,15 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
 from cases.poses import Steps, load_poses, load_sequence
 from cases.schema import Case
+from cases.units import Array
 from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory
 from identification.trajectories.moves import Plane, StraightMove, fastest_circle
-
-Array = NDArray[np.float64]
 
 MARGIN = 1e-3  # of every limit, as for optimised motions
 SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all

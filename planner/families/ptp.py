@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import Profile, StraightMove, fastest_profile
@@ -23,8 +24,6 @@ from planner.families import Layout
 from planner.search.feasibility import box_middle
 from planner.search.rows import LinearRows, StateRows
 from planner.search.states import Kernel, KernelStates, LinearStates, state_size
-
-Array = NDArray[np.float64]
 
 FEWEST, MOST = 8, 64  # moves
 SHORTEST_PHASE = 3  # controller cycles; a shorter phase is absent

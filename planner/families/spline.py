@@ -13,17 +13,15 @@ from math import factorial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.trajectories.curves import Piece, PolynomialMotion
 from planner.families import LinearFamily, LinearMaps
 from planner.search.feasibility import box_middle
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
-
-Array = NDArray[np.float64]
 
 DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals

@@ -19,12 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.model import Model
 from identification.symbolic import over_samples
 from planner.families.ptp import PointToPointFamily, states_of_move
 from planner.search.problem import near_limits
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 

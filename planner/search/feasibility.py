@@ -8,10 +8,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
+from cases.units import Array
 from identification.criteria import CRITERIA, singular_values, uniform_states
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE, prove
@@ -23,8 +23,6 @@ from planner.noise import PoseErrors, information_of
 from postprocessors.dialects import dialect
 from postprocessors.proving.guarantees import limits_jerk
 from postprocessors.reading import Reading
-
-Array = NDArray[np.float64]
 
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back

@@ -14,11 +14,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from planner.search.program import NonlinearProgram
 from planner.search.rows import LinearRows, StateRows
 from planner.search.states import LinearStates
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

@@ -19,13 +19,11 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from cases.units import Array
 from identification.estimation.fit import squared_distances
 from planner.noise import PoseErrors
 from planner.search.states import SHARE, Kernel, state_size
-
-Array = NDArray[np.float64]
 
 EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is taken as the derivative
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
+from cases.units import Array
 from identification.limit import LimitKind
 from identification.limited_quantities import Box
 from identification.model import Model, identification_model, machine_of
@@ -27,8 +27,6 @@ from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.states import Kernel, state_size
-
-Array = NDArray[np.float64]
 
 SLIP_RATE = 1000.0  # [1/s] at which a motion is looked at between the constrained instants
 

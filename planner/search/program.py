@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from identification.model import Model
 from planner.search.objective import FieldByStates, InformationOfStates, Local, criterion_at, weighted_square
 from planner.search.rows import Rows, StateRows, curvature_at_states, pulled_back
@@ -20,7 +21,6 @@ from planner.search.states import SHARE, Kernel, States, state_size
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

@@ -11,10 +11,10 @@ from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
+from cases.units import Array
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.families import Family
@@ -25,8 +25,6 @@ from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
-
-Array = NDArray[np.float64]
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 PROPOSALS = 60  # of the annealing that finds starts of point-to-point motions, for each pair of moves

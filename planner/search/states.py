@@ -12,9 +12,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from identification.symbolic import over_samples
-
-Array = NDArray[np.float64]
 
 
 class Kernel:

@@ -20,9 +20,10 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 from cases.errors import HexciteError
 from cases.files import write_text
 from cases.loading import load_case
+from cases.units import Array
 from identification.model import identification_model
 from planner.bounds.information_limit import box_bound
-from planner.families import Array, Family
+from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
 from planner.planning import SHIPPED
