@@ -73,7 +73,7 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
     search = _Search(case, seed)
     sides = search.best()
     for _ in range(SHRINKS):
-        box = _rounded(case, sides)
+        box = _rounded(search.limits, sides)
         worst, poses = _proof(case, search.limits, box, seed)
         if worst.kept:
             units = search.limits.units
@@ -203,19 +203,14 @@ def _joints(case: Case, box: Array) -> tuple[JointLimit, ...]:
     )
 
 
-def _rounded(case: Case, sides: Array) -> Array:
+def _rounded(limits: StaticLimits, sides: Array) -> Array:
     """The box in the units of the case file, rounded inwards to a 500th of its widths, shape (2, n) [mm, deg]."""
-    if case.chain is None:
-        limits = case.need_machine("the reach of the motion box")[2]
-        case_box = np.array([getattr(limits, key) for key in POSE]).T
-    else:
-        joints = case.need_chain("the reach of the motion box")[1].joints
-        case_box = np.array([joint.position_deg or joint.position_mm for joint in joints]).T
-    box = case_box * sides.reshape(2, -1)
+    stated = np.round(limits.box / limits.units, 9)
+    box = stated * sides.reshape(2, -1)
     finest = np.minimum(np.ptp(box, axis=0) / 500, np.abs(box).min(axis=0) / 10)
     scale = 10.0 ** np.maximum(np.ceil(-np.log10(finest)), 0.0)
     inwards = np.trunc(box * scale * (1 + 1e-12)) / scale
-    return np.where(sides.reshape(2, -1) >= WHOLE, case_box, inwards)
+    return np.where(sides.reshape(2, -1) >= WHOLE, stated, inwards)
 
 
 def _proof(case: Case, limits: StaticLimits, box: Array, seed: int) -> tuple[LimitCheck, int]:
