@@ -6,12 +6,12 @@ from cases import door
 
 if TYPE_CHECKING:
     from identification.estimation.estimators import method as method
+    from identification.external import force as force
+    from identification.external import tare as tare
     from identification.findings import Finding as Finding
     from identification.formats.look import look as look
     from identification.formats.looked import Look as Look
     from identification.outcome import Result as Result
-    from identification.outcome import force as force
-    from identification.outcome import tare as tare
     from identification.recording import Recording as Recording
     from identification.recording import read as read
 
@@ -19,10 +19,11 @@ __getattr__, __dir__ = door(
     __name__,
     {
         "identification.estimation.estimators": "method",
+        "identification.external": "force tare",
         "identification.findings": "Finding",
         "identification.formats.look": "look",
         "identification.formats.looked": "Look",
-        "identification.outcome": "Result force tare",
+        "identification.outcome": "Result",
         "identification.recording": "Recording read",
     },
 )

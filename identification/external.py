@@ -23,6 +23,7 @@ from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Bloc
 from identification.recording import Recording
 from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, standstills
+from identification.runs.rates import on_one_clock
 
 
 class ExternalForce(NamedTuple):
@@ -44,10 +45,11 @@ class ExternalForce(NamedTuple):
         return np.asarray(np.abs(self.wrench).max(axis=0))
 
 
-def external_force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
-    """External force over a recording; moving runs behind the filter of the case.
+def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
+    """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
 
     Args:
+        recording: a run of the same machine.
         result: identified parameters; their delay is compensated.
         whole: all samples; else only the excitation.
 
@@ -56,6 +58,7 @@ def external_force(recording: Recording, result: Result, whole: bool = True) -> 
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
     model, case = result.model, result.case
+    recording = on_one_clock(recording, case)
     checks = unmeasured(recording)
     warnings = checks.warnings
     if recording.t is None or case.setup == "1a":
@@ -67,7 +70,7 @@ def external_force(recording: Recording, result: Result, whole: bool = True) -> 
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
         poses = None if model.struts is None else run.kinematics(result.delay).pose
     residuals = forces - matrices @ result.values
-    variance = np.diag(result.covariance_robust)[_offset_columns(model)]
+    variance = np.diag(result.covariance_robust)[offset_columns(model)]
     warnings += tuple(shifted_all_along(residuals, variance, case))
     return ExternalForce(t, -model.wrenches(residuals, poses), residuals, warnings)
 
@@ -81,24 +84,16 @@ def _poses(model: Model, recording: Recording, checks: Scan) -> Array | None:
     return model.struts.hexapod.coordinates(recording.struts[~checks.bad])
 
 
-class Tare(NamedTuple):
-    """New offsets."""
-
-    values: Array  # u with the offsets replaced, shape (u,)
-    covariance: Array  # covariance of u, shape (u, u): offsets and the rest no longer vary together
-    change: Array  # new offsets less old ones, shape (6,)
-    std: Array  # standard deviation of the new offsets from the scatter of the standstill, shape (6,)
-    notes: tuple[str, ...] = ()  # sentences about offsets that have drifted since the result
-
-
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
 
 
-def tare(recording: Recording, result: Result) -> Tare:
-    """Identifies f_q0 (11) anew from a standstill and leaves all other parameters.
+def tare(recording: Recording, result: Result) -> Result:
+    """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
+
+    Offsets and the rest no longer vary together. Notes say which offsets have drifted since the result.
 
     Args:
-        recording: recording of a standstill without contact: one pose, any number of samples.
+        recording: one pose, any number of samples.
         result: identified parameters.
 
     Raises:
@@ -106,6 +101,7 @@ def tare(recording: Recording, result: Result) -> Tare:
         FileProblem: parameters of another case.
     """
     model, case = result.model, result.case
+    recording = on_one_clock(recording, case)
     checks = unmeasured(recording)
     count = int(np.sum(~checks.bad))
     if count < 2:
@@ -119,19 +115,29 @@ def tare(recording: Recording, result: Result) -> Tare:
         )
     still = standstills(recording, case, model, checks)
     residuals = still.recorded - still.matrices @ result.values
-    change = residuals.mean(axis=0)
-    variance = residuals.var(axis=0, ddof=1) / count
-    offsets = _offset_columns(model)
-    values, covariance = result.values.copy(), result.covariance.copy()
-    since = np.sqrt(variance + np.diag(result.covariance_robust)[offsets])
-    notes = drifted_since(change, since, case, result.source)
+    change, variance = residuals.mean(axis=0), residuals.var(axis=0, ddof=1) / count
+    offsets = offset_columns(model)
+    values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
+    notes = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
     values[offsets] += change
-    covariance[offsets, :] = covariance[:, offsets] = 0.0
-    covariance[offsets, offsets] = variance
-    return Tare(values, covariance, change, np.sqrt(variance), tuple(notes))
+    for square in (covariance, robust):
+        square[offsets, :] = square[:, offsets] = 0.0
+        square[offsets, offsets] = variance
+    physical, freedom = physical_values(model, values, covariance, robust), result.record["degrees_of_freedom"]
+    record = dict(result.record) | {
+        "parameters": {name: value._asdict() for name, value in physical.items()},
+        "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
+        "linear": {"names": model.names, "values": values.tolist()},
+        "covariance": covariance.tolist(),
+        "covariance_robust": robust.tolist(),
+        "notes": [*result.notes, *notes],
+        "tared_with": recording.source,
+    }
+    return Result(case, record)
 
 
-def _offset_columns(model: Model) -> NDArray[np.int64]:
+def offset_columns(model: Model) -> NDArray[np.int64]:
+    """Places of the offsets f_q0 in u, shape (6,)."""
     names = [p.name for p in OFFSETS.parameters]
     return np.array([model.names.index(name) for name in names])
 

@@ -1,10 +1,10 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,8 @@ from cases.units import as_html
 from identification.criteria import Identifiability
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
-from identification.recording import Recording
-from identification.result import Estimate, Residuals, Value, identifiability_of, physical_values, residuals_of
+from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
 from identification.saved_result import AGAIN, read_record, require_agreement
-
-if TYPE_CHECKING:
-    from identification.external import ExternalForce
 
 Array = NDArray[np.float64]
 
@@ -184,32 +180,6 @@ class Result:
         """
         require_agreement(self.source, self.record, self.model, self.case.sensor_frame.has_moments)
 
-    def tared(self, values: Array, covariance: Array, source: str, notes: Sequence[str] = ()) -> "Result":
-        """The result with other offsets: physical parameters and deviations follow from them.
-
-        Args:
-            values: new u, shape (u,).
-            covariance: covariance of u, shape (u, u).
-            source: the recording that they come from.
-            notes: what else there is to say.
-        """
-        robust, names = self.covariance_robust, self.record["linear"]["names"]
-        offsets = [k for k, name in enumerate(names) if name.startswith("f_q0")]
-        robust[offsets, :] = robust[:, offsets] = 0.0
-        robust[offsets, offsets] = np.diag(covariance)[offsets]
-        physical = physical_values(self.model, values, covariance, robust)
-        freedom = self.record["degrees_of_freedom"]
-        record = dict(self.record) | {
-            "parameters": {name: value._asdict() for name, value in physical.items()},
-            "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
-            "linear": {"names": names, "values": values.tolist()},
-            "covariance": covariance.tolist(),
-            "covariance_robust": robust.tolist(),
-            "notes": [*self.notes, *notes],
-            "tared_with": source,
-        }
-        return Result(self.case, record)
-
     def __repr__(self) -> str:
         """A few lines: model, the body, s0, and warnings."""
         record, parameters = self.record, self.parameters
@@ -224,40 +194,6 @@ class Result:
 
     def _repr_html_(self) -> str:
         return as_html(repr(self))
-
-
-def force(recording: Recording, result: Result, whole: bool = True) -> "ExternalForce":
-    """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
-
-    Args:
-        recording: a run of the same machine.
-        result: identified parameters; their delay is compensated.
-        whole: all samples; else only the excitation.
-
-    Raises:
-        RecordingError, IdentificationError: the recording cannot be evaluated.
-    """
-    from identification.external import external_force
-    from identification.runs.rates import on_one_clock
-
-    return external_force(on_one_clock(recording, result.case), result, whole)
-
-
-def tare(recording: Recording, result: Result) -> Result:
-    """The result with sensor offsets identified anew from a standstill without contact; all else stays.
-
-    Args:
-        recording: one pose, any number of samples.
-        result: identified parameters.
-
-    Raises:
-        IdentificationError: the machine moves, or there are fewer than two samples.
-    """
-    from identification.external import tare as new_offsets
-    from identification.runs.rates import on_one_clock
-
-    offsets = new_offsets(on_one_clock(recording, result.case), result)
-    return result.tared(offsets.values, offsets.covariance, recording.source, offsets.notes)
 
 
 def case_of_result(path: Path) -> Case:

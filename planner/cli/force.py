@@ -70,13 +70,13 @@ def force(
     """Compute external force and moment over a recording."""
     from cases.files import atomic_file, check_file, output_place
     from cases.recording_format import WRENCH
-    from identification.external import external_force
+    from identification.external import force as over_recording
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
     run, saved, remarks = _read(recording, parameters, case, stale)
-    result = external_force(run, saved)
+    result = over_recording(run, saved)
     with atomic_file(file) as part:
         _write(part, result, remarks)
     answer: dict[str, Any] = {
@@ -101,15 +101,14 @@ def force(
 def _read(
     recording: Path, parameters: Path, case: str | None, stale: bool
 ) -> "tuple[Recording, Result, tuple[str, ...]]":
-    """The run on one clock, the result whose parameters are used, and what has changed in the case since."""
+    """The run, the result whose parameters are used, and what has changed in the case since."""
     from identification.outcome import Result
     from identification.recording import read
-    from identification.runs.rates import on_one_clock
     from planner.cli.identification import case_of
 
     loaded, remarks = case_of(recording, case, stale, parameters)
     saved = Result.load(parameters, loaded, stale)
-    return on_one_clock(read(recording, loaded), loaded), saved, remarks + saved.remarks
+    return read(recording, loaded), saved, remarks + saved.remarks
 
 
 def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
@@ -140,13 +139,14 @@ def tare(
     All other parameters stay as they are.
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
-    from identification.external import tare as new_offsets
+    from identification.external import offset_columns
+    from identification.external import tare as with_new_offsets
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
     run, saved, remarks = _read(recording, parameters, case, stale)
-    offsets = new_offsets(run, saved)
-    content = dict(saved.tared(offsets.values, offsets.covariance, str(recording), offsets.notes).record)
+    tared = with_new_offsets(run, saved)
+    content = dict(tared.record) | {"tared_with": str(recording)}
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
     with atomic_folder(folder, RESULT, overwrite) as part:
@@ -155,9 +155,14 @@ def tare(
         print_json({"result": str(folder)} | content)
         return
     rows = [
-        [f"f_q0_{k + 1}", f"{offsets.change[k]:+.4g}", f"{offsets.std[k]:.2g}"] for k in range(6)
-    ]  # fmt: skip
-    for remark in (*remarks, *offsets.notes):
+        [
+            f"f_q0_{k}",
+            f"{tared.values[place] - saved.values[place]:+.4g}",
+            f"{tared.covariance[place, place] ** 0.5:.2g}",
+        ]
+        for k, place in enumerate(offset_columns(saved.model), 1)
+    ]
+    for remark in (*remarks, *tared.notes[len(saved.notes) :]):
         print(f"warning: {remark}")
     print_table("Offsets", ("offset", "change", "std"), rows)
     print(f"result written: {folder}")

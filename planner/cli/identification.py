@@ -12,14 +12,13 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import Method, method
 from identification.estimation.priors import Prior
-from identification.external import external_force
+from identification.external import force as over_recording
 from identification.model import Model
 from identification.outcome import Result, biases_of, case_of_result
 from identification.parameters import physical_form, symmetric_platform
 from identification.recording import read
 from identification.recording import record_of as about_recording
 from identification.result import Value
-from identification.runs.rates import on_one_clock
 from identification.samples import Conditioning
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
@@ -152,7 +151,7 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
 
 def verify_result(path: Path, result: Result, quiet: bool) -> dict[str, Any]:
     """How well the parameters predict another run: what is left of force and moment, and of each channel."""
-    forces = external_force(on_one_clock(read(path, result.case), result.case), result, whole=False)
+    forces = over_recording(read(path, result.case), result, whole=False)
     deviation = forces.wrench.std(axis=0)
     answer = {
         "recording": str(path),

@@ -9,7 +9,7 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.loading import load_case
-from identification.external import external_force
+from identification.external import force as over_recording
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
@@ -162,8 +162,8 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
     result = Result(CASE, sound.to_json())
-    before = external_force(read(damaged(lines, tmp_path), CASE), result)
-    force = external_force(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), result)
+    before = over_recording(read(damaged(lines, tmp_path), CASE), result)
+    force = over_recording(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))
     assert np.abs(force.wrench).max() <= np.abs(before.wrench).max() * (1.0 + 1e-6)
     assert any("80 samples are missing" in w for w in force.warnings)
