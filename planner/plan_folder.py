@@ -22,8 +22,7 @@ from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
-from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove
-from planner.families.ptp import unit_profile
+from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
 from planner.noise import standing_model
 from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
 from planner.plans import SCHEMA_VERSION, Plan, Saved

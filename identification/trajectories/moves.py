@@ -100,6 +100,12 @@ class Profile(NamedTuple):
         return s, v, a, j
 
 
+def unit_profile(jerk_time: float, hold_time: float, cruise_time: float) -> Profile:
+    """The profile over a distance of 1 with these times [s]."""
+    acceleration = 1.0 / ((jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
+    return Profile(acceleration, jerk_time, hold_time, cruise_time)
+
+
 def fastest_profile(distance: float, velocity: float, acceleration: float, jerk: float = math.inf) -> Profile:
     """The fastest rest-to-rest profile over a distance within limits, all above 0 and in one unit of distance.
 
@@ -171,7 +177,7 @@ def ruckig_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     phases = answer.profiles[0][0]
     jerking, holding = (phases.t[0], phases.t[1] * (phases.j[1] == 0.0)) if math.isfinite(jerk) else (0.0, phases.t[0])
     cruising = max(0.0, answer.duration - 4 * jerking - 2 * holding)
-    profile = Profile(1.0 / ((jerking + holding) * (2 * jerking + holding + cruising)), jerking, holding, cruising)
+    profile = unit_profile(jerking, holding, cruising)
     lengths = np.array(phases.t)
     middles = (np.cumsum(lengths) - lengths / 2)[lengths > 0.0]
     theirs = np.array([[values[0] for values in answer.at_time(float(t))[:3]] for t in middles]).T

@@ -19,7 +19,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.limited_quantities import Box
 from identification.motion import Joined
-from identification.trajectories.moves import Profile, StraightMove, fastest_profile
+from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
 from planner.families import Layout
 from planner.search.feasibility import box_middle
 from planner.search.rows import LinearRows, StateRows
@@ -51,12 +51,6 @@ def moves_in(box: Box, duration: float) -> float:
     if box.limits_jerk:
         return duration * min(MOVES_A_SECOND, 1.0 / float(np.min(each)))
     return duration / float(np.max(each))
-
-
-def unit_profile(jerk_time: float, hold_time: float, cruise_time: float) -> Profile:
-    """The profile over a distance of 1 with these times [s]."""
-    acceleration = 1.0 / ((jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
-    return Profile(acceleration, jerk_time, hold_time, cruise_time)
 
 
 def _profile_state(share: float, times: ca.SX, phase: int) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -14,8 +14,7 @@ from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Joined
 from identification.trajectories.curves import FourierMotion
-from identification.trajectories.moves import StraightMove
-from planner.families.ptp import unit_profile
+from identification.trajectories.moves import StraightMove, unit_profile
 from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
 from postprocessors.linuxcnc import prepare_linuxcnc
 from postprocessors.writing import excitation_program

@@ -9,8 +9,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import TimedPoints
 from identification.trajectories.curves import polynomials_of
-from identification.trajectories.moves import StraightMove
-from planner.families.ptp import unit_profile
+from identification.trajectories.moves import StraightMove, unit_profile
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import (
     CUT,
