@@ -30,13 +30,7 @@ def pose_regressors(model: Model, poses: Array) -> Array:
         raise IdentificationError(
             f"model {model.number} contains inertia, which standstills cannot excite; choose a model from 0 to 5"
         )
-    if model.machine is not None and not model.machine.of_pose:
-        return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
-    from scipy.spatial.transform import Rotation  # here: reading a plan does without it, and it loads slowly
-
-    still = np.zeros((len(poses), 6))
-    rotations = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
-    return model.matrices(poses[:, :3], rotations, still, still)
+    return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
 
 
 def candidate_scaling(regressors: Array) -> Array:
