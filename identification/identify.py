@@ -10,13 +10,13 @@ from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from cases.basis import KEPT, result_basis
 from cases.errors import FileProblem, IdentificationError, NegativeMass, RecordingError
 from cases.files import provenance
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
@@ -41,8 +41,6 @@ from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
-
-Array = NDArray[np.float64]
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 SHARE = 0.5  # of the structural mode's frequency: there the first term that is left out is a sixteenth

@@ -7,20 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
-from cases.units import as_html
+from cases.units import Array, as_html
 from identification.criteria import Identifiability
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
 from identification.saved_result import AGAIN, read_record, require_agreement
-
-Array = NDArray[np.float64]
 
 # Of what recording.json says of a run, what a result keeps.
 TOLD_OF_RUNS = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")

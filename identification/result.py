@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import rfft, rfftfreq
 from scipy.special import stdtrit
 
 from cases.schema import Case
+from cases.units import Array
 from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
@@ -22,8 +22,6 @@ from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 from identification.runs.wrist import WristRun
 from identification.samples import Samples, Standstills
-
-Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
 

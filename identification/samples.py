@@ -9,13 +9,13 @@ from typing import ClassVar, NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from identification.estimation.channel_weights import independent_poses
 from identification.estimation.compressed import inverse_root, joint_triangle, long_run_covariance, scores
 from identification.estimation.fit import UNFILTERED, Filtered, Robust
 from identification.findings import Finding
 from identification.model import Model
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 

@@ -14,6 +14,7 @@ from scipy.special import stdtrit
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.estimators import Method
@@ -28,8 +29,6 @@ from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 from identification.samples import Standstills
 from identification.signals import fair_part
-
-Array = NDArray[np.float64]
 
 NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError
 from cases.machine import MotionLimits
 from cases.schema import Case
-from cases.units import MM
+from cases.units import MM, Array
 from identification.findings import Finding, Kind, Severity, sentences, warning
 from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
 from identification.recording import Recording, Stream
 from identification.signals import stretches
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 MOST_NAMED = 3  # places of one finding that a message lists

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, IdentificationError
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.recording_format import STRUTS
 from cases.schema import Case
+from cases.units import Array
 from identification.estimation.compressed import column_scale, joint_triangle
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
@@ -32,8 +32,6 @@ from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import wrist_run
 from identification.signals import decimated
 from identification.symbolic import Kinematics
-
-Array = NDArray[np.float64]
 
 FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
 SAME = 1.001  # ratio of residuals below which two orders leave the same

@@ -24,6 +24,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.units import Array
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust, Uncertain
@@ -34,8 +35,6 @@ from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording
 from identification.signals import Filter, decimated, fair_part
 from identification.symbolic import Kinematics, Machine
-
-Array = NDArray[np.float64]
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
