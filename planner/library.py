@@ -29,7 +29,7 @@ class Settings(TypedDict, total=False):
 
     Attributes:
         criterion: letter of Table 4.
-        model: number in Table 2; the one with all that the machine can tell unless given.
+        model: number in Table 2; the largest of the machine unless given.
         payload: number of the case's payloads that are mounted, at most.
         payload_from: fewest payloads, where that is another number.
         targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
@@ -86,7 +86,7 @@ def plan(
     Args:
         case: machine and limits.
         family: family of motions; unless given point-to-point moves, or a spline where the case plans for a controller
-            whose steps of acceleration shake the machine more than they tell.
+            whose steps of acceleration shake the machine more than they are worth.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
         **settings: see `Settings`.

@@ -39,7 +39,7 @@ class Request:
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # of the starts
-    # whether a spline may take the place of moves whose steps of acceleration shake the machine more than they tell
+    # whether a spline may take the place of moves whose steps of acceleration do more harm than good
     may_be_smooth: bool = False
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""`hexcite bound` and `hexcite retime`: what the limits let any motion tell, and the pace at which they let one run."""
+"""`hexcite bound` and `hexcite retime`: the information limit of motions, and the pace at which limits let one run."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

@@ -32,7 +32,7 @@ def plan(
         str,
         option(
             "Family of motions: manual, fourier, ptp, spline. By default ptp, or spline where the controller's "
-            "steps of acceleration would shake the machine more than they tell."
+            "steps of acceleration would shake the machine more than they are worth."
         ),
     ] = "ptp",
     criterion: console.Criterion = "D",

@@ -1,4 +1,4 @@
-"""What belongs together among plans, runs and results, and which excitation to prefer."""
+"""Comparison of plans, runs and results: what belongs together, and which excitation to prefer."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -56,7 +56,7 @@ def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: lis
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """What keeps figures from being compared, and what the evaluations of runs and results warned of."""
+    """Why figures do not compare, and what the evaluations of runs and results warned of."""
     warnings = []
     if len({e.model for e in entries}) > 1:
         warnings.append("models differ: criteria of different models do not compare, standard deviations do")
@@ -122,7 +122,7 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
 
 
 def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
-    """Entries of one machine, one load and one noise each; what nothing tells of an entry agrees with everything."""
+    """Entries of one machine, one load and one noise each; what is unknown of an entry agrees with everything."""
     result: list[list[Entry]] = []
     for entry in entries:
         homes = (g for g in result if all(_comparable(entry.conditions, other.conditions) for other in g))
@@ -223,7 +223,7 @@ class Comparison:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What keeps figures from being compared."""
+        """Why figures do not compare, and warnings of the evaluations."""
         return warnings_of(self.entries)
 
     def to_json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Plans, runs and results as entries of a comparison: what each cost, and what it tells."""
+"""Plans, runs and results as entries of a comparison: cost, information and standard deviations of each."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -48,7 +48,7 @@ class Deviation(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """What something was planned, executed or identified under, and made of; None where nothing tells."""
+    """What something was planned, executed or identified under, and made of; None where that is unknown."""
 
     case: Case
     noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
@@ -67,7 +67,7 @@ class Entry:
     conditions: Conditions
     model: int  # number in Table 2
     family: str  # family of the plan, or what the recording says
-    duration: float | None  # measuring time [s]; None where nothing tells
+    duration: float | None  # measuring time [s]; None where that is unknown
     samples: int  # samples of forces that count
     # A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown
     criteria: Mapping[str, float]
@@ -232,7 +232,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     conditions = Conditions(case, recordings=saved.recordings, plan=data.get("plan_hash"))
     criteria: dict[str, float] = {}
     if data["weights"] == "equal":
-        try:  # (28) turned round: the information that the run held of these parameters
+        try:  # (28) solved for the information of the run
             mean = s0**2 * np.linalg.inv(saved.covariance) / samples
             scaling = reference_scaling(case, model)
             criteria = _criteria(mean * np.outer(scaling, scaling), model)

@@ -68,7 +68,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     return LinearAnswer(forces, matrices, answer * scale, Hexapod.of(case).poses(struts), run)
 
 
-BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # whose errors are told
+BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # whose errors are reported
 SUSPICIOUS = 3.0  # reported standard deviations; more is a systematic error
 MODE, POSE, NOISE = "the structural mode", "the errors of the pose", "the noise of the sensors"
 RIPPLE, LEFT_OUT = "ripple and sampling", "samples that were left out"
@@ -86,7 +86,7 @@ def error_budget(
     """Takes the error of an estimate, less truth, apart: what adds up to it of each parameter, by cause [SI].
 
     What is left of the forces beside mode, pose errors and noise is that of ripple, encoders and sampling: motion that
-    the evaluation sees in another way than the sensors felt it. Ripple that the mode amplifies counts as the mode's.
+    the evaluation sees otherwise than the sensors measured it. Ripple that the mode amplifies counts as the mode's.
 
     Args:
         recording: recording that was identified, averaged where it stands.

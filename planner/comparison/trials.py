@@ -129,7 +129,7 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
 def trials(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Trial]:
     """The simulated machine identified with numbers of weights on it, ascending from 0.
 
-    A set of poses is travelled through once: its standstills do not tell one way there from another.
+    A set of poses is travelled through once: its standstills do not depend on the way there.
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None

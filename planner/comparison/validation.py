@@ -91,7 +91,7 @@ def validate(
         undisturbed: whether the simulated structure is an ideal one.
         folder: folder that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless
             given.
-        count: told how it is getting on.
+        count: called with what is done now, and with how many steps that ends.
 
     Raises:
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.

@@ -1,1 +1,1 @@
-"""Quasi-static measurement: which poses are worth standing still at, in which order, and what they will tell."""
+"""Quasi-static measurement: which poses to stand still at, in which order, and what they determine."""

@@ -20,7 +20,7 @@ from planner.bounds.design import EXCHANGED, LEVELS, Design, Way, climb, exchang
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import REASONS, ROUNDING, JointSpace, margins_of, space_of, valid_poses
 
-MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more have never told more
+MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never had more information
 JOINT_CANDIDATES = 2048  # of a chain, where no other number is asked for
 # What one candidate costs at most, measured on 20 000: for the estimate in the refusal only.
 BYTES_EACH = 12_000
@@ -78,8 +78,8 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     """Quasi-random poses (scrambled Sobol points) of the space that the grid spans, valid ones only.
 
     The space of a chain is its motion box. Of a hexapod it is the XY range inside the largest radius, every tilt up to
-    the largest, every azimuth, and the ranges of z and torsion: the grid leaves out its middle, where poses tell
-    little, the space does not.
+    the largest, every azimuth, and the ranges of z and torsion: the grid leaves out its middle, where poses have
+    little information, the space does not.
 
     Args:
         count: points that are looked at.

@@ -1,4 +1,4 @@
-"""What `hexcite case check` tells beyond "valid": figures of a case, and values that are valid and yet hardly meant.
+"""What `hexcite case check` reports beyond "valid": figures of a case, and values that are valid but hardly meant.
 
 Those are left over from another machine, or in units that were mistaken.
 """

@@ -38,7 +38,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
 
 
 def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Deviation | None]]]:
-    """Of every parameter: name, factor to the unit shown, that unit, and what each entry tells of it."""
+    """Of every parameter: name, factor to the unit shown, that unit, and its value and deviation in each entry."""
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         values = [e.parameters.get(name) for e in entries]
         unit = next(t.unit for t in values if t is not None)
@@ -149,7 +149,7 @@ class Series(NamedTuple):
     """Standard deviations of one method."""
 
     name: str  # name in the legend
-    deviations: Mapping[str, float]  # deviations by parameter; parameters that it does not tell are missing
+    deviations: Mapping[str, float]  # deviations by parameter; parameters that it does not determine are missing
     colour: str  # colour of its markers
     symbol: str = "circle"  # plotly's name of the marker
 

@@ -1,6 +1,6 @@
 """Interactive figures of a report, drawn with plotly: functions take data and return a figure without colours of text.
 
-Okabe and Ito's colours (told apart by everybody) come from the page; what is set here reads on light and dark.
+Okabe and Ito's colours (everybody can distinguish them) come from the page; what is set here reads on light and dark.
 """
 
 from collections.abc import Sequence
@@ -85,22 +85,22 @@ def _both(limit: Array) -> Array:
     return np.array([-limit, limit])
 
 
-_KEEPERS = {Status.PROVEN: "proven", Status.ENFORCED: "kept by the controller"}
-_NOBODY = "kept by nobody"
+_ENFORCED = {Status.PROVEN: "proven", Status.ENFORCED: "enforced by the controller"}
+_NOBODY = "enforced by nobody"
 
 
 def limits_chart(report: LimitReport) -> Chart:
     """Share of each limit that is used, in a colour for who answers for it: the proof, the controller, or nobody."""
     caption = "Largest use of each limit; 100 % is the limit."
-    if nobody := [c.name for c in report.checks if c.status not in _KEEPERS]:
+    if nobody := [c.name for c in report.checks if c.status not in _ENFORCED]:
         caption += (
-            f" No one keeps {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
+            f" Nobody enforces {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
         )
     names = [plain(c.name) for c in reversed(report.checks)]
     height = 130 + 30 * len(names)
     figure = Chart("limits", caption, "share of the limit [%]", height=height, showlegend=True, barmode="overlay")
-    for label, colour in zip((*_KEEPERS.values(), _NOBODY), (COLOURS[5], COLOURS[2], COLOURS[1]), strict=True):
-        checks = [c for c in reversed(report.checks) if _KEEPERS.get(c.status, _NOBODY) == label]
+    for label, colour in zip((*_ENFORCED.values(), _NOBODY), (COLOURS[5], COLOURS[2], COLOURS[1]), strict=True):
+        checks = [c for c in reversed(report.checks) if _ENFORCED.get(c.status, _NOBODY) == label]
         if not checks:
             continue
         figure.add(

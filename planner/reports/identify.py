@@ -48,7 +48,7 @@ def _headline(result: Result) -> Markup:
     figures = [
         (f"{with_deviation(parameters[name].value * scale, parameters[name].reported * scale)} {unit}", text)
         for name, scale, unit, text in body
-        if name in parameters  # a frame that does not move tells offsets alone
+        if name in parameters  # a frame that does not move determines offsets alone
     ]
     condition, rank = result.record["condition"], result.record["rank"]
     figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
@@ -77,7 +77,7 @@ def _verdicts(result: Result) -> Markup:
 
 
 def noise_tile(result: Result) -> tuple[str, str]:
-    """s0, and what it is; a filter keeps from it what the recorded forces have above the pass band."""
+    """s0, and what it is; it leaves out what a filter takes from the recorded forces."""
     record = result.record
     recorded = f"recorded forces less the model: {record['s0_N']:.3g} N rms"
     if record["weights"] != "equal":

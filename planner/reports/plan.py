@@ -1,4 +1,4 @@
-"""The pages of a plan: of a motion, how close it comes to its limits and what it tells; of poses, where they are."""
+"""The pages of a plan: of a motion, its limits and what it determines; of poses, where they are."""
 
 from typing import Any
 
@@ -113,7 +113,7 @@ def _headline(plan: Plan) -> Markup:
 
 
 def _verdicts(plan: Plan) -> Markup:
-    """Whether the motion keeps all limits, and whether a controller that limits jerk can follow it."""
+    """Whether the motion satisfies all limits, and whether a controller that limits jerk can follow it."""
     steps = [c.name for c in plan.limits.checks if c.status is Status.STEPS]
     proven = [c for c in plan.limits.checks if c.status is Status.PROVEN]
     most = max(proven, key=lambda c: c.ratio)

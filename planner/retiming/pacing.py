@@ -1,4 +1,4 @@
-"""The fastest pace along a path that keeps every limit of rates, accelerations and jerks: a small control problem.
+"""The fastest pace along a path inside every limit of rates, accelerations and jerks: a small control problem.
 
 The path is the planned motion q(s) itself, s its own time. Wanted is the pace p(s) = ds/dt that minimises the
 duration, the integral of ds / p. With primes for derivatives with respect to s,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 KNOT_DISTANCE = 0.05  # [s] of the planned time: limits of jerk let accelerations change in about that
-POINTS = 4  # between two knots, at which the limits are held
+POINTS = 4  # between two knots, at which the limits are constraints
 SLOWEST = 0.01  # of the planned pace
 ITERATIONS = 300
 INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is integrated
@@ -34,7 +34,7 @@ INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is inte
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A path and what its limits are made of, at the points at which they are held."""
+    """A path and what its limits are made of, at the points at which they are constraints."""
 
     s: Array  # places on the path, its own time, shape (n,) [s]
     weights: Array  # weights of the integral over s, shape (n,) [s]
@@ -141,12 +141,12 @@ class PacedMotion:
         )
 
 
-def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Array]) -> PacedMotion:
+def paced(path: Trajectory, course: Course, most: float, free: tuple[Array, Array]) -> PacedMotion:
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
         most: times the planned pace, at most.
-        held: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
+        free: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
             shape (n,), above 0 and at most 1.
     """
     basis = _basis(path.duration)
@@ -158,17 +158,17 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
         fastest = np.minimum(most, np.min(course.velocity / np.abs(course.first), axis=1))
     rows = [p / ca.DM(fastest)]
     for k, limit in enumerate(course.acceleration):
-        one, two = (ca.DM(v[:, k] / (limit * held[0])) for v in (course.first, course.second))
+        one, two = (ca.DM(v[:, k] / (limit * free[0])) for v in (course.first, course.second))
         rows.append(two * p**2 + one * change)
     for k, limit in enumerate(course.jerk):
         one, two, three = (
-            ca.DM(v[:, k] / (limit * held[1])) for v in (course.first, course.second, course.third)
+            ca.DM(v[:, k] / (limit * free[1])) for v in (course.first, course.second, course.third)
         )  # fmt: skip
         rows.append(three * p**3 + 3.0 * two * p * change + one * third)
     problem = {"x": x, "f": ca.dot(ca.DM(course.weights), 1.0 / p) / path.duration, "g": ca.vertcat(*rows)}
     options = {"ipopt": {"print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-6}, "print_time": False}
     solver = ca.nlpsol("pace", "ipopt", problem, options)
-    begin = min(most, course.own_pace * float(min(h.min() for h in held)))
+    begin = min(most, course.own_pace * float(min(h.min() for h in free)))
     count = len(course.s)
     low = np.concatenate([np.zeros(count), -np.ones((len(rows) - 1) * count)])
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)

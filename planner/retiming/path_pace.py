@@ -1,9 +1,9 @@
 """A path re-timed inside every limit, jerk too, as a cubic spline: what plans, programs and controllers can carry.
 
 The pace is that of `planner.retiming.pacing`; the spline is the nearest to the motion at that pace. Where the spline
-passes a limit between the points at which the pace was held, the limits there are drawn in and the pace is sought
-again; what is left after some rounds is taken out by one slower pace for all. The spline is not the path: `off_path`
-says how far it strays.
+exceeds a limit between the points at which the pace was constrained, the limits there are tightened and the pace is
+sought again; what is left after some rounds is taken out by one slower pace for all. The spline is not the path:
+`off_path` says how far it strays.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from planner.search.feasibility import MARGIN, remedy
 
 STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers tell a cubic spline by its points
 ROUNDS = 4
-WATCHED = 2000.0  # [1/s] at which a round looks where limits are passed
+WATCHED = 2000.0  # [1/s] at which a round looks where limits are exceeded
 SETTLED = 1e-3  # of the duration: rounds that gain less are the last
 FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
 LONGEST = 120.0  # [s] of a path: beyond that the search takes minutes
@@ -32,9 +32,9 @@ _FORCES = (LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT, LimitKind.JOINT_TORQ
 
 
 def retimed_path(
-    path: Trajectory, case: Case, fastest: bool, told: Callable[[str], None] = lambda _: None
+    path: Trajectory, case: Case, fastest: bool, progress: Callable[[str], None] = lambda _: None
 ) -> tuple[Trajectory, tuple[float, float], str]:
-    """The path at the fastest pace that keeps all limits.
+    """The path at the fastest pace inside all limits.
 
     Args:
         fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
@@ -59,7 +59,7 @@ def retimed_path(
     own = not isinstance(path, TimedPoints) and prove(path, case).worst_ratio <= 1.0 - MARGIN + TOLERANCE
     if own and not fastest:
         return path, (0.0, 0.0), "its own pace keeps all limits"
-    best, spline, slower = _search(path, case, FASTEST if fastest else 1.0, told)
+    best, spline, slower = _search(path, case, FASTEST if fastest else 1.0, progress)
     if own and spline.duration * slower >= path.duration:
         return path, (0.0, 0.0), "its own pace is the fastest that was found"
     motion = _inside(spline, slower, case)
@@ -91,13 +91,13 @@ def _search(
         if not gained or slower == 1.0:
             break
         places = motion.places(t)
-        factors = (factors[0] / _passed(shares[1], places, course), factors[1] / _passed(shares[2], places, course))
+        factors = (factors[0] / _excess(shares[1], places, course), factors[1] / _excess(shares[2], places, course))
     assert best is not None
     return best
 
 
-def _passed(shares: Array, places: Array, course: Course) -> Array:
-    """By how much a limit is passed near each point of the course, at least 1."""
+def _excess(shares: Array, places: Array, course: Course) -> Array:
+    """By how much a limit is exceeded near each point of the course, at least 1."""
     from scipy.ndimage import maximum_filter1d
 
     step = course.s[1] - course.s[0]
@@ -111,7 +111,7 @@ def _inside(spline: PolynomialMotion, slower: float, case: Case) -> PolynomialMo
     """The spline as much slower as the proof at 10 kHz and the sensors' forces need.
 
     Raises:
-        InfeasiblePlan: a limit is passed that no pace helps against.
+        InfeasiblePlan: a limit is exceeded that no pace helps against.
     """
     for _ in range(STRETCHES):
         motion = spline.slowed(1.0 / slower)

@@ -41,7 +41,7 @@ METHODS = ("ruckig", "ipopt")
 
 @dataclass(frozen=True, slots=True)
 class PaceRating:
-    """What a motion is worth and whether it keeps the limits."""
+    """What a motion is worth, and the proof of its limits."""
 
     duration: float  # [s]
     criteria: dict[str, float]  # A, D, K, N in reference scaling, better the larger they are
@@ -68,7 +68,7 @@ def retimed(
     model: Model,
     method: str,
     fastest: bool,
-    told: Callable[[str], None] = lambda _: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Retimed:
     """Re-times a motion and rates both.
 
@@ -89,7 +89,7 @@ def retimed(
             sentence = f"{slowed} of {len(after.parts)} moves are slower than their coordinates allow, because of "
             remarks = (f"{sentence}struts, sensors or joints' torques",) if slowed else ()
         else:
-            after, off_path, solver = retimed_path(motion, case, fastest, told)
+            after, off_path, solver = retimed_path(motion, case, fastest, progress)
             remarks = (solver,)
     except UntimedMotion as error:
         raise InfeasiblePlan(f"cannot be re-timed with {method}: {error}") from error
@@ -203,7 +203,7 @@ def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
         plan: the plan that it comes from.
 
     Raises:
-        InfeasiblePlan: it passes a limit; the message names the limit.
+        InfeasiblePlan: it exceeds a limit; the message names the limit.
         IdentificationError: the motion does not excite all parameters of the model.
         HexciteError: a plan of poses.
     """
