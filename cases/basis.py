@@ -95,25 +95,19 @@ class Artefact(NamedTuple):
     about: Mapping[str, Any]  # its entries
     again: str  # what to do where the case has changed
 
-    def case(self, override: str | None = None) -> Case:
-        """The case that the artefact names, or the one that is named instead.
+    def case(self) -> Case:
+        """The case that the artefact names.
 
         Raises:
             CaseError: it cannot be read.
             FileProblem: the artefact names none, or one that is not there.
         """
-        return load_case(self.case_name(override))
-
-    def case_name(self, override: str | None = None) -> str:
-        """Name or file of that case; errors as `case`."""
-        if override is not None:
-            return override
         name = self.about.get("case_file", self.about.get("case"))
         if not isinstance(name, str) or not name:
             raise FileProblem(self.file, "names no case", f"{self.again}, or name it with --case")
         if name not in built_in_cases() and not Path(name).exists():
             raise CaseError(self.file, "case_file", f"{name}: no such case; name the case file with --case")
-        return name
+        return load_case(name)
 
     def changes(self, now: Mapping[str, Any], case_hash: str) -> list[str]:
         """What the case had when the artefact was computed and has no longer: key, old value, new value.

@@ -132,7 +132,7 @@ def test_paths_are_refused_by_the_writer() -> None:
 def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> None:
     file = tmp_path / "walk.ngc"
     file.write_text(TEXT)
-    log = run_text(file, CASE, headroom=1.0)
+    log = run_text(file, CASE)
     reading = LANGUAGE.read(TEXT.encode(), "walk.ngc", CASE)
     guarantees = LANGUAGE.guarantees(reading, CASE)
     moved = np.append(np.any(np.diff(log.poses, axis=0) != 0.0, axis=1), False)

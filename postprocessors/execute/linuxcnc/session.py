@@ -66,7 +66,6 @@ def run_linuxcnc(
     program: "Program",
     case: Case,
     *,
-    headroom: float | None = None,
     speedup: float = 20.0,
     time_limit: float | None = None,
 ) -> ControllerLog:
@@ -79,7 +78,6 @@ def run_linuxcnc(
     Args:
         program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
         case: a case with machine, workspace, limits and controller.
-        headroom: the axes' acceleration limits as a multiple of the case's; by default `acceleration_headroom`.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
             depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
             cycles, waits for blocks or shortens dwells is repeated at half the speed-up and at a quarter; then that is
@@ -100,8 +98,7 @@ def run_linuxcnc(
         raise ValueError(f"speedup is {speedup}, must be positive and finite")
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
-    if headroom is None:
-        headroom = acceleration_headroom(reading, case)
+    headroom = acceleration_headroom(reading, case)
     standing = sum(part.duration for part in reading.stretches if isinstance(part, Still))
     speedup = min(speedup, timing.fastest(reading)) if preload_works() else 1.0
     for attempt in range(timing.ATTEMPTS):

@@ -145,7 +145,7 @@ def test_a_block_of_parts_of_a_cycle_is_refused(hexapod_case: Case):
 def test_linuxcnc_keeps_the_time_of_whole_cycles(tmp_path: Path, hexapod_case: Case):
     written = jerky(hexapod_case)
     (tmp_path / "p.ngc").write_bytes(written.content)
-    log = run_text(tmp_path / "p.ngc", hexapod_case, headroom=25.0)
+    log = run_text(tmp_path / "p.ngc", hexapod_case)
     assert 0.9995 < log.trigger.sum() * log.period / written.proof.excitation < 1.005  # a cycle at each stop
 
 
@@ -155,7 +155,7 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     program = tmp_path / "p.ngc"
     program.write_text(small_excitation(hexapod_case))
     paths = triggered_paths(read_linuxcnc(program.read_text(), "p.ngc"))
-    log = run_text(program, hexapod_case, headroom=1.0)
+    log = run_text(program, changed(hexapod_case, controller__linuxcnc__acceleration_headroom=1.0))
     assert predicted_stretch(paths, hexapod_case, 1.0) > 1.5
     assert log.trigger.sum() * log.period == pytest.approx(expected_duration(paths, hexapod_case, 1.0), rel=0.03)
 
@@ -169,6 +169,6 @@ def test_linuxcnc_stretches_long_blocks_as_predicted_too(block_ms: float, tmp_pa
     program = tmp_path / "p.ngc"
     program.write_text(small_excitation(changed(hexapod_case, controller__block_ms=block_ms), period=2.4))
     (path,) = triggered_paths(read_linuxcnc(program.read_text(), "p.ngc"))
-    log = run_text(program, hexapod_case, headroom=1.0)
+    log = run_text(program, changed(hexapod_case, controller__linuxcnc__acceleration_headroom=1.0))
     assert predicted_stretch([path], hexapod_case, 1.0) > 1.05
     assert log.trigger.sum() * log.period == pytest.approx(expected_duration([path], hexapod_case, 1.0), rel=0.03)
