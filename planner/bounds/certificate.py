@@ -29,6 +29,7 @@ _UPPER = np.triu_indices(CORNERS)
 _SIGN_PRODUCTS = _SIGNS[_UPPER[0]] * _SIGNS[_UPPER[1]] * np.where(_UPPER[0] == _UPPER[1], 1.0, 2.0)[:, None]
 _VARYING = slice(1, 1 + CORNERS)  # columns of T that belong to the corners; the others are the constant and the rates
 _FIXED = [0, *range(1 + CORNERS, 15)]
+_ANGLES_AND_RATES = [3, 4, 5, 9, 10, 11]  # coordinates of a state that cells are made of
 
 
 def first_cells(features: Features) -> tuple[Array, Array]:
@@ -36,8 +37,8 @@ def first_cells(features: Features) -> tuple[Array, Array]:
 
     The features do not change where all rates change their sign: negative yaw rates need no cell.
     """
-    low, high = features.middle[[3, 4, 5, 9, 10, 11]], features.half[[3, 4, 5, 9, 10, 11]]
-    low, high = low - high, low + high
+    middle, half = features.middle[_ANGLES_AND_RATES], features.half[_ANGLES_AND_RATES]
+    low, high = middle - half, middle + half
     low[5] = 0.0
     grids = []
     for k in range(6):
@@ -78,15 +79,14 @@ class BoxDerivative:
         largest = values[np.arange(count), control_point, corner]
         upper = (np.sqrt(np.maximum(largest, 0.0)) + error) ** 2
         grid = values.reshape(count, *[3] * 6, -1)
-        split = np.array(
-            [
-                _split(grid[k][..., corner[k]], int(control_point[k]), upper[k] - largest[k], high[k] - low[k])
-                for k in range(count)
-            ]
-        )
+        places = np.column_stack(np.unravel_index(control_point, [3] * 6))
+        split = [
+            _split(_excess(grid[k][..., corner[k]], places[k]), upper[k] - largest[k], high[k] - low[k])
+            for k in range(count)
+        ]
         at_corners = grid[:, ::2, ::2, ::2, ::2, ::2, ::2].reshape(count, -1)
         best = at_corners.argmax(axis=1)
-        return Bounded(upper, at_corners[np.arange(count), best], self._states(low, high, best), split)
+        return Bounded(upper, at_corners[np.arange(count), best], self._states(low, high, best), np.array(split))
 
     def _values(self, tables: Array, products: Array) -> Array:
         """The derivative at all control points: constant, linear and quadratic part in the signs of the corner."""
@@ -105,15 +105,17 @@ class BoxDerivative:
         upper_end = (ends[:, None] >> np.arange(5, -1, -1)) & 1
         shares = np.zeros((len(low), 18))
         shares[:, CORNER_COORDINATES] = _SIGNS[:, corner].T
-        coordinates = [3, 4, 5, 9, 10, 11]
-        values = np.where(upper_end == 1, high, low)
-        shares[:, coordinates] = (values - self.features.middle[coordinates]) / self.features.half[coordinates]
+        shares[:, _ANGLES_AND_RATES] = _shares(self.features, np.where(upper_end == 1, high, low))
         return np.clip(shares, -1.0, 1.0)
 
 
-def _split(values: Array, place: int, error: float, width: Array) -> int:
-    """The coordinate to halve: the one whose control point stands out most, or the widest angle if more is missed."""
-    excess = _excess(values, np.array(np.unravel_index(place, values.shape)))
+def _shares(features: Features, values: Array) -> Array:
+    """Angles and their rates as shares of the half widths of the box, shapes (n, 6)."""
+    return np.asarray((values - features.middle[_ANGLES_AND_RATES]) / features.half[_ANGLES_AND_RATES])
+
+
+def _split(excess: Array, error: float, width: Array) -> int:
+    """The coordinate to halve: where the bound exceeds the values most, or the widest angle if more is missed."""
     if excess.max() <= 0.0 or not excess.max() >= error / 3:
         return int(width[:3].argmax())
     return int(excess.argmax())
@@ -131,7 +133,6 @@ def _excess(values: Array, place: Array) -> Array:
 _CORNERS = np.array(list(product([-1.0, 1.0], repeat=3)))  # of x, y, z
 _ACCELERATIONS = slice(3, 9)  # columns of T
 _NOT_ACCELERATIONS = [0, 1, 2, *range(9, 15)]  # constant, x, y, products of rates
-_ANGLES_AND_RATES = [3, 4, 5, 9, 10, 11]
 
 
 def first_tight_cells(features: Features) -> tuple[Array, Array]:
@@ -181,10 +182,8 @@ class TightDerivative:
         states = self._states(low, high, (angle, rate, corner), middle + step[index, angle, rate, corner])
         slack = (mixed[index, angle] * wide[:, :, None] * wide[:, None, :]).sum(axis=-1)
         grid = values.max(axis=-1).reshape(len(low), *[3] * 6)
-        split = [
-            _tight_split(grid[k], np.r_[CONTROL[angle[k]], CONTROL[rate[k]]], slack[k], error[k], high[k] - low[k])
-            for k in index
-        ]
+        places = np.hstack([CONTROL[angle], CONTROL[rate]])  # slack: of the mixed terms in each acceleration
+        split = [_split(np.append(_excess(grid[k], places[k]), slack[k]), error[k], high[k] - low[k]) for k in index]
         return Bounded(values[index, angle, rate, corner] + error, self.at(states), states, np.array(split))
 
     def _at_middle(
@@ -237,9 +236,7 @@ class TightDerivative:
         values = np.take_along_axis(levels, ends[:, None], axis=1)[:, 0]
         shares = np.zeros((len(low), 18))
         shares[:, :3] = _CORNERS[corner]
-        shares[:, _ANGLES_AND_RATES] = (values - self.features.middle[_ANGLES_AND_RATES]) / self.features.half[
-            _ANGLES_AND_RATES
-        ]
+        shares[:, _ANGLES_AND_RATES] = _shares(self.features, values)
         shares[:, 12:] = accelerations
         return np.clip(shares, -1.0, 1.0)
 
@@ -259,11 +256,3 @@ def _largest(bend: Array, steep: Array, wide: Array) -> tuple[Array, Array]:
         inner = np.where(bend < 0.0, -steep / bend, np.inf)
     step = np.where(np.abs(inner) < wide, inner, np.where(steep < 0.0, -wide, wide))
     return bend * step**2 + 2.0 * steep * step, step
-
-
-def _tight_split(values: Array, place: Array, slack: Array, error: float, width: Array) -> int:
-    """The coordinate to halve: where the control point stands out most, or the bound of mixed terms is loosest."""
-    excess = np.append(_excess(values, place), slack)
-    if not excess.max() >= error / 3:
-        return int(width[:3].argmax())
-    return int(excess.argmax())

@@ -182,27 +182,26 @@ def motion_moments(case: Case, features: Features) -> Moments:
     product = half[:6, None] * half[None, 12:]  # of q_i a_j
     equal, at_most, constant = [], [], []
 
-    def row(**places: float) -> Array:
+    def row(places: dict[int, float]) -> Array:
         values = np.zeros(57)
-        for place, value in places.items():
-            values[int(place[1:])] = value
+        values[list(places)] = list(places.values())
         return values
 
-    equal += [row(**{f"_{i}": 1.0}) for i in range(6)]
+    equal += [row({i: 1.0}) for i in range(6)]
     for i in range(6):
         for j in range(6):
             first, second = 6 + 6 * i + j, 6 + 6 * j + i
             if i in ANGLES and j in ANGLES:
                 rate = half[6 + i] * half[6 + j] / product[i, j]
-                equal.append(row(**{f"_{first}": 1.0, f"_{42 + 3 * (i - 3) + j - 3}": rate}))
+                equal.append(row({first: 1.0, 42 + 3 * (i - 3) + j - 3: rate}))
             elif i < j:
                 size = np.sqrt(product[i, j] * product[j, i])
-                equal.append(row(**{f"_{first}": product[i, j] / size, f"_{second}": -product[j, i] / size}))
+                equal.append(row({first: product[i, j] / size, second: -product[j, i] / size}))
             elif i == j:
-                at_most += [row(**{f"_{first}": 1.0}), row(**{f"_{first}": -1.0})]
+                at_most += [row({first: 1.0}), row({first: -1.0})]
                 constant += [0.0, limits.rate[i] ** 2 / product[i, i]]
     share = mean_square_share(limits.rate, limits.acceleration, limits.jerk)
-    at_most += [row(**{f"_{51 + i}": 1.0}) for i in range(6)]
+    at_most += [row({51 + i: 1.0}) for i in range(6)]
     return Moments(np.array(equal), np.array(at_most), np.r_[constant, share])
 
 
