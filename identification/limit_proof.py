@@ -15,7 +15,8 @@ from identification.limit import LimitCheck, LimitKind, LimitReport, Status, wor
 from identification.limited_chain import body_clearances, chain_frames, joint_efforts, joint_ranges, sensor_motion
 from identification.limited_quantities import (
     Quantity,
-    limited_coordinates,
+    by_kind,
+    jerks_with_steps,
     limited_rates,
     limited_struts,
     plane,
@@ -54,13 +55,20 @@ Limited = Callable[[Motion, Case, bool], Iterable[Quantity]]
 def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
     """Coordinates and their derivatives."""
     home, limits = case.need_motion("the proof of limits")
-    reach: Iterable[Quantity]
+    if in_box:
+        low, high = limits.pose
+        yield from by_kind((LimitKind.POSITION, LimitKind.ANGLE), motion.pose - home, low, high, limits)
     if case.chain is not None:
-        reach = joint_ranges(motion, case.chain)
+        yield from joint_ranges(motion, case.chain)
     else:
         machine, workspace, _ = case.need_machine("the proof of limits")
-        reach = [plane(motion, machine, workspace)]
-    return limited_coordinates(motion, home, limits, reach, in_box)
+        yield plane(motion, machine, workspace)
+    yield from limited_rates(motion, limits)
+    a, j = limits.acceleration, limits.jerk
+    kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
+    yield from by_kind(kinds, motion.accelerations, -a, a, limits)
+    if limits.limits_jerk:
+        yield from by_kind((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks_with_steps(motion, j), -j, j, limits)
 
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:

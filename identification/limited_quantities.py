@@ -61,29 +61,6 @@ Box = MotionLimits | JointMotionLimits
 """Limits of the coordinates of a machine: of a case, from home, all in SI."""
 
 
-def limited_coordinates(
-    motion: Motion, home: Array, limits: Box, reach: Iterable[Quantity], in_box: bool
-) -> Iterable[Quantity]:
-    """What a case limits of the coordinates and their derivatives, at each instant of a motion.
-
-    Args:
-        home: coordinates there, shape (k,).
-        reach: region that the machine reaches.
-        in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
-    """
-    if in_box:
-        kinds = LimitKind.POSITION, LimitKind.ANGLE
-        yield from _by_kind(kinds, motion.pose - home, limits.pose[0], limits.pose[1], limits)
-    yield from reach
-    a, j = limits.acceleration, limits.jerk
-    yield from limited_rates(motion, limits)
-    kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
-    yield from _by_kind(kinds, motion.accelerations, -a, a, limits)
-    if limits.limits_jerk:
-        kinds = LimitKind.JERK, LimitKind.ANGULAR_JERK
-        yield from _by_kind(kinds, _with_steps(motion, j), -j, j, limits)
-
-
 def plane(motion: Motion, machine: HexapodMachine, workspace: Workspace) -> Quantity:
     """How far the platform of a hexapod is from home, in the plane that it can reach."""
     low, high = workspace.plane[0], workspace.plane[1]
@@ -91,7 +68,7 @@ def plane(motion: Motion, machine: HexapodMachine, workspace: Workspace) -> Quan
     return Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y"), offset, low, high)
 
 
-def _with_steps(motion: Motion, limit: Array) -> Array:
+def jerks_with_steps(motion: Motion, limit: Array) -> Array:
     """Jerks, shape (n, k); where accelerations step between two instants, their change over the time between these."""
     if len(motion.t) < 2:
         return motion.jerks
@@ -111,10 +88,10 @@ def strut_velocities(motion: Motion, machine: HexapodMachine, limits: MotionLimi
 def limited_rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
     """Rates of the coordinates alone."""
     v = limits.rate
-    yield from _by_kind((LimitKind.VELOCITY, LimitKind.ANGULAR_VELOCITY), motion.rates, -v, v, limits)
+    yield from by_kind((LimitKind.VELOCITY, LimitKind.ANGULAR_VELOCITY), motion.rates, -v, v, limits)
 
 
-def _by_kind(
+def by_kind(
     kinds: tuple[LimitKind, LimitKind], values: Array, low: Array, high: Array, limits: Box
 ) -> Iterable[Quantity]:
     """Translations and rotations of a derivative of the coordinates; the kind of each, values in SI."""
