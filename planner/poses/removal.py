@@ -168,8 +168,9 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     count = len(poses)
     shares = ca.MX.sym("shares", space.size, count)
     information, limits = _pose_functions(model, scaling, space, poses.shape[1])
-    triangle = ca.sum2(information.map(count)(shares)) / count
-    margins = ca.vec(limits.map(count)(shares, ca.DM(poses).T))
+    like = ca.DM(poses).T
+    triangle = ca.sum2(information.map(count)(shares, like)) / count
+    margins = ca.vec(limits.map(count)(shares, like))
     objective = _objective(criterion.letter, len(scaling))  # it must live as long as the solver
     low, high = space.bounds()
     start = space.project(space.shares(poses))
@@ -202,14 +203,12 @@ def _pose_functions(
     model: Model, scaling: Array, space: PoseSpace | JointSpace, coordinates: int
 ) -> tuple[ca.Function, ca.Function]:
     """Of one pose: lower triangle of its information; what must not be below 0."""
-    share, reference, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(6)
-    position, turn = space.expression(share)
-    matrix = model.expression(position, turn, none, none) @ ca.diag(ca.DM(scaling))
-    product = ca.densify(matrix.T @ matrix)
-    triangle = product[ca.Sparsity.lower(len(scaling)).find()]
+    share, like, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(coordinates)
+    matrix = model.coordinate_regressor(space.pose(share, like), none, none) @ ca.diag(ca.DM(scaling))
+    triangle = ca.densify(matrix.T @ matrix)[ca.Sparsity.lower(len(scaling)).find()]
     return (
-        ca.Function("information", [share], [triangle], {"cse": True}),
-        ca.Function("limits", [share, reference], [ca.densify(space.margins(share, reference))], {"cse": True}),
+        ca.Function("information", [share, like], [triangle], {"cse": True}),
+        ca.Function("limits", [share, like], [ca.densify(space.margins(share, like))], {"cse": True}),
     )
 
 

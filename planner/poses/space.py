@@ -18,7 +18,7 @@ from identification.limit import TOLERANCE
 from identification.limit_proof import everything, shares_at
 from identification.model import machine_of
 from identification.motion import Array, StandingPoses
-from identification.symbolic import Machine, over_samples, rotation, rpy
+from identification.symbolic import over_samples, rotation, rpy
 from planner.search.problem import standing_limits
 
 SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model depends on it
@@ -96,8 +96,8 @@ class PoseSpace:
         turn = tilted * Rotation.from_rotvec(np.column_stack([none, none, middle + half * shares[:, 4]]))
         return np.column_stack([self.home[:2] + self.radius * shares[:, :2], like[:, 2], turn.as_euler("xyz")])
 
-    def expression(self, share: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Position (z at home) and R of one pose, shapes (3,) and (3, 3)."""
+    def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
+        """One pose of the height of another, `like`, shape (6,)."""
         middle, half = self._torsion_middle
         a, b = self.tilt * share[2], self.tilt * share[3]
         norm = 1 + a * a + b * b
@@ -111,14 +111,12 @@ class PoseSpace:
         )
         c, s = ca.cos(middle + half * share[4]), ca.sin(middle + half * share[4])
         about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
-        position = ca.vertcat(ca.DM(self.home[:2]) + self.radius * share[:2], float(self.home[2]))
-        return position, tilted @ about_z
+        return ca.vertcat(ca.DM(self.home[:2]) + self.radius * share[:2], like[2], rpy(tilted @ about_z))
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
-        """What must not be below 0 at a pose of the height of another, `like` of shape (6,): edges, machine."""
-        position, turn = self.expression(share)
-        pose = ca.vertcat(position[:2], like[2], rpy(turn))
-        return ca.vertcat(1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4]), validity_margins(self.case)(pose))
+        """What must not be below 0 at such a pose: edges, machine."""
+        inside = validity_margins(self.case)(self.pose(share, like))
+        return ca.vertcat(1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4]), inside)
 
     def valid(self, poses: Array) -> NDArray[np.bool_]:
         """Whether the machine can stand at each pose, shape (n,)."""
@@ -130,7 +128,6 @@ class JointSpace:
     """The joints' part of the motion box among which refinement searches; a `PoseSpace` of chains."""
 
     case: Case  # case with a chain
-    machine: Machine  # its kinematics
     middle: Array  # of the box, shape (n,) [m or rad]
     half: Array  # half of its sides, shape (n,) [m or rad]
 
@@ -138,7 +135,7 @@ class JointSpace:
     def of(cls, case: Case) -> "JointSpace":
         """The space of a case; raises CaseError where it has no chain or no limits."""
         chain, limits = case.need_chain("pose candidates")
-        return cls(case, machine_of(case), chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
+        return cls(case, chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
 
     @property
     def size(self) -> int:
@@ -162,16 +159,14 @@ class JointSpace:
         del like
         return np.asarray(self.middle + self.half * shares)
 
-    def expression(self, share: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Position and R of one pose, shapes (3,) and (3, 3)."""
-        still = ca.SX.zeros(self.size)
-        position, turn, _, _ = self.machine.frame(self._pose(share), still, still)
-        return position, turn
+    def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
+        """One pose, shape (n,); `like` is not needed."""
+        del like
+        return ca.DM(self.middle) + ca.DM(self.half) * share
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
-        """What must not be below 0: clearances, torques and sensor forces at rest; `like` is not needed."""
-        del like
-        return 1 - ca.fabs(standing_limits(self.case)(self._pose(share)))
+        """What must not be below 0: clearances, torques and sensor forces at rest."""
+        return 1 - ca.fabs(standing_limits(self.case)(self.pose(share, like)))
 
     def valid(self, poses: Array) -> NDArray[np.bool_]:
         """Whether the machine can stand at each pose, by the proof of limits, shape (k,)."""
@@ -179,9 +174,6 @@ class JointSpace:
             return np.zeros(0, dtype=bool)
         shares = shares_at(StandingPoses(poses), self.case, np.arange(len(poses), dtype=float), True, everything)
         return np.asarray(shares.max(axis=1) <= 1.0 + TOLERANCE)
-
-    def _pose(self, share: ca.SX) -> ca.SX:
-        return ca.DM(self.middle) + ca.DM(self.half) * share
 
 
 def space_of(case: Case) -> PoseSpace | JointSpace:
