@@ -211,7 +211,7 @@ class LimitReport:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
-        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
+        """The report that `to_json` wrote; raises KeyError, TypeError or ValueError where an entry is damaged."""
         return cls(tuple(LimitCheck.of_json(name, entry) for name, entry in data.items()))
 
 

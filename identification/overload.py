@@ -38,7 +38,7 @@ class Loads:
 
     @classmethod
     def of(cls, case: Case) -> "Loads | None":
-        """Those of a case; None where it names no range or no nominal body."""
+        """Loads of a case; None where it names no range or no nominal body."""
         if (most := case.sensors.range) is None or case.nominal is None:
             return None
         bodies = case.bodies
@@ -83,7 +83,7 @@ def body_wrench(body: RigidBody) -> Array:
 
 
 def _state(rotation: tuple[Array, Array, Array], specific: Array) -> Array:
-    """Of {P}: p'' - g, angular acceleration and products of angular velocities, in its axes, shape (n, 15).
+    """State of {P}: p'' - g, angular acceleration and products of angular velocities, in its axes, shape (n, 15).
 
     Args:
         rotation: R and its first and second time derivative, shapes (n, 3, 3).

@@ -25,7 +25,7 @@ UNITS = (slice(0, 3), slice(3, 6))  # forces and moments of a force/torque senso
 
 @dataclass(frozen=True, slots=True)
 class ExpectedNoise:
-    """Of one force sample, white."""
+    """White noise of one force sample."""
 
     sensors: float  # standard deviation of a force sensor alone [N]
     channels: Array  # covariance of the channels with noise of the accelerations, shape (6, 6) [N^2, ..]
@@ -63,7 +63,7 @@ class ExpectedNoise:
 
 
 def sensor_noise(case: Case) -> float:
-    """Of a force sensor as the case states it, else as its simulated machine has it [N]."""
+    """Standard deviation of a force sensor: as the case states it, else of its simulated machine [N]."""
     if case.sensors.force_noise_N is not None:
         return case.sensors.force_noise_N
     return case.simulation.force_noise_N if case.simulation is not None else DEFAULT_NOISE
@@ -140,7 +140,7 @@ class PoseErrors:
         return cls(Hexapod.of(case), field, rate, mixing)
 
     def correlation(self, struts: Array, others: Array) -> Array:
-        """Of the errors between places, shapes (n, 6) and (m, 6) [m], shape (n, m)."""
+        """Correlation of the errors between places, shapes (n, 6) and (m, 6) [m], shape (n, m)."""
         return matern(np.sqrt(squared_distances(struts, others)) / self.field.length)[0]
 
     def scatter(self, regressors: Array, struts: Array, duration: float) -> Array:

@@ -184,7 +184,7 @@ def predicted_std_at_poses(
 
 
 def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0) -> dict[str, float]:
-    """Of the nominal body with a number of payloads, from the covariance of u, shape (u, u)."""
+    """Standard deviations with the nominal body and a number of payloads, from the covariance of u, shape (u, u)."""
     form = physical_form(model)
     nominal = nominal_parameters(model, case.body(payload))  # the rest is linear: its values do not matter
     _, physical = form.of(nominal, covariance)

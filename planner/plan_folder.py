@@ -40,7 +40,7 @@ def fingerprint(plan: Plan) -> str:
 
 
 def fingerprint_of(content: bytes) -> str:
-    """Of a plan.json."""
+    """Fingerprint of the content of a plan.json."""
     return hashlib.sha256(content).hexdigest()[:DIGITS]
 
 

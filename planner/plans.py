@@ -71,7 +71,7 @@ class Plan:
 
     @property
     def duration(self) -> float:
-        """Of the motion [s]."""
+        """Duration of the motion [s]."""
         return self.motion.duration
 
     @property
@@ -83,7 +83,7 @@ class Plan:
 
     @property
     def name(self) -> str:
-        """Of its folder, or of case and family."""
+        """Name of its folder, or of case and family."""
         return f"{self.case.name}-{self.family}" if self.saved is None else self.saved.folder.resolve().name
 
     @property

@@ -77,7 +77,7 @@ class Request:
 
     @property
     def name(self) -> str:
-        """Of the family."""
+        """Name of the family."""
         return self.family.name
 
     def to_json(self) -> dict[str, Any]:

@@ -117,7 +117,7 @@ class LinearFamily(Protocol):
 
     @property
     def shipped(self) -> str:
-        """One for every machine."""
+        """The same motion for every machine."""
         return self.name
 
     def maps(self) -> LinearMaps:
@@ -163,9 +163,9 @@ class LinearFamily(Protocol):
 
     @property
     def once(self) -> Self:
-        """Nothing comes again."""
+        """The family itself: no motion repeats."""
         return self
 
     def refined(self, unknowns: Array) -> Self:
-        """Nothing is left open."""
+        """The family itself: no choice is open."""
         return self

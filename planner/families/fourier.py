@@ -67,7 +67,7 @@ class FourierFamily(LinearFamily):
 
     @property
     def duration(self) -> float:
-        """Of the excitation [s]."""
+        """Duration of the excitation [s]."""
         return self.period * self.repeats + 2.0 * self.run_in
 
     @property

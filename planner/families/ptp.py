@@ -130,7 +130,7 @@ class PointToPointFamily:
 
     @property
     def shipped(self) -> str:
-        """One for moves with limited jerk, one for moves whose accelerations step."""
+        """Name of the motion for limited jerk, or of that for steps of acceleration."""
         return "ptp, steps" if self.steps else self.name
 
     @property
@@ -293,7 +293,7 @@ class PointToPointFamily:
 
     @property
     def once(self) -> "PointToPointFamily":
-        """Nothing comes again."""
+        """The family itself: no motion repeats."""
         return self
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":

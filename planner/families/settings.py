@@ -164,12 +164,12 @@ class Fourier(FamilySettings):
             if choice.period is None and not most:
                 remedy = f"--duration {shortest:g}"
             raise HexciteError(
-                f"period {period:g} s is too short: order {choice.order} reaches {highest:g} Hz, the evaluation hears "
+                f"period {period:g} s is too short: order {choice.order} reaches {highest:g} Hz, the evaluation passes "
                 f"up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose {remedy} or more"
             )
 
     def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
-        """One for each order and period worth a look."""
+        """Families of each order and period worth a look."""
         middle, half = box_middle(case)
         return tuple(
             FourierFamily.lasting(c.order, c.base_period(duration), c.periods(duration), middle, half, c.centred)
@@ -414,5 +414,5 @@ def family_class(name: str) -> type[Fourier] | type[PointToPoint] | type[Spline]
 
 
 def _cycle(case: Case) -> float:
-    """Of the controller [s]; splines begin from such moves too."""
+    """Cycle of the controller [s]; splines begin from such moves too."""
     return case.need_controller("point-to-point moves in whole controller cycles").cycle

@@ -107,7 +107,7 @@ class InformationOfStates(NamedTuple):
 
     @classmethod
     def white(cls, states: Array, regressors: Array, changes: Array, size: int) -> "InformationOfStates":
-        """Of u = `size` parameters, where nothing but white noise counts."""
+        """Information of u = `size` parameters, where nothing but white noise counts."""
         square = weighted_square(states, regressors, size)
         return cls(states, regressors, changes, square, regressors, changes, regressors)
 

@@ -173,7 +173,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
 
 
 class _Run:
-    """One start on its way: its problem as it stands, and what the solver has said and used."""
+    """One start while it is optimised: its problem at present, and status and iterations of the solver."""
 
     def __init__(self, task: Task, watch: Watch) -> None:
         require_rest(task.case)

@@ -181,7 +181,7 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
     require_plannable(Request(Fourier(period=0.25), duration=0.25), hexapod_case)
     case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
-    with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation hears up to 5 Hz"):
+    with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation passes up to 5 Hz"):
         require_plannable(Request(Fourier(period=0.25), duration=0.25), case)
 
 
