@@ -9,7 +9,7 @@ from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError, NegativeMass
 from cases.units import Array
-from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
+from identification.estimation.biases import gain, offset_moves
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
 from identification.estimation.fit import Fit, Uncertain, of_forces, w_of, whitened
@@ -37,6 +37,7 @@ class Fitted(NamedTuple):
     whitening: Array | None  # W is its square, where it is given
     columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
     forces: Array  # forces as the estimator saw them, shape (n, 6)
+    taken: Array  # part of the fit's covariance that biases from another result make
 
     @property
     def at(self) -> float:
@@ -94,16 +95,23 @@ def fit_samples(
     require_sense(model, fit)
     has_delay = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
     residuals = samples.left(columns[:, :, : len(names) - has_delay], fit.values[: len(names) - has_delay])
+    taken, more, w = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance), w_of(whitening, fit)
     if how.biases is not None:
-        fit = with_uncertain_offsets(fit, model, basis, columns, w_of(whitening, fit), how.biases)
+        moves = offset_moves(model, basis, columns, w)
+        taken += moves @ how.biases.covariance @ moves.T
     if isinstance(samples, WristRun):
         effects = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
-        uncertain = gain(columns @ basis, w_of(whitening, fit), effects)
-        fit = widened(fit, basis @ uncertain, _of_known_motion(how.biases, held))
+        moves = basis @ gain(columns @ basis, w, effects)
+        if how.biases is not None:
+            taken += moves[:, 1:] @ how.biases.require_accelerometer().covariance @ moves[:, 1:].T
+        if held is not None:
+            more += held.std**2 * np.outer(moves[:, 0], moves[:, 0])
+    more += taken
+    fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         held = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
-    return Fitted(samples, fit, held, residuals, whitening, columns, forces)
+    return Fitted(samples, fit, held, residuals, whitening, columns, forces, taken)
 
 
 def excerpt(samples: Samples, times: int = 1) -> Samples:
@@ -178,15 +186,6 @@ def _converged(
     assert columns is not None
     assert values is not None
     return delay, columns, values, whitening, fit
-
-
-def _of_known_motion(biases: Biases | None, fixed_delay: Uncertain | None) -> Array:
-    """Covariance of what is not estimated: a delay, and biases that were taken from the accelerometer, shape (4, 4)."""
-    covariance = np.zeros((4, 4))
-    covariance[0, 0] = 0.0 if fixed_delay is None else fixed_delay.std**2
-    if biases is not None:
-        covariance[1:, 1:] = biases.require_accelerometer().covariance
-    return covariance
 
 
 def require_sense(model: Model, fit: Fit) -> None:

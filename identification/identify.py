@@ -20,13 +20,13 @@ from cases.units import Array
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
-from identification.estimation.noise_sources import NoiseSources, noise_sources
+from identification.estimation.noise_sources import noise_sources
 from identification.findings import Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import fitting_case, require_wiring
-from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
+from identification.fitting import GAUSS_MARKOV, SANDWICHED, fit_samples
 from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
@@ -43,6 +43,7 @@ from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
+NOT_COMPARED = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
 SHARE = 0.5  # of the structural mode's frequency: there the first term that is left out is a sixteenth
 
 
@@ -284,32 +285,24 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         cutoff = fitted.samples.filter.cutoff
         findings.append(mode_told(smoothing, cutoff) if conditioning.flexible else smoothing_told(smoothing))
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
-    noise = stated_noise(case, fitted, method)
-    findings += [] if noise is None else noise.findings
+    noise = None
+    if case.sensors.state_noise and isinstance(fitted.samples, Run | PeriodicRun):
+        if method.name in SANDWICHED and not method.priors:
+            noise = noise_sources(fitted.samples, fitted.fit, fitted.w, fitted.at, case.sensors)
+            findings += noise.findings
+        else:
+            findings.append(warning(Kind.NOISE, NOT_COMPARED))
     if method.biases is not None:
         free = fit_samples(fitted.samples, method.without_biases, problem, fitted.at, delay)
         findings += drift_told(method.biases, model, free.fit)
         if fitted.samples.nuisances and MASS in model.blocks:
-            exactly = replace(method, biases=method.biases.exact)
-            findings.append(
-                mass_told(model, fitted.fit, fit_samples(fitted.samples, exactly, problem, fitted.at, delay).fit)
-            )
+            findings.append(mass_told(model, fitted.fit, fitted.taken))
     findings += fit_findings(recording, case, method, fitted)
     bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
         good = ~scanned.bad
         bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
     return estimate_of(fitted, recording.source, case, method, noise, bias, tuple(findings))
-
-
-def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None:
-    """What s0 of a run with struts consists of, where the case states noise and least squares were asked for."""
-    samples = fitted.samples
-    if not case.sensors.state_noise or how.name not in SANDWICHED or how.priors:
-        return None
-    if not isinstance(samples, Run | PeriodicRun):
-        return None
-    return noise_sources(samples, fitted.fit, fitted.w, fitted.at, case.sensors)
 
 
 def _inertia(model: Model) -> set[str]:

@@ -34,7 +34,6 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import MM, Array, as_html
-from identification.findings import Finding, Kind, note
 from identification.formats.table import Lines, lost_samples, uniform_step, unreadable
 
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
@@ -90,28 +89,6 @@ class Averaged(NamedTuple):
     def expected(self) -> Array:
         """Noise of an average below the motion's Nyquist frequency if that of the samples is white, shape (6,)."""
         return np.asarray(self.noise / np.sqrt(self.ratio))
-
-    def finding(self, w: Array, s0: float) -> Finding:
-        """The noise that is left beside that which white samples would leave.
-
-        Args:
-            w: W of (24) for one sample, shape (6, 6).
-            s0: s0 of the fit.
-        """
-        expected = float(np.sqrt(np.trace(w @ np.diag(self.expected**2)) / 6.0))
-        entries = {
-            "ratio": self.ratio,
-            "interval_s": self.interval,
-            "sample_noise": self.noise.tolist(),
-            "expected_noise": self.expected.tolist(),
-        }
-        return note(
-            Kind.CLOCK,
-            f"forces: {self.ratio:.4g} samples averaged for each of the motion ({self.interval * 1e3:.4g} ms, "
-            f"centred: no group delay); noise of a sample {float(np.median(self.noise)):.3g} N; were it white, s0 "
-            f"would be {expected:.3g}, it is {s0:.3g}",
-            averaged=entries,
-        )
 
 
 @dataclass(frozen=True, slots=True, repr=False)

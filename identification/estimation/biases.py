@@ -8,7 +8,7 @@ Afterwards a channel that reads too much all along has drifted, or something pre
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -94,13 +94,6 @@ class Biases:
         """The offsets as known values by name."""
         return dict(zip(OFFSET_NAMES, map(float, self.values), strict=True))
 
-    @property
-    def exact(self) -> "Biases":
-        """The same without their uncertainty."""
-        bias = self.accelerometer
-        bias = None if bias is None else replace(bias, covariance=np.zeros((3, 3)))
-        return replace(self, covariance=np.zeros((6, 6)), accelerometer=bias)
-
     def to_json(self) -> dict[str, Any]:
         """What a result says about where its offsets come from."""
         return {
@@ -122,19 +115,18 @@ class Biases:
         return self.accelerometer
 
 
-def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
+def mass_told(model: Model, fit: Fit, taken: Array) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
 
     Args:
-        fit: fit with the uncertainty of the offsets, and of the accelerometer's biases.
-        exact: the same fit as if these were exact.
+        taken: part of the fit's covariance that these offsets, and the accelerometer's biases, make.
     """
     place = model.names.index("m")
-    std, remainder = (max(f.covariance[place, place], f.covariance_robust[place, place]) for f in (fit, exact))
+    variance, own = max(fit.covariance[place, place], fit.covariance_robust[place, place]), taken[place, place]
     return note(
         Kind.OFFSETS,
-        f"of the mass's standard deviation of {std**0.5:.2g} kg the offsets that were taken make "
-        f"{max(std - remainder, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {remainder**0.5:.2g} kg",
+        f"of the mass's standard deviation of {variance**0.5:.2g} kg the offsets that were taken make {own**0.5:.2g} "
+        f"kg; what this run leaves of its forces makes {max(variance - own, 0.0) ** 0.5:.2g} kg",
     )
 
 
@@ -152,20 +144,8 @@ def gain(regressors: Array, w: Array, columns: Array) -> Array:
     return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
 
 
-def widened(fit: Fit, moves: Array, covariance: Array) -> Fit:
-    """The fit with the uncertainty of what it took as known.
-
-    Args:
-        fit: fit of all of u and what is estimated beside.
-        moves: how its values answer to unit errors of the known quantities, shape (values, k).
-        covariance: covariance of these, shape (k, k).
-    """
-    more = moves @ covariance @ moves.T
-    return replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
-
-
-def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array, w: Array, biases: Biases) -> Fit:
-    """The fit with the uncertainty of offsets that it took from another result.
+def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array:
+    """How the values of a fit answer to unit errors of offsets that it took from another result, shape (u, 6).
 
     Args:
         basis: basis of what was free, shape (u, free).
@@ -175,7 +155,7 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
     moves[offsets] += np.eye(6)
-    return widened(fit, moves, biases.covariance)
+    return np.asarray(moves)
 
 
 def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:

@@ -173,10 +173,23 @@ def like_noise(recording: Recording, case: Case, method: Method, fitted: Fitted)
 
 
 def averaged(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What averaging forces over the motion's interval did."""
-    if recording.averaged is None or not fitted.samples.nuisances:
+    """Noise of forces averaged over the motion's interval, beside that which white samples would leave."""
+    about = recording.averaged
+    if about is None or not fitted.samples.nuisances:
         return []
-    return [recording.averaged.finding(fitted.w, fitted.fit.s0)]
+    expected = float(np.sqrt(np.trace(fitted.w @ np.diag(about.expected**2)) / 6.0))
+    entries = {
+        "ratio": about.ratio,
+        "interval_s": about.interval,
+        "sample_noise": about.noise.tolist(),
+        "expected_noise": about.expected.tolist(),
+    }
+    sentence = (
+        f"forces: {about.ratio:.4g} samples averaged for each of the motion ({about.interval * 1e3:.4g} ms, centred: "
+        f"no group delay); noise of a sample {float(np.median(about.noise)):.3g} N; were it white, s0 would be "
+        f"{expected:.3g}, it is {fitted.fit.s0:.3g}"
+    )
+    return [note(Kind.CLOCK, sentence, averaged=entries)]
 
 
 def placed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
@@ -187,15 +200,6 @@ def placed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> 
     settings = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
     sentence = f"[sensors] {settings}: with this in the case, plans count on the errors that depend on the pose"
     return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
-
-
-def not_compared(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """Noise that the case states and that this estimator's s0 is not compared with."""
-    sentence = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
-    compared = method.name in SANDWICHED and not method.priors
-    if compared or not case.sensors.state_noise or not isinstance(fitted.samples, Run | PeriodicRun):
-        return []
-    return [warning(Kind.NOISE, sentence)]
 
 
 def noisier(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
@@ -381,7 +385,7 @@ def _drift_told(
 
 
 CHECKS: tuple[Callable[[Recording, Case, Method, Fitted], list[Finding]], ...] = (
-    found_before, placed, late, far_from_white, unexplained, systematic, not_compared, noisier, like_noise, other_feed,
+    found_before, placed, late, far_from_white, unexplained, systematic, noisier, like_noise, other_feed,
     other_rate, averaged, drifting, doubtful_body,
 )  # fmt: skip
 """What every fit is looked at for, in the order in which it is told."""

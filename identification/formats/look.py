@@ -1,6 +1,7 @@
 """A file of unknown format: what its columns are likely to mean, and the table `[recording]` that reads it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +85,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
         settings["clock"] = {"period_ms": 1e3 / (case.recording.rate_Hz if case is not None else _USUAL_RATE)}
     problem = _problem(file, settings, case)
     odd = (*oddities(result, layout, case), *([f"not read with these settings: {problem}"] if problem else []))
-    return Look(file, rows, shown_columns, settings, odd, problem is None)
+    return replace(result, odd=odd, reads=problem is None)
 
 
 def _bag(bag: Path, case: Case | None) -> Look:

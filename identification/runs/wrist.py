@@ -25,13 +25,13 @@ from identification.formats.table import HOST_GAP, equal_steps, lost_samples
 from identification.model import Model
 from identification.parameters import MASS
 from identification.recording import Recording, Stream
+from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
 
 Rows = NDArray[np.bool_]
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
-DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay
 LEAST_ROWS = 20
 
 
