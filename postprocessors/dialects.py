@@ -61,11 +61,11 @@ class Dialect:
 def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
     from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
-    from postprocessors.reading.linuxcnc import read_linuxcnc_bytes
+    from postprocessors.reading.linuxcnc import read_linuxcnc
 
     return Language(
         write_linuxcnc,
-        read_linuxcnc_bytes,
+        read_linuxcnc,
         linuxcnc_guarantees,
         forecast=linuxcnc_forecast,
         prepare=prepare_linuxcnc,

@@ -64,7 +64,7 @@ class _LinuxCncInterpreter(ModalState):
 
     name, groups, last, straight_word, block_time = "LinuxCNC", _GROUPS, "M2", "G1", "F = 60 / seconds"
 
-    def __init__(self, file: str, chain: Chain | None = None) -> None:
+    def __init__(self, file: str, chain: Chain | None) -> None:
         axes = "XYZABC" if chain is None else axis_letters(chain, "LinuxCNC", file)
         scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
         super().__init__(file, list(axes), "ABC", scale, chain is not None)
@@ -164,28 +164,15 @@ def _words(text: str, line: int, file: str) -> list[Word]:
     return [w for w in each_word(text, 0, _WORD, word, unreadable) if w is not None]
 
 
-def read_linuxcnc_bytes(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a file as it is, byte by byte: no notion of lines but the controller's own (line feed).
+def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
+    """Reads a program, byte by byte: no notion of lines but the controller's own (line feed).
 
     Args:
-        case: its chain names the axes, where it has one.
-
-    Raises:
-        ProgramError: see `read_linuxcnc`.
-    """
-    # one character a byte; what is not ASCII is refused there
-    return read_linuxcnc(content.decode("latin-1"), file, case.chain)
-
-
-def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:
-    """Reads a program.
-
-    Args:
-        chain: chain whose joints are the axes; without one the axes are the pose of a platform.
+        case: its chain names the axes, where it has one; else the axes are the pose of a platform.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
     """
-    interpreter = _LinuxCncInterpreter(file, chain)
-    reading = interpreter.read_program(program_lines(text, file, LONGEST_LINE), _words)
+    interpreter = _LinuxCncInterpreter(file, case.chain)
+    reading = interpreter.read_program(program_lines(content.decode("latin-1"), file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

@@ -16,8 +16,7 @@ from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trig
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading import Stretch
-from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.reading import Reading, Stretch, linuxcnc
 from postprocessors.writing import timed_path
 
 Array = NDArray[np.float64]
@@ -42,6 +41,11 @@ def there_and_back(count: int = 20, size: float = 2.0, seconds: float = 0.05, le
 def timed(lines: list[str]) -> str:
     """The lines as a timed path, blended as the writer does it."""
     return "\n".join(["G64 P1 Q0", "G93", *lines, "G94", "G61"])
+
+
+def read_linuxcnc(text: str, file: str) -> Reading:
+    """What a program for the built-in hexapod says."""
+    return linuxcnc.read_linuxcnc(text.encode(), file, load_case("hexapod"))
 
 
 def parts(text: str, case: Case) -> tuple[Stretch, ...]:

@@ -11,10 +11,10 @@ from cases.errors import ProgramError
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import prove_program
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.bench.reliability.programs import edited, originals
 from tests.helpers import one_line
 from tests.postprocessors.other_dialects import BOTH, CASE, LINUXCNC, Typed
+from tests.postprocessors.programs import read_linuxcnc
 
 each = pytest.mark.parametrize("typed", [*BOTH, LINUXCNC], ids=lambda t: t.name)
 

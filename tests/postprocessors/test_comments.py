@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from postprocessors.blocks import NeutralProgram, ToHome
-from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
-from tests.postprocessors.programs import HOME, linuxcnc_text
+from postprocessors.reading.linuxcnc import LONGEST_LINE
+from tests.postprocessors.programs import HOME, linuxcnc_text, read_linuxcnc
 
 MOVE = (ToHome(HOME, 0.05),)
 ESCAPES = [

@@ -9,8 +9,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading import Timed, Untimed
-from postprocessors.reading.linuxcnc import read_linuxcnc
-from tests.postprocessors.programs import HEAD, parts, proof, there_and_back, timed, typed
+from tests.postprocessors.programs import HEAD, parts, proof, read_linuxcnc, there_and_back, timed, typed
 
 CASE = load_case("hexapod")
 

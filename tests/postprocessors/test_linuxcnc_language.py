@@ -5,9 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from cases.errors import ProgramError
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.helpers import one_line
-from tests.postprocessors.programs import typed
+from tests.postprocessors.programs import read_linuxcnc, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 SKELETON = """(hexapod skeleton)

@@ -17,10 +17,9 @@ from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import jerked
-from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text
+from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text, read_linuxcnc
 
 CASE = load_case("hexapod")
 BOX = CASE.limits.motion

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from cases.errors import ProgramError
-from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
+from postprocessors.reading.linuxcnc import LONGEST_LINE
 from tests.helpers import one_line
-from tests.postprocessors.programs import FIRST, typed
+from tests.postprocessors.programs import FIRST, read_linuxcnc, typed
 
 # what line FIRST is -> column that is named (0: the line as a whole), what the message says
 WRONG: dict[str, tuple[int, str]] = {

@@ -8,9 +8,9 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.reading import Still, Timed, Untimed
-from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
+from postprocessors.reading.linuxcnc import LONGEST_LINE
 from postprocessors.writing import excitation_program
-from tests.postprocessors.programs import HOME, linuxcnc_text, programs
+from tests.postprocessors.programs import HOME, linuxcnc_text, programs, read_linuxcnc
 from tests.postprocessors.reported import Pause, Switch, reports
 
 HALF_A_STEP = np.r_[np.full(3, 0.5e-5 * MM), np.full(3, 0.5e-6 * DEG)] * (1 + 1e-6)

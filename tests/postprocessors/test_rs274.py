@@ -11,8 +11,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.blocks import NeutralProgram
-from postprocessors.reading.linuxcnc import read_linuxcnc
-from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, small_excitation, typed
+from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, read_linuxcnc, small_excitation, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 pytestmark = pytest.mark.linuxcnc

@@ -16,10 +16,10 @@ from planner.families.fourier import FourierFamily
 from postprocessors.blocks import TimedPath
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.reading import Timed
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import APPROACH_SHARE, excitation_program, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.programs import proof as reproof
+from tests.postprocessors.programs import read_linuxcnc
 
 LINUXCNC = dialect("linuxcnc").load()
 ACCEPTED = ("acceleration", "jerk", "strut-acceleration", "sensor-force")

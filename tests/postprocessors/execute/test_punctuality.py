@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from postprocessors.execute import ControllerLog, moving_windows, path_words, slowest_path
-from postprocessors.reading.linuxcnc import read_linuxcnc
-from tests.postprocessors.programs import FIRST, there_and_back, timed, typed
+from tests.postprocessors.programs import FIRST, read_linuxcnc, there_and_back, timed, typed
 
 READING = read_linuxcnc(typed(f"{timed(there_and_back(20, seconds=0.1))}\nG4 P1\n{timed(there_and_back(10))}"), "p.ngc")
 ONE, OTHER = FIRST + 2, FIRST + 2 + 20 + 2 + 1 + 2  # lines at which the two paths begin

@@ -23,12 +23,11 @@ from postprocessors.execute.linuxcnc.stretching import (
     sufficient_headroom,
     triggered_paths,
 )
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import Written, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.execute.runs import run_text
-from tests.postprocessors.programs import HOME, proof, small_excitation, timed, typed
+from tests.postprocessors.programs import HOME, proof, read_linuxcnc, small_excitation, timed, typed
 
 SPEED, STEP = 0.2, 0.01  # [m/s], [s]
 LINES = [f"G1 X{1e3 * SPEED * STEP * k:.5f} F{60 / STEP}" for k in range(1, 101)]

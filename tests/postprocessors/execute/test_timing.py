@@ -9,9 +9,8 @@ from cases.errors import ExecutionError
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import timing
 from postprocessors.reading import Reading, Still, Untimed
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.execute.runs import PROGRAM, log_of
-from tests.postprocessors.programs import typed
+from tests.postprocessors.programs import read_linuxcnc, typed
 
 FILE = Path("a.ngc")
 

@@ -15,10 +15,9 @@ from postprocessors.execute import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import REST, commanded, run_virtual
 from postprocessors.reading import Timed
-from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
-from tests.postprocessors.programs import parts, small_excitation, there_and_back, timed, typed
+from tests.postprocessors.programs import parts, read_linuxcnc, small_excitation, there_and_back, timed, typed
 from tests.simulated_machine import PoseExecution
 
 
