@@ -135,23 +135,23 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     before = run.rate(unknowns, "D")
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
     best: tuple[float, Feasible] | None = None
-    if run.close or (task.step is Step.GLANCE and task.moves):  # of a glance the annealed walk tells enough
-        inside = keep_limits(task.case, run.family.once, unknowns, QUICK_RATE)
-        best = run.rate(inside.unknowns), inside
+    if run.close or (task.step is Step.GLANCE and task.moves):  # the annealed walk is enough to compare with
+        feasible = run.feasible(unknowns)
+        best = run.rate(feasible.unknowns), feasible
     for stage in _stages(task, run.close):
         if run.stopped and best is not None:
             break
         unknowns = run.solve(unknowns, stage)
         if exploring:
-            inside = keep_limits(task.case, run.family.once, unknowns, QUICK_RATE)
+            feasible = run.feasible(unknowns)
         else:
-            inside = run.inside(run.constrained(unknowns, stage), stage)
-            unknowns = inside.unknowns
-        after = run.rate(inside.unknowns)
+            feasible = run.best_feasible(run.constrained(unknowns, stage), stage)
+            unknowns = feasible.unknowns
+        after = run.rate(feasible.unknowns)
         if best is None or after > best[0]:
-            best = after, inside
+            best = after, feasible
     assert best is not None
-    after, inside = best
+    after, feasible = best
     if not np.isfinite(after):
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
@@ -162,14 +162,14 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         seed=task.seed,
         refined=not exploring,
         start_logdet=before if np.isfinite(before) else None,
-        logdet=after if task.criterion == "D" else run.rate(inside.unknowns, "D"),
+        logdet=after if task.criterion == "D" else run.rate(feasible.unknowns, "D"),
         criterion_value=after,
         solver=run.status,
         converged=run.converged,
         iterations=run.iterations,
         seconds=time.perf_counter() - start,
     )
-    return Start(tried, inside.unknowns, run.family, inside.share, unknowns, promise)
+    return Start(tried, feasible.unknowns, run.family, feasible.share, unknowns, promise)
 
 
 class _Run:
@@ -240,30 +240,31 @@ class _Run:
             unknowns = self.solve(unknowns, again)
         return unknowns
 
-    def inside(self, unknowns: Array, stage: _Stage) -> Feasible:
-        """Draws a motion back inside the limits; where much is lost by that, searches again.
+    def feasible(self, unknowns: Array) -> Feasible:
+        """A motion drawn inside every limit."""
+        return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
+
+    def best_feasible(self, unknowns: Array, stage: _Stage) -> Feasible:
+        """A motion drawn inside every limit; where much is lost by that, the best of further searches.
 
         First from the motion itself, with limits lowered by what it exceeds them; then from inside, from the better of
-        the motions found so far and of the one at which the search began, drawn back as well.
+        the motions until then and of the one at which the search began, drawn inside as well.
         """
-
-        def retraction(unknowns: Array) -> Feasible:
-            return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
 
         def worth(candidate: Feasible) -> float:
             return self.rate(candidate.unknowns, stage.letter)
 
-        candidates = [retraction(unknowns)]
+        candidates = [self.feasible(unknowns)]
         for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
             if candidates[-1].share >= DRAWN_BACK or self.stopped:
                 break
             slips = self.problem.slips(self.family.once.motion(unknowns))
             self.problem = self.problem.with_rows_above(unknowns, 0.0).tightened(slips, 1.0 - MARGIN - SLIPPED)
             if len(candidates) > 1:
-                candidates.append(retraction(self.begun))
+                candidates.append(self.feasible(self.begun))
                 unknowns = max(candidates, key=worth).unknowns
             unknowns = self.solve(unknowns, stage_again._replace(convex=False))
-            candidates.append(retraction(unknowns))
+            candidates.append(self.feasible(unknowns))
         return max(candidates, key=worth)
 
 

@@ -61,7 +61,7 @@ def struts_kept(case: Case, poses: np.ndarray) -> np.ndarray:
 
 
 def kept_poses(case: Case, poses: np.ndarray) -> np.ndarray:
-    """Whether the independent proof finds each pose within all limits, one by one."""
+    """Whether the proof finds each pose within all limits, one by one."""
     return np.array([prove(StandingPoses(pose[None].repeat(2, axis=0)), case, 1.0).kept for pose in poses])
 
 
@@ -101,7 +101,7 @@ def test_corners_that_random_poses_miss_count(hexapod_case: Case) -> None:
 
 
 @pytest.mark.parametrize("name", few("small", "with_vice"))
-def test_the_share_is_that_of_the_independent_proof(name: str, request: pytest.FixtureRequest) -> None:
+def test_the_share_is_that_of_the_proof(name: str, request: pytest.FixtureRequest) -> None:
     case = request.getfixturevalue(name)
     found = reach(case)
     poses = case.machine.home.vector + np.random.default_rng(5).uniform(*found.stated, (1500, 6))
@@ -111,7 +111,7 @@ def test_the_share_is_that_of_the_independent_proof(name: str, request: pytest.F
 
 
 @pytest.mark.parametrize("name", ["small", "with_vice"])
-def test_shares_of_limits_are_those_of_the_independent_proof(name: str, request: pytest.FixtureRequest) -> None:
+def test_shares_of_limits_are_those_of_the_proof(name: str, request: pytest.FixtureRequest) -> None:
     case = request.getfixturevalue(name)
     limits = StaticLimits(case)
     poses = limits.poses(limits.box, np.random.default_rng(3).random((50, 6)))
