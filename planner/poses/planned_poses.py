@@ -62,10 +62,7 @@ def poses_planned(
     unscaled = pose_regressors(model, candidates.poses)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
-    count = request.wanted(len(candidates.poses), regressors.shape[2])
-    require_full_rank(regressors, model)
-    of_candidates = (candidates.poses, regressors)
-    chosen_poses, remark = _choose(request, case, model, count, of_candidates, scaling, done)
+    chosen_poses, remark = _choose(request, case, model, candidates.poses, regressors, scaling, done)
     selected = perf_counter() - start
     order, unordered = _ordered(case, chosen_poses)
     poses = chosen_poses[order]
@@ -175,18 +172,19 @@ def _choose(
     request: PoseRequest,
     case: Case,
     model: Model,
-    count: int,
-    candidates: tuple[Array, Array],
+    poses: Array,
+    regressors: Array,
     scaling: Array,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], and how the choice ended, one phrase; of poses and their scaled regressors.
+    """Chosen poses, shape (n, 6) [m, rad], of some and their scaled regressors, and how the choice ended, one phrase.
 
     Raises:
         HexciteError: too many candidates for the method.
         InfeasiblePlan: so few poses do not determine the model.
     """
-    poses, regressors = candidates
+    count = request.wanted(len(poses), regressors.shape[2])
+    require_full_rank(regressors, model)
     criterion = POSE_CRITERIA[request.criterion]
     if request.method in (PoseMethod.ALL, PoseMethod.GIVEN):
         return poses, METHODS[PoseMethod(request.method)]

@@ -1,6 +1,6 @@
 """Pictures in files: a machine at home with how much of its reach each pose uses, and channels of an unknown file."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from scipy.spatial.transform import Rotation
 
-from cases.machine import HexapodMachine
+from cases.machine import HexapodMachine, KeepOut
 from cases.recording_format import CLOCK, TICKS
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -73,23 +73,20 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
     for k, joint in enumerate(chain.joints, 1):
         axes.text(*origins[k], joint.name, fontsize="small")
     axes.plot(*origins[-1:].T, color="tab:red", marker="s", linestyle="", label="sensor")
-    owners = [(frames[0], chain.base, "0.3", "base"), (frames[-1], chain.tool, "tab:purple", "tool")]
-    owners += [
-        (frame, joint.bodies, "tab:blue", "links") for frame, joint in zip(frames[1:], chain.joints, strict=False)
-    ]
-    outlines, labels = [origins], set[str]()
-    for frame, bodies, colour, label in owners:
-        for line in tool_outlines(bodies):
-            points = line @ frame[:3, :3].T + frame[:3, 3] / MM
-            axes.plot(*points.T, color=colour, linewidth=0.8, label=None if label in labels else label)
-            labels.add(label)
-            outlines.append(points)
-    every = np.vstack(outlines)
-    corners = room(every.min(axis=0), every.max(axis=0), chain.keep_out)
-    _draw_lines(axes, box_outlines(chain.keep_out, *corners), "tab:orange", "kept out")
-    axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
-    axes.set_aspect("equal")
-    axes.legend(loc="upper left")
+    links = list(zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False))
+    outlines = [origins]
+    for owners, colour, label in (
+        ([(frames[0], chain.base)], "0.3", "base"),
+        ([(frames[-1], chain.tool)], "tab:purple", "tool"),
+        (links, "tab:blue", "links"),
+    ):
+        lines = [
+            line @ frame[:3, :3].T + frame[:3, 3] / MM for frame, bodies in owners for line in tool_outlines(bodies)
+        ]
+        _draw_lines(axes, lines, colour, label, 0.8)
+        outlines += lines
+    _finish(axes, case, outlines, chain.keep_out)
+    axes.set(zlabel="z [mm]")
     draw_coordinates(figure.add_subplot(grid[1]), reach)
     return figure
 
@@ -120,39 +117,37 @@ def _draw_machine(axes: Axes3D, case: Case, machine: HexapodMachine) -> None:
     base = machine.base.points / MM
     platform = (home[:3] + machine.platform.points @ turn.T) / MM
     for points, colour, label in ((base, "0.3", "base"), (platform, "tab:blue", "platform")):
-        closed = np.vstack([points, points[:1]])
-        axes.plot(closed[:, 0], closed[:, 1], closed[:, 2], color=colour, linewidth=2.0, label=label)
-    for k, (foot, head) in enumerate(zip(base, platform, strict=True), start=1):
-        axes.plot(
-            *zip(foot, head, strict=True), color="tab:gray", linewidth=1.0, label=None if k > 1 else "struts 1 to 6"
-        )
-        for joint, ring, colour in ((foot, base, "0.3"), (head, platform, "tab:blue")):
-            beside = joint + BESIDE * (joint - ring.mean(axis=0))
-            axes.text(*beside, f"{k}", color=colour, ha="center", va="center")
+        _draw_lines(axes, [np.vstack([points, points[:1]])], colour, label, 2.0)
+        for k, (joint, beside) in enumerate(zip(points, points - points.mean(axis=0), strict=True), start=1):
+            axes.text(*(joint + BESIDE * beside), f"{k}", color=colour, ha="center", va="center")
+    _draw_lines(axes, np.stack([base, platform], axis=1), "tab:gray", "struts 1 to 6", 1.0)
     bars = case.sensor_frame.bars
     if bars is not None:
-        ends = [(home[:3] + ring.points @ turn.T) / MM for ring in (bars.lower, bars.upper)]
-        for k, (low, high) in enumerate(zip(*ends, strict=True)):
-            axes.plot(
-                *zip(low, high, strict=True), color="tab:red", linewidth=1.5, label=None if k else "sensors 1 to 6"
-            )
-            axes.text(*high, f"{k + 1}", color="tab:red", fontsize="small", va="bottom")
+        low, high = ((home[:3] + ring.points @ turn.T) / MM for ring in (bars.lower, bars.upper))
+        _draw_lines(axes, np.stack([low, high], axis=1), "tab:red", "sensors 1 to 6", 1.5)
+        for k, end in enumerate(high, start=1):
+            axes.text(*end, f"{k}", color="tab:red", fontsize="small", va="bottom")
     _, workspace, _ = case.need_machine("the picture of the machine")
     tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
-    every = np.vstack([base, platform, *tools])
-    corners = room(every.min(axis=0), every.max(axis=0), workspace.keep_out)
-    _draw_lines(axes, tools, "tab:purple", "tools")
-    _draw_lines(axes, box_outlines(workspace.keep_out, *corners), "tab:orange", "kept out")
-    axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
+    _draw_lines(axes, tools, "tab:purple", "tools", 1.0)
+    _finish(axes, case, [base, platform, *tools], workspace.keep_out)
     axes.text2D(0.98, 0.92, "z [mm]", transform=axes.transAxes, ha="right")
-    axes.set_aspect("equal")
-    axes.legend(loc="upper left")
 
 
-def _draw_lines(axes: Axes3D, lines: Sequence[Array], colour: str, label: str) -> None:
+def _draw_lines(axes: Axes3D, lines: Iterable[Array], colour: str, label: str, width: float) -> None:
     """Lines of points, shape (n, 3) [mm], with one entry in the legend."""
     for k, line in enumerate(lines):
-        axes.plot(*line.T, color=colour, linewidth=1.0, label=None if k else label)
+        axes.plot(*line.T, color=colour, linewidth=width, label=None if k else label)
+
+
+def _finish(axes: Axes3D, case: Case, drawn: Sequence[Array], boxes: Iterable[KeepOut]) -> None:
+    """Boxes to keep clear of beside what is drawn, shapes (n, 3) [mm]; titles, scale and legend."""
+    every = np.vstack(drawn)
+    corners = room(every.min(axis=0), every.max(axis=0), boxes)
+    _draw_lines(axes, box_outlines(boxes, *corners), "tab:orange", "kept out", 1.0)
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left")
 
 
 def draw_coordinates(axes: Axes, reach: Reach) -> None:
