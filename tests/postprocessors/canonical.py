@@ -1,5 +1,6 @@
 """LinuxCNC's own interpreter: the machine commands that `rs274` makes of a program, and what they use of the limits."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -28,7 +29,7 @@ def canonical(content: bytes, folder: Path) -> Canonical | str:
     (folder / "program.ngc").write_bytes(content)
     run = subprocess.run(
         ["rs274", "-g", "program.ngc"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-        errors="replace", timeout=300,
+        errors="replace", timeout=300, env=os.environ | {"HOME": str(folder)},  # its table of tools is a file there
     )  # fmt: skip
     if run.returncode != 0:
         return run.stderr.replace("executing\n", "").strip() or f"exit code {run.returncode}"
