@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 """Floats of any shape."""
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 MM = 1e-3  # [m]
 UM = 1e-6  # [m]

@@ -10,11 +10,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.sensors import RigidBody, payload_words
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.limit import LimitKind
 from identification.limited_quantities import Quantity, strut_vectors
 from identification.motion import Motion
@@ -33,7 +32,7 @@ class Loads:
     case: Case
     wrenches: Array  # `body_wrench` of each body, shape (bodies, 6, 15)
     limit: Array  # limit of each channel, shape (channels,) [N or N m]
-    moments: NDArray[np.bool_]  # which of them are moments with a range of their own, shape (channels,)
+    moments: Flags  # which of them are moments with a range of their own, shape (channels,)
     labels: tuple[str, ...]  # labels of the channels
 
     @classmethod

@@ -11,9 +11,8 @@ from time import monotonic, process_time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Indices
 from planner.bounds.features import PAIRS, Features
 
 BATCH = 8  # cells halved at once: calls into NumPy cost as much as the arithmetic of one cell
@@ -26,7 +25,7 @@ class Bounded(NamedTuple):
     upper: Array  # no point of the cell has a larger value, shape (n,)
     lower: Array  # value at the point below, shape (n,)
     point: Array  # a point of the cell, shape (n, dimensions of the points)
-    split: NDArray[np.intp]  # the coordinate of the cell to halve next, shape (n,)
+    split: Indices  # the coordinate of the cell to halve next, shape (n,)
 
 
 Bounding = Callable[[Array, Array], Bounded]

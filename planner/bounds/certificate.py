@@ -18,9 +18,8 @@ from functools import cached_property
 from itertools import pairwise, product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Indices
 from planner.bounds.branch import CONTROL, WIDEST, Bounded, Enclosure, enclose
 from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PRODUCTS, Features, Multipliers
 
@@ -99,7 +98,7 @@ class BoxDerivative:
         values = 2.0 * (linear @ _SIGNS) + constant[..., None] + quadratic[:, :, None, :]
         return np.asarray(values.reshape(len(tables), 27 * 27, -1))
 
-    def _states(self, low: Array, high: Array, best: NDArray[np.intp]) -> Array:
+    def _states(self, low: Array, high: Array, best: Indices) -> Array:
         """States, as shares of the half widths, of corners of cells numbered as in `grid`."""
         ends, corner = np.divmod(best, _SIGNS.shape[1])
         upper_end = (ends[:, None] >> np.arange(5, -1, -1)) & 1

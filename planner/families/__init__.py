@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.motion import Trajectory
 from planner.search.rows import LinearRows, Rows
 from planner.search.states import States, linear_states
@@ -26,7 +25,7 @@ class Layout:
     states: States  # states over which information is averaged, with their shares of the duration
     critical: States  # states at which non-linear limits (struts, joints) are constrained
     # at which of these limits of poses, of velocities and of accelerations are used most, shape (B, S) each
-    peaks: tuple[NDArray[np.bool_], ...]
+    peaks: tuple[Flags, ...]
     rows: tuple[Rows, ...]  # limits of the coordinates, linear ones and those of the family
     lower: Array  # bound of each unknown, shape (n,)
     upper: Array  # bound of each unknown, shape (n,)
@@ -96,11 +95,11 @@ class LinearMaps:
     samples: tuple[Array, ...]  # to value, rate and acceleration at the samples of information, (K, q) each
     shares: Array  # share of the duration that each sample stands for, shape (K,); they add up to 1
     critical: tuple[Array, ...]  # the same three at the instants where non-linear limits are constrained, (C, q)
-    peaks: tuple[NDArray[np.bool_], ...]  # as `Layout.peaks`
+    peaks: tuple[Flags, ...]  # as `Layout.peaks`
     blocks: int  # number B of blocks of equally many successive samples that depend on few unknowns each
     # to value, rate, acceleration and jerk: rows that keep the motion within its limits where they do, (L, q) each
     limits: tuple[Array, ...]
-    first: tuple[NDArray[np.bool_], ...]  # which of these rows an optimisation begins with, shapes (L,)
+    first: tuple[Flags, ...]  # which of these rows an optimisation begins with, shapes (L,)
     slips: Array  # what values and rates may pass their rows by between two of them, in half widths, shape (2, n)
     growth: float = np.inf  # a bound g with max|x'| <= g max|x| for every motion [1/s]
 

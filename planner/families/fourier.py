@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.trajectories.curves import FourierMotion, run_in, run_out
 from planner.families import LinearFamily, LinearMaps
 
@@ -126,7 +125,7 @@ class FourierFamily(LinearFamily):
         return (np.arange(count) + 0.5) * self.run_in / max(count, 1)
 
     @property
-    def _first(self) -> NDArray[np.bool_]:
+    def _first(self) -> Flags:
         return np.asarray(np.arange(len(self.grid)) % FIRST == 0)
 
     def growth(self) -> float:

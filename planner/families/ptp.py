@@ -13,10 +13,9 @@ from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
@@ -109,7 +108,7 @@ class PointToPointFamily:
     limits: Array
     # phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others last at least
     # three controller cycles. None while that is open
-    absent: NDArray[np.bool_] | None = None
+    absent: Flags | None = None
 
     @classmethod
     def of(cls, case: Case, moves: int, duration: float) -> "PointToPointFamily":
@@ -305,7 +304,7 @@ class PointToPointFamily:
         return replace(self, absent=absent)
 
 
-def _plain_states(index: NDArray[np.intp]) -> LinearStates:
+def _plain_states(index: Indices) -> LinearStates:
     """The unknowns of each move themselves, for what is limited as a function of them; shape (moves, m)."""
     count, width = index.shape
     return LinearStates(index, np.zeros((count, 1, width)), np.tile(np.eye(width), (count, 1, 1, 1)))

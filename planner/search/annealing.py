@@ -16,17 +16,13 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.model import Model
 from identification.symbolic import over_samples
 from planner.families.ptp import PointToPointFamily, states_of_move
 from planner.search.problem import near_limits
-
-Indices = NDArray[np.intp]
-Flags = NDArray[np.bool_]
 
 HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
 WARM = 0.006  # for a walk that is good already

@@ -12,14 +12,11 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Indices
 from planner.search.program import NonlinearProgram
 from planner.search.rows import LinearRows, StateRows
 from planner.search.states import LinearStates
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Indices
 from identification.model import Model
 from planner.search.objective import FieldByStates, InformationOfStates, Local, criterion_at, weighted_square
 from planner.search.rows import Rows, StateRows, curvature_at_states, pulled_back
@@ -20,8 +19,6 @@ from planner.search.states import SHARE, Kernel, States, state_size
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-Indices = NDArray[np.intp]
 
 
 def regressor_kernel(model: Model, scaling: Array) -> Kernel:

@@ -6,15 +6,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from planner.search.states import Kernel, States
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -23,7 +20,7 @@ class LinearRows:
 
     matrix: "csr_array"  # sparse, shape (L, n)
     order: Indices  # order of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,)
-    chosen: NDArray[np.bool_]  # which of its rows count, shape (L,)
+    chosen: Flags  # which of its rows count, shape (L,)
     bound: Array  # bound of each, shape (L,)
     equal: float | None = None  # None, or what they are equal to
 
@@ -72,7 +69,7 @@ class StateRows:
 
     states: States  # states of the motion, S in each of B blocks
     kernel: Kernel  # state -> r values
-    chosen: NDArray[np.bool_]  # which of them are rows, shape (B, S, r)
+    chosen: Flags  # which of them are rows, shape (B, S, r)
     bound: float  # bound of all of them
 
     @property
@@ -86,7 +83,7 @@ class StateRows:
         return np.full(int(self.chosen.sum()), self.bound)
 
     @cached_property
-    def needed(self) -> NDArray[np.bool_]:
+    def needed(self) -> Flags:
         """States with at least one row, shape (B, S)."""
         return np.asarray(self.chosen.any(axis=2))
 

@@ -10,9 +10,8 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.symbolic import over_samples
 
 
@@ -47,7 +46,7 @@ class Kernel:
         return ca.Function("curvature", [self.variables, weights], [ca.densify(hessian)], {"cse": True})
 
     @cached_property
-    def uses(self) -> NDArray[np.bool_]:
+    def uses(self) -> Flags:
         """Which of the variables change a value at all, shape (d,)."""
         return np.isin(np.arange(self.variables.shape[0]), self._values.jac_sparsity(0, 0).get_triplet()[1])
 
@@ -78,8 +77,6 @@ class Kernel:
         d = int(self.variables.shape[0])
         return curvature.reshape(len(at), d, d)
 
-
-Indices = NDArray[np.intp]
 
 SHARE = -1  # component of a state
 
