@@ -1,6 +1,6 @@
 """The limits of one stretch of a program: what its text proves, what the controller enforces, and what remains open."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -61,38 +61,29 @@ PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
 
 def _require_timing(part: Timed, by: Judge) -> None:
     """A block shorter than the controller's cycle does not keep its time; of one that is too long nothing is known."""
-    guarantees, key = by.guarantees, by.guarantees.block_key
-    steps, cycle = np.diff(part.points.times), 1e3 * by.guarantees.shortest_block
-
-    def refuse(mask: NDArray[np.bool_], sentence: Callable[[float], str]) -> None:
+    own, steps = by.guarantees, np.diff(part.points.times)
+    cycles = steps / own.shortest_block if own.whole_cycles else np.zeros(1)
+    for mask, sentence in (
+        (
+            steps < own.shortest_block * (1 - 1e-6),
+            "the block takes {ms:.4g} ms, less than a cycle of {own.controller} ({cycle:g} ms); write longer blocks "
+            "({own.block_key})",
+        ),
+        (
+            steps > own.longest_block * (1 + 1e-6),
+            "the timed block takes {s:.4g} s; how {own.controller} moves within more than {own.longest_block:g} s is "
+            "not known: write shorter blocks ({own.block_key}), or a move at a feed (G94) with an exact stop",
+        ),
+        (
+            np.abs(cycles - np.round(cycles)) > PARTS,
+            "the block takes {ms:.6g} ms, not whole cycles of {own.controller} ({cycle:g} ms), which leaves out the "
+            "rest and is faster: write whole ones ({own.block_key})",
+        ),
+    ):
         if mask.any():
             k = int(np.argmax(mask))
-            raise ProgramError(by.file, part.lines[k], 0, sentence(1e3 * steps[k]))
-
-    refuse(
-        steps < guarantees.shortest_block * (1 - 1e-6),
-        lambda ms: (
-            f"the block takes {ms:.4g} ms, less than a cycle of {guarantees.controller} ({cycle:g} ms); write "
-            f"longer blocks ({key})"
-        ),
-    )
-    refuse(
-        steps > guarantees.longest_block * (1 + 1e-6),
-        lambda ms: (
-            f"the timed block takes {1e-3 * ms:.4g} s; how {guarantees.controller} moves within more than "
-            f"{guarantees.longest_block:g} s is not known: write shorter blocks ({key}), or a move at a feed (G94) "
-            "with an exact stop"
-        ),
-    )
-    if guarantees.whole_cycles:
-        cycles = steps / guarantees.shortest_block
-        refuse(
-            np.abs(cycles - np.round(cycles)) > PARTS,
-            lambda ms: (
-                f"the block takes {ms:.6g} ms, not whole cycles of {guarantees.controller} ({cycle:g} ms), which "
-                f"leaves out the rest and is faster: write whole ones ({key})"
-            ),
-        )
+            words = sentence.format(own=own, ms=1e3 * steps[k], s=steps[k], cycle=1e3 * own.shortest_block)
+            raise ProgramError(by.file, part.lines[k], 0, words)
 
 
 def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
