@@ -62,8 +62,15 @@ def _flush(path: Path) -> None:
         os.close(handle)
 
 
-def _unwritable(path: Path, error: OSError) -> FileProblem:
-    return FileProblem(path, f"cannot be written ({_reason(error)})", "choose another place with -o")
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Turns what the system says against writing to a place into a FileProblem."""
+    try:
+        yield
+    except FileProblem:  # of something else that the block read or wrote
+        raise
+    except OSError as error:
+        raise FileProblem(path, f"cannot be written ({_reason(error)})", "choose another place with -o") from error
 
 
 def _reason(error: OSError) -> str:
@@ -83,24 +90,18 @@ def atomic_file(path: Path) -> Iterator[Path]:
     Raises:
         FileProblem: the place cannot be written.
     """
-    try:
+    with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    os.close(handle)
-    part = Path(name)
-    try:
-        yield part
-        part.chmod(0o666 & ~_mask())
-        _flush(part)
-        os.replace(part, path)
-    except FileProblem:  # of something else that the block read or wrote
-        raise
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    finally:
-        part.unlink(missing_ok=True)
+        os.close(handle)
+        part = Path(name)
+        try:
+            yield part
+            part.chmod(0o666 & ~_mask())
+            _flush(part)
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def free_name(path: Path, separator: str = "-") -> Path:
@@ -210,25 +211,19 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
         FileProblem: the place cannot be written, holds something that is not ours, or was taken in the meantime.
     """
     check_folder(path, kind, overwrite=True)
-    try:
+    with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    try:
-        yield part
-        part.chmod(0o777 & ~_mask())
-        for file in part.rglob("*"):
-            _flush(file)
-        placed = _put(part, path, overwrite)
-        if placed != path:
-            raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
-    except FileProblem:
-        raise
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
+        try:
+            yield part
+            part.chmod(0o777 & ~_mask())
+            for file in part.rglob("*"):
+                _flush(file)
+            placed = _put(part, path, overwrite)
+            if placed != path:
+                raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
 
 
 def _put(part: Path, path: Path, overwrite: bool) -> Path:
