@@ -8,15 +8,17 @@ on the wall, whatever the servo thread does.
 
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 PURPOSE = "running a program on LinuxCNC"
 HERE = Path(__file__).parent
@@ -113,7 +115,9 @@ def pose_range(case: Case, box: bool) -> Array:
 
 
 @cache
-def _templates() -> Environment:
+def _templates() -> "Environment":
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # checks of programs do without
+
     templates = Environment(
         loader=FileSystemLoader(HERE), undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True
     )
