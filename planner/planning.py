@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -81,13 +81,6 @@ def require_plannable(request: Request, case: Case) -> None:
     require_rest(case)
 
 
-def _of_families(results: Sequence[Start | Failed], request: Request) -> tuple[list[Start], list[Start]]:
-    """Starts of the family asked for, and those of another to compare with."""
-    starts = [r for r in results if isinstance(r, Start)]
-    own = [s for s in starts if s.family.name == request.family.name]
-    return own, [s for s in starts if s.family.name != request.family.name]
-
-
 def _rival(request: Request, case: Case) -> list[Task]:
     """One start of another family that takes seconds, to compare with; none where nothing is to be compared."""
     if request.starts == 1 or request.criterion != "D":  # one start was asked for, or what D does not measure
@@ -110,46 +103,56 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         Interrupted: Ctrl-C before any start was done.
     """
     listener.begin(request)
-    own = request.family.controlled(case)
     explored_until, until = deadlines(request)
+    controlled = request.family.controlled(case)
     rival = _rival(request, case)
-    # A single refinement leaves a core free for it.
-    refined = request.family.refinements(request.criterion)
-    at_once, later = ([], rival) if refined == 1 else (rival, [])
-    results, interrupted = _explored(request, own.case, listener, run, explored_until, at_once)
-    explored, _ = _of_families(results, request)
+    count = request.family.refinements(request.criterion)
+    at_once, later = ([], rival) if count == 1 else (rival, [])  # a single refinement leaves a core free for it
+    results, interrupted = _explored(request, controlled.case, listener, run, explored_until, at_once)
+    explored = _own(results, request)
     score = max((s.tried.criterion_value for s in explored if s.tried.refined), default=-np.inf)
     # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
-    rough = [s for s in explored if not s.tried.refined and s.promise > score]
-    best = [Task(own.case, request.model, s.family, request.criterion, s.tried.seed, request.payload, Step.REFINE,
-                 s.begin)
-            for s in sorted(rough, key=lambda s: -s.promise)[:refined]]  # fmt: skip
-    if explored and (best or later) and not interrupted:
-        second = run([*best, *later], listener, until)
+    promising = sorted((s for s in explored if not s.tried.refined and s.promise > score), key=lambda s: -s.promise)
+    refinements = [
+        Task(controlled.case, request.model, s.family, request.criterion, s.tried.seed, request.payload, Step.REFINE,
+             s.begin)
+        for s in promising[:count]
+    ]  # fmt: skip
+    if explored and (refinements or later) and not interrupted:
+        second = run([*refinements, *later], listener, until)
         results, interrupted = results + second.results, second.interrupted
-    starts, others = _of_families(results, request)
-    starts.sort(key=lambda s: -s.tried.criterion_value)
-    failed = [r for r in results if isinstance(r, Failed)]
+    starts = sorted(_own(results, request), key=lambda s: -s.tried.criterion_value)
+    failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:
         if interrupted:
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
-    white = None
+    best, white = starts[0], None
     if case.sensors.pose_field is not None and not interrupted:
-        fresh, best_family = request.family.families(own.case, request.duration)[0], starts[0].family
-        fresh = fresh if fresh.settings == best_family.settings else best_family
-        one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].tried.seed, request.payload,
-                   begin=shipped_start(fresh, case))  # fmt: skip
-        alone = run([one], replace(SILENT, news=listener.news), until)
-        white, interrupted = next((r for r in alone.results if isinstance(r, Start)), None), alone.interrupted
-    winner = starts[0].family
-    unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
-    motion = winner.motion(unknowns)
-    report = own.reported(prove(motion, case)) if own.step_time else report
-    settings = {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})}
-    return PlannedMotion(
-        motion, settings, report, tuple(starts), tuple(failed), interrupted, next(iter(others), None), white
-    )
+        family = request.family.families(controlled.case, request.duration)[0]
+        family = family if family.settings == best.family.settings else best.family
+        plain = without_pose_errors(controlled.case)
+        task = Task(plain, request.model, family, "D", best.tried.seed, request.payload,
+                    begin=shipped_start(family, case))  # fmt: skip
+        answer = run([task], replace(SILENT, news=listener.news), until)
+        white, interrupted = next(_starts(answer.results), None), answer.interrupted
+    unknowns, report, _ = keep_limits(controlled.case, best.family, best.unknowns, PROOF_RATE)
+    motion = best.family.motion(unknowns)
+    report = controlled.reported(prove(motion, case)) if controlled.step_time else report
+    made_for = {} if controlled.controller is None else {"made_for": controlled.controller}
+    settings = {**best.family.settings, **made_for}
+    other = next((s for s in _starts(results) if s.family.name != request.family.name), None)
+    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, other, white)
+
+
+def _starts(results: Sequence[Start | Failed]) -> Iterator[Start]:
+    """Results that did not fail."""
+    return (r for r in results if isinstance(r, Start))
+
+
+def _own(results: Sequence[Start | Failed], request: Request) -> list[Start]:
+    """Starts of the family asked for; the others are of its rival."""
+    return [s for s in _starts(results) if s.family.name == request.family.name]
 
 
 def _by_errors(
@@ -192,7 +195,7 @@ def _explored(
     """
     families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
     parameters, most = len(identification_model(case, request.model).names), most_starts(request)
-    seeds, several = iter(seeds_of(request.seed, most + len(families))), len(families) > 1
+    seeds, settings = iter(seeds_of(request.seed, most + len(families))), [family.settings for family in families]
 
     def fresh(family: Family) -> Task:
         return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
@@ -208,9 +211,8 @@ def _explored(
         results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
         if outcome.interrupted or time.monotonic() >= until or enough(results, request, parameters):
             return Outcome(everything, outcome.interrupted)
-        starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
-        names = [family.settings for family in families]
-        ranked = dict.fromkeys(names.index(s.family.settings) for s in starts) if several else {}
+        starts = sorted(_starts(results), key=lambda s: -s.promise)
+        ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
         best = [families[k] for k in ranked] or families
         tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, most - len(results)))]
 
