@@ -94,7 +94,7 @@ def fit_samples(
     fit = of_forces(whitening, fit, columns, forces)
     require_sense(model, fit)
     has_delay = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
-    residuals = samples.left(columns[:, :, : len(names) - has_delay], fit.values[: len(names) - has_delay])
+    residuals = samples.residuals(columns[:, :, : len(names) - has_delay], fit.values[: len(names) - has_delay])
     taken, more, w = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance), w_of(whitening, fit)
     if how.biases is not None:
         moves = offset_moves(model, basis, columns, w)
@@ -134,7 +134,7 @@ def _converged(
         forces: forces of that, shape (n, 6).
         problem: problem with the nuisances and the filter of the run; without one for the delay, the delay is fixed.
         delay: delay to start from [s].
-        near: u that a part of the run told, shape (u,), with its delay: one step is then enough.
+        near: u of a part of the run, shape (u,), with its delay: one step is then enough.
         steps: number of steps, at most.
 
     Raises:

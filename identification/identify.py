@@ -17,12 +17,12 @@ from cases.errors import FileProblem, IdentificationError, NegativeMass, Recordi
 from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
+from identification.estimation.biases import Biases, accelerometer_bias, drift_findings, mass_finding
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
 from identification.estimation.noise_sources import noise_sources
 from identification.findings import Kind, note, warning
-from identification.findings.contact import contacts_told, free_of_contact, touched
+from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import fitting_case, require_wiring
@@ -30,12 +30,12 @@ from identification.fitting import GAUSS_MARKOV, SANDWICHED, fit_samples
 from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
-from identification.outcome import TOLD_OF_RUNS, Result
+from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import MASS, RIGID
 from identification.recording import Recording
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
-from identification.runs.evaluation import MOST_DELAY, Run, mode_told, smoothed, smoothing_of, smoothing_told
+from identification.runs.evaluation import MOST_DELAY, Run, mode_finding, smoothed, smoothing_finding, smoothing_of
 from identification.runs.preparation import delimited, moving_run, stands_only, standstills
 from identification.runs.rates import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
@@ -112,7 +112,7 @@ def identify(
         "case_file": case.origin,
         "plan_hash": run.record.get("plan_hash"),
         "measuring_s": seconds,
-        **({"run": {k: run.record[k] for k in ("simulated", *TOLD_OF_RUNS) if k in run.record}} if run.record else {}),
+        **({"run": {k: run.record[k] for k in ("simulated", *RUN_ENTRIES) if k in run.record}} if run.record else {}),
         **({} if standing is None else {"standstills": standing}),
     }
     return Result(case, record, estimate)
@@ -129,7 +129,7 @@ def default_model(recording: Recording, case: Case) -> int:
 def standing_of(
     recording: Recording, case: Case, poses: Array | None = None, asked: bool = False
 ) -> tuple[Recording, dict[str, Any] | None]:
-    """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
+    """The run's averaged standstills with entries about them, where it was recorded at poses; else the run.
 
     A run of hexcite knows the poses of its program.
 
@@ -233,7 +233,7 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
             "model from 0 to 5, or record a motion"
         )
     estimate = _evaluated(recording, case, model, method, conditioning)
-    mode, cutoff = estimate.told.get("structural_mode_Hz"), case.recording.filter_cutoff_Hz
+    mode, cutoff = estimate.quantities.get("structural_mode_Hz"), case.recording.filter_cutoff_Hz
     if mode is None or cutoff is None or cutoff <= SHARE * mode["value"]:
         return estimate
     below = case.recording.model_copy(update={"filter_cutoff_Hz": SHARE * float(mode["value"])})
@@ -283,8 +283,8 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
         smoothing = smoothing_of(fitted.samples, fitted.fit)
         cutoff = fitted.samples.filter.cutoff
-        findings.append(mode_told(smoothing, cutoff) if conditioning.flexible else smoothing_told(smoothing))
-    findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
+        findings.append(mode_finding(smoothing, cutoff) if conditioning.flexible else smoothing_finding(smoothing))
+    findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contact_sentences(recording, contacts)]
     noise = None
     if case.sensors.state_noise and isinstance(fitted.samples, Run | PeriodicRun):
         if method.name in SANDWICHED and not method.priors:
@@ -294,9 +294,9 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
             findings.append(warning(Kind.NOISE, NOT_COMPARED))
     if method.biases is not None:
         free = fit_samples(fitted.samples, method.without_biases, problem, fitted.at, delay)
-        findings += drift_told(method.biases, model, free.fit)
+        findings += drift_findings(method.biases, model, free.fit)
         if fitted.samples.nuisances and MASS in model.blocks:
-            findings.append(mass_told(model, fitted.fit, fitted.taken))
+            findings.append(mass_finding(model, fitted.fit, fitted.taken))
     findings += fit_findings(recording, case, method, fitted)
     bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:

@@ -20,7 +20,7 @@ from identification.result import Estimate, Residuals, Value, identifiability_of
 from identification.saved_result import AGAIN, read_record, require_agreement
 
 # Of what recording.json says of a run, what a result keeps.
-TOLD_OF_RUNS = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
+RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
 _OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
 

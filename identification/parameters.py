@@ -37,7 +37,7 @@ class Rods(NamedTuple):
     joints: ca.SX  # platform joints, shape (3, 6) [m]
     direction: ca.SX  # n from base to platform joint, shape (3, 6)
     turning: ca.SX  # n', shape (3, 6) [1/s]
-    felt: ca.SX  # acceleration of the platform joints less gravity, shape (3, 6) [m/s^2]
+    specific: ca.SX  # acceleration of the platform joints less gravity, shape (3, 6) [m/s^2]
     gravity: ca.SX  # the same in each column, shape (3, 6) [m/s^2]
     length: ca.SX  # l, shape (1, 6) [m]
     speed: ca.SX  # l', shape (1, 6) [m/s]

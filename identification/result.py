@@ -14,7 +14,7 @@ from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
 from identification.estimation.noise_sources import NoiseSources, attenuation_of
-from identification.findings import Finding, Severity, quantities, sentences
+from identification.findings import Finding, Severity, quantities_of, sentences
 from identification.fitting import Fitted, excerpt
 from identification.model import Model, expected_forces, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
@@ -97,9 +97,9 @@ class Estimate:
         return sentences(self.findings, Severity.NOTE)
 
     @property
-    def told(self) -> dict[str, Any]:
-        """What programs are told beside the figures, by their keys in result files."""
-        return quantities(self.findings)
+    def quantities(self) -> dict[str, Any]:
+        """Entries of the findings for programs, by their keys in result files."""
+        return quantities_of(self.findings)
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the residuals, SI units."""
@@ -138,7 +138,7 @@ class Estimate:
             "covariance_robust": fit.covariance_robust.tolist(),
             "notes": list(self.notes),
             "warnings": list(self.warnings),
-            **self.told,
+            **self.quantities,
         }
 
 
@@ -206,14 +206,14 @@ class Residuals:
         return np.asarray(self.forces - self.predicted)
 
     @property
-    def seen(self) -> Array:
+    def explained(self) -> Array:
         """The forces that the model had to explain: behind the filter where there is one, shape (n, 6)."""
         return self.forces if self.filtered is None else self.filtered
 
     @property
-    def left(self) -> Array:
-        """What the model leaves of them, shape (n, 6)."""
-        return np.asarray(self.seen - self.predicted)
+    def evaluated(self) -> Array:
+        """Residuals of these, shape (n, 6)."""
+        return np.asarray(self.explained - self.predicted)
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].

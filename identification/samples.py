@@ -64,7 +64,7 @@ class Samples(Protocol):
     def linearised(self, delay: float, values: Array) -> Array:
         """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances)."""
 
-    def left(self, matrices: Array, values: Array) -> Array:
+    def residuals(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model, A u, shape (m, 6)."""
 
     def robust_covariance(
@@ -112,7 +112,7 @@ class Standstills:
         del values
         return self.regressors(delay)
 
-    def left(self, matrices: Array, values: Array) -> Array:
+    def residuals(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model, not weighted, shape (n, 6)."""
         return np.asarray(self.recorded - matrices @ values / self.scale[:, None])
 

@@ -114,44 +114,45 @@ def require_agreement(file: str, record: Mapping[str, Any], model: Model, wrench
     """Computes anew what follows from other entries, so that nobody reads the wrong one of two.
 
     Args:
+        record: as `read_record` returns it.
         model: the model that the entries name.
         wrench: whether the channels are three forces and three moments.
 
     Raises:
         FileProblem: an entry was changed by hand, or the parameters are those of another model.
     """
-    entries = ResultEntries.model_validate(record)
-    white, robust = np.array(entries.covariance), np.array(entries.covariance_robust)
-    if entries.linear.names != list(model.names) or len(entries.linear.values) != len(model.names):
+    linear, parameters, intervals = record["linear"], record["parameters"], record["intervals_95"]
+    white, robust = np.array(record["covariance"]), np.array(record["covariance_robust"])
+    if linear["names"] != list(model.names) or len(linear["values"]) != len(model.names):
         raise FileProblem(file, f"its parameters are not those of model {model.number}", AGAIN)
-    physical = physical_values(model, np.array(entries.linear.values), white, robust)
-    if not physical.keys() == entries.parameters.keys() == entries.intervals_95.keys():
+    physical = physical_values(model, np.array(linear["values"]), white, robust)
+    if not physical.keys() == parameters.keys() == intervals.keys():
         raise FileProblem(file, f"its parameters are not those of model {model.number}", AGAIN)
 
-    def require(entry: str, told: float, found: float, size: float, by: str) -> None:
-        if not abs(told - found) <= ALIKE * size:
-            raise FileProblem(file, f"{entry} is {told:.6g}, but {found:.6g} by {by}: changed by hand", AGAIN)
+    def require(entry: str, stated: float, computed: float, size: float, by: str) -> None:
+        if not abs(stated - computed) <= ALIKE * size:
+            raise FileProblem(file, f"{entry} is {stated:.6g}, but {computed:.6g} by {by}: changed by hand", AGAIN)
 
-    for name, found in physical.items():
-        told = entries.parameters[name]
-        size = max(abs(found.value), found.reported)
-        require(f"value of {name}", told.value, found.value, size, "the linear parameters")
-        require(f"std of {name}", told.std, found.std, size, "the linear parameters")
-        require(f"std_robust of {name}", told.std_robust, found.std_robust, size, "the linear parameters")
-        if told.unit != found.unit:
-            raise FileProblem(file, f"unit of {name} is {told.unit}, not {found.unit}: changed by hand", AGAIN)
-        of_interval = found.interval(entries.degrees_of_freedom)
-        for end, value, computed in zip(("lower", "upper"), entries.intervals_95[name], of_interval, strict=True):
-            require(f"{end} end of intervals_95 of {name}", value, computed, size, "its deviation")
+    for name, computed in physical.items():
+        stated = Value(**parameters[name])
+        size = max(abs(computed.value), computed.reported)
+        require(f"value of {name}", stated.value, computed.value, size, "the linear parameters")
+        require(f"std of {name}", stated.std, computed.std, size, "the linear parameters")
+        require(f"std_robust of {name}", stated.std_robust, computed.std_robust, size, "the linear parameters")
+        if stated.unit != computed.unit:
+            raise FileProblem(file, f"unit of {name} is {stated.unit}, not {computed.unit}: changed by hand", AGAIN)
+        of_interval = computed.interval(record["degrees_of_freedom"])
+        for end, value, limit in zip(("lower", "upper"), intervals[name], of_interval, strict=True):
+            require(f"{end} end of intervals_95 of {name}", value, limit, size, "its deviation")
     for key, square in (("covariance", white), ("covariance_robust", robust)):
         unequal = np.abs(square - square.T) > ALIKE * np.sqrt(np.outer(np.diag(square), np.diag(square)).clip(0.0))
         if unequal.any():
             row, column = np.argwhere(unequal)[0]
             place = f"{key} of {model.names[row]} and {model.names[column]}"
             require(place, square[row, column], square[column, row], 0.0, "the opposite entry")
-    left = float(np.sqrt(np.mean(np.square(entries.residual_rms[: 3 if wrench else 6]))))
-    require("s0_N", entries.s0_N, left, left, "residual_rms")
-    if entries.accelerometer is not None:
-        deviations = np.sqrt(np.diag(entries.accelerometer.covariance_m2_s4).clip(0.0))
-        for told_std, std in zip(entries.accelerometer.std_m_s2, deviations, strict=True):
-            require("std_m_s2 of the accelerometer", told_std, std, std, "its covariance")
+    rms = float(np.sqrt(np.mean(np.square(record["residual_rms"][: 3 if wrench else 6]))))
+    require("s0_N", record["s0_N"], rms, rms, "residual_rms")
+    if (accelerometer := record["accelerometer"]) is not None:
+        deviations = np.sqrt(np.diag(accelerometer["covariance_m2_s4"]).clip(0.0))
+        for stated_std, std in zip(accelerometer["std_m_s2"], deviations, strict=True):
+            require("std_m_s2 of the accelerometer", stated_std, std, std, "its covariance")

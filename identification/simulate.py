@@ -116,7 +116,7 @@ class ForceParts(NamedTuple):
 
 Moved = tuple[Array, Array, Kinematics]
 """A run as its encoders and sensors see it, whatever is mounted: times of the samples, shape (n,) [s], true lengths of
-the struts then, shape (n, 6) [m], and the motion that the sensors feel when they are sampled."""
+the struts then, shape (n, 6) [m], and the motion of the sensors when they are sampled."""
 
 
 def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> ForceParts:
@@ -203,8 +203,8 @@ def sensed(
         CaseError: the case describes no simulated machine.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
-    t, struts, felt = run
-    parts = force_parts(case, felt, 1.0 / simulation.encoder_rate_Hz, around)
+    t, struts, motion = run
+    parts = force_parts(case, motion, 1.0 / simulation.encoder_rate_Hz, around)
     forces = parts.total
     draw = np.random.default_rng(seed)
     forces += draw.normal(size=forces.shape) * simulation.force_noise

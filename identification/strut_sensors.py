@@ -162,7 +162,7 @@ def _along(one: ca.SX, other: ca.SX) -> ca.SX:
 
 def _bending(moving: Rods) -> ca.SX:
     """The part of n'' across the struts, shape (3, 6) [1/s^2]."""
-    across = _across(moving, moving.felt + moving.gravity)
+    across = _across(moving, moving.specific + moving.gravity)
     return (across - 2 * _three(moving.speed) * moving.turning) / _three(moving.length)
 
 
@@ -171,7 +171,7 @@ def _three(row: ca.SX) -> ca.SX:
 
 
 def _rod_mass(moving: Rods, _: ca.SX) -> ca.SX:
-    return _wrench(moving, _across(moving, moving.felt))
+    return _wrench(moving, _across(moving, moving.specific))
 
 
 def _first_moment(moving: Rods, _: ca.SX) -> ca.SX:

@@ -115,7 +115,7 @@ class Biases:
         return self.accelerometer
 
 
-def mass_told(model: Model, fit: Fit, taken: Array) -> Finding:
+def mass_finding(model: Model, fit: Fit, taken: Array) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
 
     Args:
@@ -158,7 +158,7 @@ def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array
     return np.asarray(moves)
 
 
-def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
+def drift_findings(biases: Biases, model: Model, free: Fit) -> list[Finding]:
     """A warning where offsets have drifted since they were taken, by what the run itself says of them.
 
     Args:
@@ -207,8 +207,10 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[str
     if not least[worst] > DRIFTED:
         return []
     channel, unit = channel_words(case, worst)
-    told = f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its offset "
-    return [f"{told}has drifted, or something presses all along; {WARM_UP}"]
+    sentence = (
+        f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its offset "
+    )
+    return [f"{sentence}has drifted, or something presses all along; {WARM_UP}"]
 
 
 def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[str]:
@@ -224,10 +226,10 @@ def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[st
     if not sure[worst] > DRIFTED:
         return []
     channel, unit = channel_words(case, worst)
-    told = (
+    sentence = (
         f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard deviations) "
     )
-    return [f"{told}since {source}: what was computed with that meanwhile is off by it"]
+    return [f"{sentence}since {source}: what was computed with that meanwhile is off by it"]
 
 
 def channel_words(case: Case, k: int) -> tuple[str, str]:

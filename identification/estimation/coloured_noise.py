@@ -112,9 +112,9 @@ def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovarian
         autocovariance: autocovariance of the noise, shape (n,).
     """
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
-    felt = toeplitz(autocovariance, answer)
-    meat = answer.T @ felt
-    crossed = rfft(felt * here[:, None], len(answer), axis=0)
+    response = toeplitz(autocovariance, answer)
+    meat = answer.T @ response
+    crossed = rfft(response * here[:, None], len(answer), axis=0)
     return raw + np.sum((taken @ meat - 2.0 * crossed) * taken.conj(), axis=1).real, meat
 
 

@@ -241,7 +241,7 @@ def gauss_markov(
         forces: shape (n, 6) [N, or N and N m].
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
         nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
-            certainty, but rank and condition are told without them.
+            certainty, but rank and condition are reported without them.
 
     Raises:
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.

@@ -25,10 +25,10 @@ from identification.parameters import Selection, physical_form, select
 
 THINNEST = 1e-3  # [m] rms distance of a body's mass from any plane: thinner than any tool or workpiece
 PER_UNIT = (0, 0, 0, 1, 1, 1)  # channels of a force/torque sensor: forces, moments
-UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is told
+UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is reported
 WHITENED = ("gauss-markov", "consistent", "nonlinear")  # which take forces whose noise is white in all channels
 WEIGHTS = ("equal", "per_channel", "per_unit", "stated")
-CONFLICT = 3.0  # standard deviations between data and a prior from which it is told
+CONFLICT = 3.0  # standard deviations between data and a prior from which it is reported
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 Errors that depend on the pose are a random function of the place in each channel, as `pose_noise` says.
 
 A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = df/d(twist rate) holds the moved body:
-what vibrates is felt in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
+vibration is measured in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
 accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body. Errors of
 strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that at the few
 hertz of a motion they are below a hundredth of what is left near the cut-off, and W is about the former.

@@ -5,7 +5,7 @@ velocities err by less than a hundredth of what matters. A is affine in the acce
 With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is drawn by
 -((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
 Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
-or the platform vibrates; only the former draws the estimate, so that the bias told is the largest there can be.
+or the platform vibrates; only the former draws the estimate, so that the reported bias is the largest there can be.
 
 How noise of the accelerations changes the regressor: exactly, for A is affine in them.
 
@@ -79,7 +79,7 @@ class NoiseSources:
         return [warning(Kind.NOISE, sentence) for sentence in sentences]
 
     def to_json(self) -> dict[str, Any]:
-        """All but the bias, which is told for physical parameters."""
+        """All but the bias, which is reported for physical parameters."""
         return {
             "force_sensors": self.force_sensors,
             "accelerations": self.accelerations,

@@ -33,21 +33,21 @@ Family = Callable[[Array], tuple[Array, Callable[[Array], Array]]]
 """Logarithms of parameters, shape (p,) -> V, shape (m, m), and what turns dL/dV into dL/d(logarithms), shape (p,)."""
 
 
-class Left(NamedTuple):
-    """What a fit left of some samples, in channels with independent noise."""
+class ChannelResiduals(NamedTuple):
+    """Residuals of some samples, in channels with independent noise."""
 
     noise: Array  # residuals, shape (m, s)
     taken: Array  # columns, without dependent ones, that the fit may have taken any multiple of, shape (m, s, r)
 
     @classmethod
-    def of(cls, noise: Array, taken: Array) -> "Left":
+    def of(cls, noise: Array, taken: Array) -> "ChannelResiduals":
         """Of residuals, shape (m, s), and columns of the fit, shape (m, s, u), that may depend on one another."""
         basis, size, _ = np.linalg.svd(taken.reshape(noise.size, -1), full_matrices=False)
         directions = basis[:, size > UNSEEN * size[0]]
         return cls(noise, directions.reshape(*noise.shape, -1))
 
 
-def _solved(data: Left, covariance: Array) -> tuple[Array, Array, Array, float]:
+def _solved(data: ChannelResiduals, covariance: Array) -> tuple[Array, Array, Array, float]:
     """P = V^-1 - H H^T over all channels.
 
     Returns:
@@ -67,8 +67,8 @@ def _solved(data: Left, covariance: Array) -> tuple[Array, Array, Array, float]:
     return inverse, spanned, solution - spanned @ rest, float(logdet)
 
 
-def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
-    """Parameters that make what is left likeliest, shape (p,), and minus the logarithm of that likelihood.
+def likeliest(residuals: ChannelResiduals, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
+    """Parameters of the largest restricted likelihood, shape (p,), and minus the logarithm of that likelihood.
 
     Args:
         start: parameters to begin with, shape (p,).
@@ -77,10 +77,10 @@ def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[
 
     def value(logarithms: Array) -> tuple[float, Array]:
         covariance, gradient = family(logarithms)
-        inverse, spanned, answer, half_logdet = _solved(left, covariance)
+        inverse, spanned, answer, half_logdet = _solved(residuals, covariance)
         flat = spanned.reshape(len(covariance), -1)
-        slope = left.noise.shape[1] * inverse - flat @ flat.T - answer @ answer.T
-        return half_logdet + float(np.sum(left.noise * answer)) / 2.0, gradient(slope / 2.0)
+        slope = residuals.noise.shape[1] * inverse - flat @ flat.T - answer @ answer.T
+        return half_logdet + float(np.sum(residuals.noise * answer)) / 2.0, gradient(slope / 2.0)
 
     best = minimize(
         value,
@@ -105,15 +105,15 @@ def mixtures(kernels: Array) -> Family:
     return family
 
 
-def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
+def shares_by_channel(residuals: ChannelResiduals, kernels: Array, shares: Array) -> Array:
     """Shares of noises in each channel, shape (s, c).
 
     Args:
         kernels: covariances of the noises, shape (c, m, m).
         shares: shares that are the likeliest for all channels alike, shape (c,).
     """
-    inverse, spanned, answer, _ = _solved(left, np.tensordot(shares, kernels, 1))
-    channels, count = left.noise.shape[1], len(kernels)
+    inverse, spanned, answer, _ = _solved(residuals, np.tensordot(shares, kernels, 1))
+    channels, count = residuals.noise.shape[1], len(kernels)
     weighed = inverse @ kernels
     power = np.einsum("ms,cms->sc", answer, np.tensordot(kernels, answer, 1))
     products = np.tensordot(kernels, spanned, 1)  # K_c H, shape (c, m, s, r)
@@ -136,7 +136,7 @@ def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
 
 
 INSTANTS = 150  # of the run, at which the field is looked for; more cost time by their cube and tell the same
-WAVES = 256  # of which a field is made where it is felt
+WAVES = 256  # of which a field is made where it makes forces
 COUNTED = 1e-5  # share of a channel's variance, below which a noise is none
 SHARES = (1e-8, 1e3)  # of a channel's variance: the fit may leave a thousandth
 LENGTHS = (0.005, 0.5)  # of the median distance between instants
@@ -161,7 +161,7 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
     if reach == 0.0:
         return None
-    data = Left.of(found.noise[rows], found.taken[rows])
+    data = ChannelResiduals.of(found.noise[rows], found.taken[rows])
     memories = [_near(found), *slow_noises(found.length)]
     lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])
@@ -180,19 +180,19 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     by_channel = np.zeros((found.noise.shape[1], len(begin)))
     counts = begin * alike[:, 0, 0] > COUNTED
     by_channel[:, counts] = shares_by_channel(data, alike[counts], begin[counts])
-    meat = _felt_field(found, struts / length, by_channel[:, -1])
+    meat = _field_covariance(found, struts / length, by_channel[:, -1])
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
         response = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
         meat += found.share * np.tensordot(answer * share[:, None], response, ((0, 1), (0, 1)))
     share = float(by_channel[:, -1].mean())  # of the field over the residuals; above 1 where the fit took some
-    told = note(
+    finding = note(
         Kind.NOISE,
         f"errors depend on the pose, {np.sqrt(share):.2g} times as large as the residuals, for the parameters take a "
         "part of them: std_robust allows for them",
     )
     reported = None if residuals is None else PoseField(float(np.sqrt(share * np.mean(residuals**2))), length)
-    return Robust(found.covariance(meat), (told,), reported)
+    return Robust(found.covariance(meat), (finding,), reported)
 
 
 def _near(data: Turned) -> Array:
@@ -222,7 +222,7 @@ def _with_field(kernels: Array, squared: Array) -> Family:
     return family
 
 
-def _felt_field(data: Turned, places: Array, shares: Array) -> Array:
+def _field_covariance(data: Turned, places: Array, shares: Array) -> Array:
     """Covariance of half^-1 u by a field of variance `shares` in each channel, shape (u, u).
 
     As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so that

@@ -1,4 +1,4 @@
-"""What is found in a recording, a fit or a result beside the figures: one type for all that people are told."""
+"""Findings about a recording, a fit or a result, beside the figures: one type for notes and warnings."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -35,7 +35,7 @@ class Finding:
     Args:
         kind: what it is about.
         severity: whether people are to act on it.
-        sentence: what people are told, place included; empty where only programs are.
+        sentence: the text for people, place included; empty where it is for programs only.
         place: place in the file, as messages name it; empty where that is no place.
         quantity: entries for programs, by their key in result files.
     """
@@ -61,10 +61,10 @@ def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
 
 
 def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
-    """What people are told, of one severity."""
+    """Sentences for people, of one severity."""
     return tuple(f.sentence for f in findings if f.severity is severity and f.sentence)
 
 
-def quantities(findings: Iterable[Finding]) -> dict[str, Any]:
-    """What programs are told."""
+def quantities_of(findings: Iterable[Finding]) -> dict[str, Any]:
+    """Entries for programs."""
     return {key: value for finding in findings for key, value in finding.quantity.items()}

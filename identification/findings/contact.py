@@ -40,7 +40,7 @@ NEARBY = 0.03  # [s] before and after: a little more than the filter's memory
 FEWEST = 2  # neighbouring samples above the limit
 SHORTEST = 0.02  # [s] that a contact lasts; behind the filter no push is shorter
 NEAR = 0.05  # [s] stretches closer than that are one contact
-MARGIN = 0.03  # [s] beside a contact that may still feel it
+MARGIN = 0.03  # [s] beside a contact that may still be disturbed by it
 
 
 class Contact(NamedTuple):
@@ -159,7 +159,7 @@ def free_of_contact(
         if contacts == before:
             break
         rows = touched(run.t, contacts)
-        require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts], run.model)
+        require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in contacts], run.model)
         moving = fit_samples(run.without(rows), how, problem, moving.at, held)
         matrices = run.regressors(moving.at)
     if following(moving) is not None:
@@ -167,7 +167,7 @@ def free_of_contact(
         rows = touched(run.t, longer)
         candidate = fit_samples(run.without(rows), how, problem, moving.at, held) if 0.0 < rows.mean() < 1.0 else moving
         if _spread(candidate) < CALMER * _spread(moving) and following(candidate) is None:
-            require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer], run.model)
+            require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in longer], run.model)
             moving, contacts = candidate, longer
     return moving, contacts
 
@@ -196,7 +196,7 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
 
     Args:
         share: share of its samples.
-        contacts: what is told of each.
+        contacts: a sentence about each.
         model: model that the forces leave.
     """
     if share > MOST_TOUCHED:
@@ -222,18 +222,18 @@ def _without_pull(matrices: Array, forces: Array, run: Samples, method: Method, 
     return np.asarray(selection.offset + selection.basis @ free)
 
 
-def contacts_told(recording: Recording, contacts: Sequence[Contact]) -> list[str]:
-    """What people are told of contacts: one sentence, with a count and the longest places where there are several."""
+def contact_sentences(recording: Recording, contacts: Sequence[Contact]) -> list[str]:
+    """Sentences about contacts: a single one, with a count and the longest places, where there are several."""
     if len(contacts) < 2:
-        return [contact_told(recording, contact) for contact in contacts]
+        return [contact_sentence(recording, contact) for contact in contacts]
     longest = sorted(contacts, key=lambda contact: contact.start - contact.end)[:MOST_NAMED]
     total, peak = sum(c.end - c.start for c in contacts), max(c.peak for c in contacts)
-    text = "; ".join(contact_told(recording, contact) for contact in longest)
+    text = "; ".join(contact_sentence(recording, contact) for contact in longest)
     return [f"{len(contacts)} external contacts, {total:.2g} s in all, up to {peak:.3g} N; the longest: {text}"]
 
 
-def contact_told(recording: Recording, contact: Contact) -> str:
-    """What people are told of a contact, with its rows."""
+def contact_sentence(recording: Recording, contact: Contact) -> str:
+    """The sentence about a contact, with its rows."""
     assert recording.t is not None
     rows = (recording.t >= contact.start) & (recording.t <= contact.end)
     return (

@@ -209,11 +209,13 @@ def noisier(recording: Recording, case: Case, method: Method, fitted: Fitted) ->
         return []
     if fitted.fit.s0 <= NOISIER * stated:
         return []
-    told = (
+    sentence = (
         f"residuals of {fitted.fit.s0:.3g} N where sensors.force_noise_N states {stated:g} N: compare the dimensions "
     )
-    told += "in [machine] and [sensor_frame] with the drawing; vibration and errors that depend on the pose look alike"
-    return [warning(Kind.MODEL, told)]
+    sentence += (
+        "in [machine] and [sensor_frame] with the drawing; vibration and errors that depend on the pose look alike"
+    )
+    return [warning(Kind.MODEL, sentence)]
 
 
 THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
@@ -325,7 +327,7 @@ def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -
     if not np.any(sure > most):
         return []
     return [
-        _drift_told(case, np.asarray(change[-6:]), sure, most, float(np.ptp(axis)), warming, recording.t is not None)
+        _drift_finding(case, np.asarray(change[-6:]), sure, most, float(np.ptp(axis)), warming, recording.t is not None)
     ]
 
 
@@ -361,7 +363,7 @@ def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
     return (temperature, True) if np.ptp(temperature) >= LEAST_WARMING else (t, False)
 
 
-def _drift_told(
+def _drift_finding(
     case: Case, change: Array, sure: Array, most: Array, span: float, warming: bool, clocked: bool
 ) -> Finding:  # fmt: skip
     worst = int(np.argmax(sure / most))
@@ -375,22 +377,22 @@ def _drift_told(
         rate, over = f"{by / span:+.2g} {unit} from standstill to standstill", f"these {round(span) + 1}"
     others = [channel_words(case, k)[0] for k in np.flatnonzero(sure > most).tolist() if k != worst]
     more = f"; {', '.join(others)} too" if others else ""
-    told = (
+    sentence = (
         f"the offset of {channel} drifts by {rate}, {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
         f"deviations){more}: the result has the mean; {WARM_UP}"
     )
     drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit,
              "with": "temperature" if warming else "time"}  # fmt: skip
-    return warning(Kind.OFFSETS, told, offset_drift=drift)
+    return warning(Kind.OFFSETS, sentence, offset_drift=drift)
 
 
 CHECKS: tuple[Callable[[Recording, Case, Method, Fitted], list[Finding]], ...] = (
     found_before, placed, late, far_from_white, unexplained, systematic, noisier, like_noise, other_feed,
     other_rate, averaged, drifting, doubtful_body,
 )  # fmt: skip
-"""What every fit is looked at for, in the order in which it is told."""
+"""The checks of every fit, in the order of their findings."""
 
 
 def fit_findings(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What all checks find."""
+    """Findings of all checks."""
     return [finding for check in CHECKS for finding in check(recording, case, method, fitted)]

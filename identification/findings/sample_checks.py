@@ -50,7 +50,7 @@ class Scan(NamedTuple):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What people are told."""
+        """Sentences of its warnings."""
         return sentences(self.findings, Severity.WARNING)
 
 
@@ -94,7 +94,7 @@ def scan(recording: Recording, case: Case) -> Scan:
 
 
 def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
-    """Findings of one kind on several channels or struts as one, told in full for the one with the most rows."""
+    """Findings of one kind on several channels or struts as one, in full for the one with the most rows."""
     kinds: dict[tuple[str, ...], list[tuple[str, Rows]]] = {}
     for text, rows in findings:
         thing, _, *words = text.split()
@@ -285,7 +285,7 @@ def _around(size: Array, index: NDArray[np.int64]) -> Array:
 def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
     """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`.
 
-    Encoders see an acceleration through two differences of their steps, far less clearly than sensors feel it. The
+    Encoders see an acceleration through two differences of their steps, far less clearly than force sensors. The
     limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
     """
     if recording.struts is None or not len(rows):

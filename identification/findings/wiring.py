@@ -1,11 +1,11 @@
-"""Struts or force channels in another order or with another sign than the case says: told by what the model leaves.
+"""Struts or force channels in another order or with another sign than the case says, by the residuals of the model.
 
 Every order that cables get into is tried on some instants of a run: exchanged pairs, one, two or three of them at once,
 shifts, and turned signs. An order that explains the run far better than the recorded one names what is wrong.
 
 Robots offer, beside the raw wrench of a wrist sensor, one without the tool's weight or in the axes of the base. Its
-force at rest does not turn with the wrist, and the mass comes out as nothing, as too little, or negative: told likewise
-by what a model leaves.
+force at rest does not turn with the wrist, and the mass comes out as nothing, as too little, or negative: seen
+likewise in the residuals.
 """
 
 from collections.abc import Iterator, Sequence

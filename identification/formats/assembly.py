@@ -292,7 +292,7 @@ def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
 
 
 def _require_gravity(stream: Stream, case: Case) -> None:
-    """Raises RecordingError where an accelerometer does not feel gravity, as with a wrong scale."""
+    """Raises RecordingError where an accelerometer does not measure gravity, as with a wrong scale."""
     if stream.specific_forces is None:
         return
     magnitude = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
@@ -355,7 +355,7 @@ def _with_lost_rows(stream: Stream) -> Stream:
     usual = float(np.median(steps))
     gaps = lost_samples(stream.t, step=usual)
     if np.any((np.abs(steps - usual) > UNIFORMITY * usual) & (gaps == 0)) or crowded(gaps > 0) is not None:
-        return stream  # not at one rate: the reason is told where a rate is needed
+        return stream  # not at one rate: the reason is given where a rate is needed
     count = np.r_[0, np.where(gaps <= MOST_PUT_BACK, gaps, 0)]
     if not count.any():
         return stream

@@ -44,7 +44,7 @@ Rows = NDArray[np.bool_]
 
 FINER = 6  # regressors are computed at so many times the instants that are kept: their harmonics must not fold back
 BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
-MODEL_ERROR = 1.5  # times the scatter of the periods, that residuals are to be told
+MODEL_ERROR = 1.5  # times the scatter of the periods, from which residuals are reported
 UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
 
 
@@ -126,7 +126,7 @@ class PeriodicRun:
         change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
         return np.dstack([self.regressors(delay), change / (2.0 * DELAY_STEP)])
 
-    def left(self, matrices: Array, values: Array) -> Array:
+    def residuals(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model behind the filter, at all samples of the periods, shape (samples, 6)."""
         return np.asarray(self.recording.forces[self.used] - self.predicted(matrices @ values, self._clock[self.used]))
 

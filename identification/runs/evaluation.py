@@ -12,7 +12,7 @@ more unknown, estimated where the run can tell. Left out, it draws the mass of a
 standard deviations.
 
 The lowest structural mode of a machine makes forces grow with frequency beyond what the motion asks for. A platform
-behind a spring of circular frequency w feels accelerations amplified by 1 / (1 - (f/w)^2), to first order
+behind a spring of circular frequency w has its accelerations amplified by 1 / (1 - (f/w)^2), to first order
 f = A u - w^-2 d^2(A u)/dt^2: that smoothing with a negative sign. The series holds well below the mode alone, so that
 the low-pass is set to half of it.
 """
@@ -55,7 +55,7 @@ class Run:
     samples: int  # recorded samples of the window that they stand for
     window: tuple[Finding, ...] = ()
     smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
-    # filtered samples that feel damage or a gap, shape (samples of the recording less two margins,)
+    # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
     spoilt: NDArray[np.bool_] | None = None
     consecutive: ClassVar[bool] = True
 
@@ -155,7 +155,7 @@ class Run:
         """Of white noise behind the filter, between evaluated samples."""
         return self.filter.noise_correlation
 
-    def left(self, matrices: Array, values: Array) -> Array:
+    def residuals(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
         return np.asarray(self.recorded_forces - matrices @ values)
 
@@ -207,11 +207,11 @@ def inwards(delay: float) -> float:
 
 
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
-CLEAR = 3.0  # standard deviations of b from which it is told
+CLEAR = 3.0  # standard deviations of b from which it is reported
 
 
-def smoothing_told(found: Uncertain) -> Finding:
-    """What is to be told of b, by which forces are smoothed more than the motion [s^2]; people only where clear."""
+def smoothing_finding(found: Uncertain) -> Finding:
+    """B, by which forces are smoothed more than the motion [s^2]; for people only where it is clear."""
     sentence = (
         f"forces are {'smoothed' if found.value > 0.0 else 'sharpened'} against the motion by "
         f"{found.value * 1e6:+.3g} +- {found.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
@@ -221,7 +221,7 @@ def smoothing_told(found: Uncertain) -> Finding:
     return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=found._asdict())
 
 
-def mode_told(found: Uncertain, cutoff: float) -> Finding:
+def mode_finding(found: Uncertain, cutoff: float) -> Finding:
     """The structural mode that sharpens forces by b, behind a low-pass [Hz]."""
     entries = {"smoothing_s2": found._asdict()}
     if -found.value < CLEAR * found.std:

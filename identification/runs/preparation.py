@@ -145,7 +145,7 @@ def _other_clock(step: float, cutoff: float) -> str:
 
 
 def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter) -> NDArray[np.bool_]:
-    """Filtered samples that feel more than a short bridge of bad ones, or reach across a gap, shape (n - 2 margin,).
+    """Filtered samples disturbed by more than a short bridge of bad ones, or reach across a gap, shape (n - 2 margin,).
 
     Args:
         bad: samples that may not be used, shape (n,).

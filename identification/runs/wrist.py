@@ -96,7 +96,7 @@ class WristRun:
         """Of white noise behind the filter, between evaluated samples."""
         return self.filter.noise_correlation
 
-    def left(self, matrices: Array, values: Array) -> Array:
+    def residuals(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
         return np.asarray(self.recorded_forces - matrices @ values)
 
@@ -198,13 +198,13 @@ def wrist_run(
 
 
 class _Smooth(NamedTuple):
-    """A stream behind the filter, at any instant, and whether its samples feel damage or a gap."""
+    """A stream behind the filter, at any instant, and whether damage or a gap disturbs its samples."""
 
     signal: CubicSpline
     spoilt: Rows
 
     def spoilt_at(self, t: Array) -> Rows:
-        """Whether that is felt at some instants, with any delay that is asked for."""
+        """Whether it is disturbed at some instants, with any delay that is asked for."""
         after = np.clip(np.searchsorted(self.signal.x, t), 1, len(self.signal.x) - 1)
         return np.asarray(self.spoilt[after] | self.spoilt[after - 1])
 

@@ -55,7 +55,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
         weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
     else:
         run = moving_run(recording, case, model, found=scan(recording, case))
-        run = replace(run, smoothing="smoothing_s2" in estimate.told)
+        run = replace(run, smoothing="smoothing_s2" in estimate.quantities)
         delay = estimate.at
         forces, columns = run.forces, run.linearised(delay, estimate.fit.values)
         matrices = columns[:, :, : len(estimate.fit.values)]

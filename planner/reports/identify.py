@@ -7,7 +7,7 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
-from identification.outcome import TOLD_OF_RUNS, Result
+from identification.outcome import RUN_ENTRIES, Result
 from identification.result import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
@@ -120,9 +120,12 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     charts = [forces_chart(residuals, channels), residuals_chart(residuals, channels), distribution_chart(residuals)]
     if residuals.step is not None:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
-    columns = [("residual, rms", residuals.left)]
+    columns = [("residual, rms", residuals.evaluated)]
     if residuals.filtered is not None:
-        columns = [("residual behind the filter, rms", residuals.left), ("of the forces as recorded", residuals.values)]
+        columns = [
+            ("residual behind the filter, rms", residuals.evaluated),
+            ("of the forces as recorded", residuals.values),
+        ]
     rms = [(values**2).mean(axis=0) ** 0.5 for _, values in columns]
     rows = (
         (*name.rsplit("_", 1)[:1], *(f"{r[k]:.3g}" for r in rms), name.rsplit("_", 1)[1].replace("Nm", "N m"))
@@ -134,7 +137,7 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
 def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """What `recording.json`, or the answer of a run, says about it."""
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
-    known = {key: about[key] for key in TOLD_OF_RUNS if about.get(key) is not None}
+    known = {key: about[key] for key in RUN_ENTRIES if about.get(key) is not None}
     words = {
         k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, dict)
     }
@@ -147,7 +150,7 @@ def forces_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
     caption = f"Lines: {source}. Dotted: the identified model."
     figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
     for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.seen[:, k])
+        x, y = thinned(residuals.t, residuals.explained[:, k])
         figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
         x, y = thinned(residuals.t, residuals.predicted[:, k])
         dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
@@ -160,14 +163,14 @@ def residuals_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
     caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
     figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
     for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.left[:, k])
+        x, y = thinned(residuals.t, residuals.evaluated[:, k])
         figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
     return _over_samples(figure, residuals)
 
 
 def distribution_chart(residuals: Residuals) -> Chart:
     """Residuals over the rms of their channel, with the density of the normal distribution."""
-    values = residuals.left
+    values = residuals.evaluated
     scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
     density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
     x = (edges[1:] + edges[:-1]) / 2

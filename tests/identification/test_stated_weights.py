@@ -137,7 +137,7 @@ def test_residuals_are_taken_apart_into_the_noise_that_made_them(noise: tuple[fl
     mute = BARE.model_copy(update={"simulation": shaken(*noise).simulation})
     recording = simulate_recording(mute, PoseExecution(Hexapod.of(mute), MOTION), np.array([[0.1, 1.9]]), 0)
     found = estimate_parameters(recording, mute)
-    parts = found.told["noise_components"]
+    parts = found.quantities["noise_components"]
     keys = ("force_noise_N", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
     felt = np.linalg.norm(acceleration_to_force(MODEL, TRUTH), axis=0)
     smallest = (

@@ -25,7 +25,7 @@ def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Cas
     recording = simulate_recording(hexapod_case, execution, np.array([[0.1, 1.9]]), 0)
     estimate = estimate_parameters(recording, hexapod_case)
     found = residuals_of(estimate)
-    rms = np.sqrt(np.mean(found.left**2, axis=0))
+    rms = np.sqrt(np.mean(found.evaluated**2, axis=0))
     np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)), rtol=0.05)
     assert (rms < 0.5 * np.sqrt(np.mean(found.values**2, axis=0))).all()  # white noise: most lies above the pass band
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identification.estimation.pose_noise import Left, likeliest, mixtures, shares_by_channel
+from identification.estimation.pose_noise import ChannelResiduals, likeliest, mixtures, shares_by_channel
 from tests.helpers import taylor_slope
 
 COUNT, UNKNOWNS = 60, 20
@@ -15,11 +15,11 @@ KERNELS = np.array([WHITE, SLOW])
 BOUNDS = np.array([[1e-8, 1e3]] * 2)
 
 
-def left_by_fit(noise: np.ndarray) -> Left:
+def left_by_fit(noise: np.ndarray) -> ChannelResiduals:
     """Residuals of ordinary least squares, channels together."""
     columns = TAKEN.reshape(-1, UNKNOWNS)
     values = np.linalg.lstsq(columns, noise.ravel(), rcond=None)[0]
-    return Left.of(noise - TAKEN @ values, TAKEN)
+    return ChannelResiduals.of(noise - TAKEN @ values, TAKEN)
 
 
 def drawn(seed: int, white: np.ndarray, slow: np.ndarray) -> np.ndarray:
@@ -39,7 +39,7 @@ def test_of_white_noise_the_share_is_the_sum_of_squares_over_degrees_of_freedom(
 def test_it_does_not_matter_what_the_fit_took() -> None:
     """Residuals of any other parameters have the same likelihood: it knows only what no parameters explain."""
     left = left_by_fit(drawn(0, np.ones(6), np.ones(6)))
-    other = Left(left.noise + TAKEN @ DRAW.normal(size=UNKNOWNS), left.taken)
+    other = ChannelResiduals(left.noise + TAKEN @ DRAW.normal(size=UNKNOWNS), left.taken)
     one, two = (likeliest(k, mixtures(KERNELS), np.ones(2), BOUNDS) for k in (left, other))
     np.testing.assert_allclose(one[0], two[0], rtol=1e-3)
     assert one[1] == pytest.approx(two[1], abs=1e-3)
@@ -47,7 +47,7 @@ def test_it_does_not_matter_what_the_fit_took() -> None:
 
 def test_columns_that_depend_on_one_another_count_once() -> None:
     noise = DRAW.normal(size=(COUNT, 6))
-    assert Left.of(noise, np.dstack([TAKEN, TAKEN[:, :, :5]])).taken.shape[2] == UNKNOWNS
+    assert ChannelResiduals.of(noise, np.dstack([TAKEN, TAKEN[:, :, :5]])).taken.shape[2] == UNKNOWNS
 
 
 def test_mixtures_know_their_slopes() -> None:

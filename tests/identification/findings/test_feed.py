@@ -88,7 +88,7 @@ def test_a_recorded_override_is_told_where_it_counts() -> None:
     estimate = estimate_parameters(run, CASE)
     (warning,) = [w for w in estimate.warnings if "feed other than 100 %" in w]
     assert "by the recorded override: lines 1002 to 1501 (1.000 to 1.499 s) at 50 %, lines 1502 to 1601" in warning
-    assert [e["feed"] for e in estimate.told["feed"]["stretches"]] == [0.5, 0.75]
+    assert [e["feed"] for e in estimate.quantities["feed"]["stretches"]] == [0.5, 0.75]
     plain = estimate_parameters(replace(run, override=None), CASE)
     np.testing.assert_array_equal(estimate.fit.values, plain.fit.values)
     assert estimate_parameters(replace(run, override=np.ones(len(run.t))), CASE).warnings == ()

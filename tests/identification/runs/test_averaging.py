@@ -47,8 +47,8 @@ def test_an_ideal_machine_gives_its_parameters_back(period: float) -> None:
     """Whether or not the period is a whole number of samples: derivatives are analytic, nothing is differenced."""
     estimate = estimate_parameters(recorded(ideal(CASE), Repeating(period, 3)), CASE, conditioning=AUTO)
     np.testing.assert_allclose(values(estimate), PHYSICAL, rtol=1e-6, atol=1e-6)
-    assert estimate.told["periodic"]["period_s"] == pytest.approx(period, rel=1e-8)
-    assert estimate.told["periodic"]["periods"] == 3
+    assert estimate.quantities["periodic"]["period_s"] == pytest.approx(period, rel=1e-8)
+    assert estimate.quantities["periodic"]["periods"] == 3
 
 
 @pytest.mark.slow
@@ -64,7 +64,7 @@ def test_with_little_noise_of_the_struts_it_agrees_with_the_low_pass() -> None:
 
 def test_errors_are_as_large_as_reported(clean: Estimate) -> None:
     assert np.abs((values(clean) - PHYSICAL) / reported(clean)).max() < 4.0
-    found = clean.told["periodic"]["noise_between_periods"]
+    found = clean.quantities["periodic"]["noise_between_periods"]
     np.testing.assert_allclose(found, CASE.simulation.force_noise_N, rtol=0.35)
 
 
@@ -78,7 +78,7 @@ def test_coarse_encoders_bias_the_low_pass_and_spare_the_series(step_um: float) 
     assert np.abs((values(periodic) - PHYSICAL) / reported(periodic)).max() < 5.0
     white = np.array([v.std for v in usual.physical.values()])
     assert np.abs((values(usual) - PHYSICAL) / white).max() > 5.0
-    assert periodic.told["periodic"]["harmonics"] < 30
+    assert periodic.quantities["periodic"]["harmonics"] < 30
 
 
 @pytest.mark.slow
@@ -87,7 +87,9 @@ def test_more_noise_of_the_struts_leaves_fewer_harmonics() -> None:
     for step_um in (0.1, 10.0, 200.0):
         case = simulated(CASE, encoder_resolution_um=step_um)
         counts.append(
-            estimate_parameters(recorded(case, Repeating()), case, conditioning=AUTO).told["periodic"]["harmonics"]
+            estimate_parameters(recorded(case, Repeating()), case, conditioning=AUTO).quantities["periodic"][
+                "harmonics"
+            ]
         )
     assert counts[0] > counts[1] > counts[2] >= 4  # of the motion itself
 
@@ -117,7 +119,7 @@ def test_a_contact_in_one_period_costs_that_period_and_nothing_else() -> None:
     here = (run.t > LEAD + 4.5) & (run.t < LEAD + 4.7)
     touched[here] += np.linalg.solve(MODEL.structure, [20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     estimate = estimate_parameters(replace(run, forces=touched), CASE, conditioning=AUTO)
-    assert estimate.told["periodic"]["periods"] == 3
+    assert estimate.quantities["periodic"]["periods"] == 3
     assert any("period 3 of 4 differs from the others by up to" in w and "left out" in w for w in estimate.warnings)
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
 
@@ -136,7 +138,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
     rows = np.flatnonzero((run.t > LEAD + 2.5) & (run.t < LEAD + 2.9))
     stuck[rows, 2] = stuck[rows[0], 2]
     estimate = estimate_parameters(replace(run, forces=stuck), CASE, conditioning=AUTO)
-    assert estimate.told["periodic"]["periods"] == 3
+    assert estimate.quantities["periodic"]["periods"] == 3
     assert any("period 2 of 4 has bad samples" in w for w in estimate.warnings)
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
 

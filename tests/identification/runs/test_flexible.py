@@ -53,7 +53,7 @@ def off(estimate: Estimate) -> float:
 def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
     recording = run(mode)
     rigid, flexible = estimate_parameters(recording, CASE), estimate_parameters(recording, CASE, conditioning=FLEXIBLE)
-    found = flexible.told["structural_mode_Hz"]
+    found = flexible.quantities["structural_mode_Hz"]
     assert found["value"] == pytest.approx(mode, rel=0.05)
     assert abs(flexible.physical["m"].value - TRUE_MASS) < 0.3 * abs(rigid.physical["m"].value - TRUE_MASS)
     assert off(rigid) > 5.0
@@ -63,7 +63,7 @@ def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
 
 def test_a_rigid_machine_has_no_mode():
     estimate = estimate_parameters(run(1e5), CASE, conditioning=FLEXIBLE)
-    assert "structural_mode_Hz" not in estimate.told
+    assert "structural_mode_Hz" not in estimate.quantities
     assert any("no structural mode is seen" in note for note in estimate.notes)
     assert off(estimate) < 4.0
 

@@ -94,7 +94,7 @@ def test_errors_are_those_of_ten_times_the_samples() -> None:
     ratio = [few.physical[n].std / v.std for n, v in many.physical.items()]
     assert np.exp(np.mean(np.log(ratio))) == pytest.approx(np.sqrt(10.0), rel=0.15)
     assert "10 samples averaged for each of the motion (2 ms" in many.notes[0]
-    assert many.told["averaged"]["ratio"] == pytest.approx(10.0, rel=1e-9)
+    assert many.quantities["averaged"]["ratio"] == pytest.approx(10.0, rel=1e-9)
 
 
 def held(ratio: int) -> Recording:

@@ -38,7 +38,7 @@ def errors(estimate: Estimate) -> np.ndarray:
 @pytest.mark.parametrize(("offset", "share"), [(0.0, -1 / 12), (0.25, 1 / 96), (0.5, 1 / 24)])
 def test_pointwise_samples_of_leaping_forces_smooth_by_a_share_of_the_step_squared(offset: float, share: float) -> None:
     """Of straight lines between the ends of steps: trapezoids, midpoints, and B2(offset) / 2 between them."""
-    found = estimate_parameters(run(offset, 0.05), CASE).told["smoothing_s2"]
+    found = estimate_parameters(run(offset, 0.05), CASE).quantities["smoothing_s2"]
     assert found["value"] == pytest.approx(share * STEP**2, abs=4.0 * found["std"] + 0.1 * abs(share) * STEP**2)
     assert found["std"] < 0.005 * STEP**2  # the test sees it
 
@@ -49,8 +49,8 @@ def test_parameters_are_not_drawn_by_the_sampling() -> None:
     estimates = [estimate_parameters(run(0.0, 0.2, seed), CASE) for seed in range(6)]
     centre = np.mean([errors(e) for e in estimates], axis=0)
     assert np.abs(centre).max() < 4.5 / np.sqrt(6)
-    values = [e.told["smoothing_s2"]["value"] for e in estimates]
-    std = np.mean([e.told["smoothing_s2"]["std"] for e in estimates])
+    values = [e.quantities["smoothing_s2"]["value"] for e in estimates]
+    std = np.mean([e.quantities["smoothing_s2"]["std"] for e in estimates])
     assert np.abs(np.mean(values) + STEP**2 / 12) < 4.0 * std / np.sqrt(6) + 0.1 * STEP**2 / 12
 
 
@@ -61,7 +61,7 @@ def test_a_low_pass_of_the_channels_is_found_as_delay_and_smoothing() -> None:
     fine = np.repeat(clean.forces, 10, axis=0)  # held over the step: half a step late, and a step wide
     slow = lfilter([1 - keep], [1, -keep], fine, axis=0, zi=keep * fine[:1])[0][9::10]
     found = estimate_parameters(replace(clean, forces=slow), CASE)
-    assert found.told["smoothing_s2"]["value"] == pytest.approx(tau**2 / 2, rel=0.15)
+    assert found.quantities["smoothing_s2"]["value"] == pytest.approx(tau**2 / 2, rel=0.15)
     (note,) = [n for n in found.notes if "a second moment" in n]
     assert "forces are smoothed against the motion" in note
 
@@ -69,5 +69,5 @@ def test_a_low_pass_of_the_channels_is_found_as_delay_and_smoothing() -> None:
 def test_a_smooth_motion_cannot_tell_and_is_not_asked() -> None:
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=3.0))
     found = estimate_parameters(simulate_recording(CASE, execution, np.array([[0.2, 2.8]]), 0), CASE)
-    assert "smoothing_s2" not in found.told
+    assert "smoothing_s2" not in found.quantities
     assert np.abs(errors(found)).max() < 4.5
