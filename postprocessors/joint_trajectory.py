@@ -11,9 +11,9 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill
+from postprocessors.block_writer import comment_lines
 from postprocessors.blocks import NeutralProgram, block_motions, knots
 from postprocessors.reading import Reading, Still, Timed
-from postprocessors.wording import comment_lines
 
 DECIMALS = 9  # of rad, m and their derivatives
 SAME = 1e-7  # [rad, m] between points, of a motion that is not a polynomial

@@ -10,10 +10,10 @@ import numpy as np
 from cases.controller import TwinCat, TwinCatAxes
 from cases.schema import Case
 from identification.motion import Array
+from postprocessors.block_writer import BlockWriter, comments, coordinates, number
 from postprocessors.blocks import NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
-from postprocessors.wording import BlockWriter, comments, coordinates, number
 
 TIME_DECIMALS = 9  # of a second
 

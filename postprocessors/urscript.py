@@ -13,8 +13,8 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Array
 from identification.trajectories.moves import StraightMove
+from postprocessors.block_writer import comment_lines, digits, number
 from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
-from postprocessors.wording import comment_lines, digits, number
 
 DECIMALS = 9  # of angles [rad]
 INDENT = "  "  # the interpreter takes lines in the first column for the beginning and the end of the program

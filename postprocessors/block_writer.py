@@ -1,4 +1,4 @@
-"""How numbers, poses, comments and blocks are written by dialects whose words look alike."""
+"""How dialects whose words look alike write blocks, numbers, poses and comments."""
 
 import re
 import textwrap
