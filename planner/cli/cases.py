@@ -24,9 +24,7 @@ def list_cases(json: console.Json = False) -> None:
         for name, file in built_in_cases().items()
         for c in [load_case(name)]
     ]
-    if json:
-        console.print_json({"cases": rows})
-    else:
+    if not console.answered({"cases": rows}, json):
         console.print_table(
             "Built-in cases",
             ("case", "setup", "what it is"),
@@ -74,11 +72,10 @@ def check(
         except CaseError as error:
             raise CaseError(find_case(case), error.key, error.problem) from error
     reach = reach_of(loaded) if has_motion_box(loaded) else None
-    if json:
-        parts = {"reach": reach, "proposal": proposal}
-        ready = {command: list(missing) for command, missing in requirements.items()}
-        answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
-        console.print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
+    parts = {"reach": reach, "proposal": proposal}
+    ready = {command: list(missing) for command, missing in requirements.items()}
+    answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
+    if console.answered(answer | {k: v.to_json() for k, v in parts.items() if v is not None}, json):
         return
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
@@ -167,9 +164,7 @@ def show(
         figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)
         with atomic_file(file) as part:
             figure.savefig(part, format=file.suffix[1:].lower())
-    if json:
-        console.print_json({"ok": True, "figure": str(file)})
-    else:
+    if not console.answered({"ok": True, "figure": str(file)}, json):
         print(share_sentences(reach))
         print(f"picture written: {file}")
 
@@ -195,8 +190,7 @@ def new(
         raise typer.BadParameter("--flange names a link of a URDF file; give --urdf too")
     folder = output if output is not None else Path(name)
     file = new_case(name, like or "hexapod", folder) if urdf is None else new_arm(name, urdf, flange, folder)
-    if json:
-        console.print_json({"ok": True, "case": str(file)})
+    if console.answered({"ok": True, "case": str(file)}, json):
         return
     print(f"case written: {file}")
     if urdf is not None:

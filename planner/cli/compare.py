@@ -35,7 +35,8 @@ def compare(
         comparison = compared(folders, None if case is None else load_case(case), stale)
         console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
-    console.print_answer(answer, json, lambda: _show(answer, comparison))
+    if not console.answered(answer, json):
+        _show(answer, comparison)
 
 
 def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
@@ -131,7 +132,8 @@ def validate(
                 )
             console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
-    console.print_answer(answer, json, lambda: _show_validation(answer, validation))
+    if not console.answered(answer, json):
+        _show_validation(answer, validation)
 
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:

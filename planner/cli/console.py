@@ -56,17 +56,11 @@ def out(text: str) -> Any:
     return typer.Option("-o", "--output", help=text)
 
 
-def print_json(value: dict[str, Any]) -> None:
-    """One JSON object on stdout."""
-    print(json.dumps(value, allow_nan=False))
-
-
-def print_answer(answer: dict[str, Any], json: bool, show: Callable[[], None]) -> None:
-    """One JSON object on stdout and nothing else, or what `show` prints for people."""
-    if json:
-        print_json(answer)
-    else:
-        show()
+def answered(answer: dict[str, Any], as_json: bool) -> bool:
+    """Whether the answer was asked for, and then printed, as one JSON object; else it is shown to people."""
+    if as_json:
+        print(json.dumps(answer, allow_nan=False))
+    return as_json
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], right: bool = True) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from planner.cli.console import Json, Overwrite, option, out, print_json, print_table
+from planner.cli.console import Json, Overwrite, answered, option, out, print_table
 
 if TYPE_CHECKING:
     from identification.outcome import Result
@@ -99,8 +99,7 @@ def demo(
     file = place / "report.html"
     write_text(file, demo_page(chain, answer))
     summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
-    if json:
-        print_json(summary | answer)
+    if answered(summary | answer, json):
         return
     print(f"largest error: {chain.worst:.2f} reported standard deviations")
     print(f"report written: {file}")

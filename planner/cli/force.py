@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from planner.cli.console import Json, Overwrite, OwnCase, Stale, argument, option, out, print_json, print_table
+from planner.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out, print_table
 
 if TYPE_CHECKING:
     from identification.outcome import Result
@@ -44,8 +44,7 @@ def export(
         "model": identified.model.number,
         "warnings": warnings,
     }
-    if json:
-        print_json(answer)
+    if answered(answer, json):
         return
     for warning in warnings:
         print(f"warning, also in the file: {warning}")
@@ -86,8 +85,7 @@ def force(
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
         "warnings": [*result.warnings, *remarks],
     }
-    if json:
-        print_json(answer)
+    if answered(answer, json):
         return
     rows = [
         [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, result.rms, result.peak, strict=True)
@@ -151,8 +149,7 @@ def tare(
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
     with atomic_folder(folder, RESULT, overwrite) as part:
         (part / "result.json").write_text(json_text(content), encoding="utf-8")
-    if json:
-        print_json({"result": str(folder)} | content)
+    if answered({"result": str(folder)} | content, json):
         return
     rows = [
         [
@@ -192,8 +189,7 @@ def payload(
         "parameters": {name: value._asdict() for name, value in parameters.items()},
         "warnings": [*warnings, *old.remarks, *new.remarks],
     }
-    if json:
-        print_json(answer)
+    if answered(answer, json):
         return
     print_table("Payload", PARAMETER_COLUMNS, parameter_rows(answer["parameters"]))
     for warning in answer["warnings"]:

@@ -119,8 +119,7 @@ def identify(
         show_result(answer)
     if verify is not None:
         answer["verify"] = verify_result(verify, result, quiet=json)
-    if json:
-        console.print_json(answer)
+    console.answered(answer, json)
 
 
 def look(
@@ -159,7 +158,8 @@ def look(
         "odd": list(report.odd),
         "picture": str(file),
     }
-    console.print_answer(answer, json, lambda: _show(report, file))
+    if not console.answered(answer, json):
+        _show(report, file)
 
 
 def _show(report: "Look", file: Path) -> None:

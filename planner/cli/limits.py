@@ -62,7 +62,8 @@ def bound(
     }
     if output is not None:
         write_text(output, json_text(answer))
-    console.print_answer(answer, json, lambda: _show_bound(answer))
+    if not console.answered(answer, json):
+        _show_bound(answer)
 
 
 def _show_bound(answer: dict[str, Any]) -> None:
@@ -147,7 +148,8 @@ def retime(
         "solve_s": result.seconds,
         "plan": str(output) if output is not None else None,
     }
-    console.print_answer(answer, json, lambda: _show_paces(answer, result.after.limits))
+    if not console.answered(answer, json):
+        _show_paces(answer, result.after.limits)
 
 
 def _rating(rating: "PaceRating") -> dict[str, Any]:

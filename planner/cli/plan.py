@@ -123,7 +123,8 @@ def plan(
     with console.status("writing", json), first_ctrl_c():  # it is soon done
         console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
-    console.print_answer(answer, json, lambda: show_plan(answer, result))
+    if not console.answered(answer, json):
+        show_plan(answer, result)
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:

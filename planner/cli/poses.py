@@ -54,7 +54,8 @@ def poses(
         console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    console.print_answer(answer, json, lambda: _show(answer, plan))
+    if not console.answered(answer, json):
+        _show(answer, plan)
 
 
 def _show(answer: dict[str, Any], plan: "Plan") -> None:

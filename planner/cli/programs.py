@@ -49,9 +49,7 @@ def post(
 
     if plan is None:
         rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
-        if json:
-            console.print_json({"dialects": [d.name for d in DIALECTS.values()]})
-        else:
+        if not console.answered({"dialects": [d.name for d in DIALECTS.values()]}, json):
             console.print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
     loaded = Plan.load(plan, None if case is None else load_case(case), stale)
@@ -62,8 +60,7 @@ def post(
         program = write(loaded, language.name, speed=speed, accept=accept or (), file=file)
     program.save(file, overwrite)
     answer = answer_of_program(program)
-    if json:
-        console.print_json(answer)
+    if console.answered(answer, json):
         return
     unit = "rows" if answer["dialect"] == "setpoints" else "blocks"
     print(f"program written: {answer['program']} ({answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back)")
@@ -104,7 +101,8 @@ def check(
     with console.status(f"proving {program.name}", json):
         read = read_for(loaded, program, dialect)
         answer = answer_of_proof(read)
-    console.print_answer(answer, json, lambda: show_check(answer, read))
+    if not console.answered(answer, json):
+        show_check(answer, read)
     try:
         read.proof.require()
     except ProgramError as error:
@@ -184,7 +182,8 @@ def run(
         outcome = execute(read_for(loaded, program), loaded, on, seed, around)
         outcome.recording.save(folder, overwrite)
     answer = answer_of_run(outcome, folder)
-    console.print_answer(answer, json, lambda: show_run(answer, outcome))
+    if not console.answered(answer, json):
+        show_run(answer, outcome)
 
 
 def answer_of_run(outcome: "RunOutcome", folder: Path) -> dict[str, Any]:

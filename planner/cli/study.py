@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-from planner.cli.console import Json, argument, option, out, print_answer, print_table, progress
+from planner.cli.console import Json, answered, argument, option, out, print_table, progress
 
 
 def study(
@@ -84,7 +84,8 @@ def study(
         "best": {letter: {**group.settings, "score": group.best} for letter, group in best.items()},
         "report": str(report),
     }
-    print_answer(answer, json, lambda: _show(answer, best, case))
+    if not answered(answer, json):
+        _show(answer, best, case)
 
 
 def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
