@@ -9,17 +9,17 @@ if TYPE_CHECKING:
     from planner.comparison.comparison import compare as compare
     from planner.comparison.validation import validate as validate
     from planner.demonstration import demo as demo
+    from planner.execution import run as run
     from planner.families.settings import Fourier as Fourier
     from planner.families.settings import Manual as Manual
     from planner.families.settings import PointToPoint as PointToPoint
     from planner.families.settings import Spline as Spline
     from planner.library import plan as plan
     from planner.library import plan_poses as plan_poses
+    from planner.plan_program import write as write
     from planner.plans import Plan as Plan
     from planner.reports.page import report as report
     from planner.retiming.retimed import retime as retime
-    from planner.runs.running import run as run
-    from planner.runs.written import write as write
 
 __getattr__, __dir__ = door(
     __name__,
@@ -32,8 +32,8 @@ __getattr__, __dir__ = door(
         "planner.plans": "Plan",
         "planner.reports.page": "report",
         "planner.retiming.retimed": "retime",
-        "planner.runs.running": "run",
-        "planner.runs.written": "write",
+        "planner.execution": "run",
+        "planner.plan_program": "write",
         "planner.comparison.validation": "validate",
     },
 )

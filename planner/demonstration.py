@@ -13,12 +13,12 @@ from identification.motion import Joined
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
+from planner.execution import RunOutcome, best_controller, execute
 from planner.families.settings import PointToPoint
 from planner.library import planned
+from planner.plan_program import usual_dialect, write
 from planner.plans import Plan
 from planner.request import Request
-from planner.runs.running import RunOutcome, best_controller, execute
-from planner.runs.written import usual_dialect, write
 from postprocessors.dialects import Program, dialect
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo

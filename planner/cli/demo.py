@@ -27,11 +27,11 @@ def demo(
     from planner.cli.programs import answer_of_program, answer_of_proof, answer_of_run
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
+    from planner.execution import RunOutcome, best_controller
+    from planner.plan_program import usual_dialect
     from planner.plans import Plan
     from planner.reports.demo import demo_page, truth_cells
     from planner.reports.page import report
-    from planner.runs.running import RunOutcome, best_controller
-    from planner.runs.written import usual_dialect
     from postprocessors.dialects import Program
     from postprocessors.dialects import dialect as dialect_named
 

@@ -11,7 +11,7 @@ from planner.precision import share_text
 
 if TYPE_CHECKING:
     from identification.limit import LimitKind
-    from planner.runs.running import RunOutcome
+    from planner.execution import RunOutcome
     from postprocessors.dialects import Program
 
 Accept = Annotated[
@@ -43,8 +43,8 @@ def post(
     """
     from cases.files import check_file, output_place
     from cases.loading import load_case
+    from planner.plan_program import language_of, write
     from planner.plans import Plan
-    from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS
 
     if plan is None:
@@ -95,7 +95,7 @@ def check(
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
     from cases.loading import load_case
-    from planner.runs.written import of_another, read_for
+    from planner.plan_program import of_another, read_for
 
     loaded = load_case(case)
     with console.status(f"proving {program.name}", json):
@@ -111,7 +111,7 @@ def check(
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
     """The JSON answer of a program that was proven, or not."""
-    from planner.runs.written import written_for_another
+    from planner.plan_program import written_for_another
 
     proof, other = program.proof, written_for_another(program.content, program.case)
     return {
@@ -169,8 +169,8 @@ def run(
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.simulate import circumstances
-    from planner.runs.running import execute, require_controller, require_seed
-    from planner.runs.written import read_for
+    from planner.execution import execute, require_controller, require_seed
+    from planner.plan_program import read_for
 
     require_seed(seed)
     require_controller(on)

@@ -13,13 +13,13 @@ from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
 from planner.comparison.trials import Excitation, Trial, trials
+from planner.execution import carried_out
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.library import planned
+from planner.plan_program import write
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseMethod, PoseRequest, Request
-from planner.runs.running import carried_out
-from planner.runs.written import write
 from postprocessors.dialects import Program
 from postprocessors.execute import stood
 

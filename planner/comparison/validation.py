@@ -22,7 +22,7 @@ from planner.comparison.methods import (
     require_methods,
 )
 from planner.comparison.trials import Trial, mounted_weights, recorded_trials
-from planner.runs.running import require_controller
+from planner.execution import require_controller
 
 
 @dataclass(frozen=True, slots=True, repr=False)

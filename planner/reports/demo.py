@@ -11,13 +11,13 @@ from identification.limit import Status
 from identification.motion import sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
+from planner.execution import RunOutcome
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import COLOURS, colour, identifiability_blocks, limits_chart, motion_blocks, thinned
 from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
 from planner.reports.machine import pictured
 from planner.reports.page import Block, Chart, note, page, plain, section, table, tiles
 from planner.reports.plan import starts_blocks
-from planner.runs.running import RunOutcome
 from postprocessors.dialects import Program
 
 DRAWN_RATE = 200.0  # [1/s]

@@ -88,8 +88,8 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     from identification.identify import estimate_parameters
     from identification.limit import KINETIC
     from identification.simulate import circumstances, loaded_truth, simulate_recording, truth_rows
-    from planner.runs.running import execute
-    from planner.runs.written import write
+    from planner.execution import execute
+    from planner.plan_program import write
 
     around = circumstances(job.case, job.request.payload, job.disturbed)
     simulation = job.case.need_simulation("a study that executes its plans")

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 import hexcite as hx
 from cases.schema import Case
 from planner.demonstration import OF_PATHS
-from planner.runs.running import RunOutcome, execute
+from planner.execution import RunOutcome, execute
 from planner.vibration import vibration
 from tests.bench.coverage import coloured_coverage, coverage, idealised
 from tests.postprocessors.changed_case import changed

@@ -17,7 +17,7 @@ from identification.identify import estimate_parameters
 from identification.recording import read, write_recording
 from identification.simulate import simulate_recording
 from planner.cli.console import print_table
-from planner.runs.running import execute
+from planner.execution import execute
 from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 from tests.bench.anytime import anytime

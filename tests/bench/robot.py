@@ -18,14 +18,14 @@ from identification.model import identification_model
 from identification.simulate import truth_rows
 from identification.symbolic import over_samples
 from planner.bounds.information_limit import box_bound
+from planner.execution import execute
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.noise import expected_noise, mean_information, seen_through
 from planner.plan_figures import predicted_std
+from planner.plan_program import write
 from planner.planning import make
 from planner.request import Request
-from planner.runs.running import execute
-from planner.runs.written import write
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import SILENT, run_here
 

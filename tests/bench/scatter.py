@@ -7,7 +7,7 @@ import numpy as np
 from cases.loading import load_case
 from identification.identify import estimate_parameters
 from planner.comparison.trials import Excitation
-from planner.runs.running import carried_out
+from planner.execution import carried_out
 from postprocessors.dialects import read_program
 
 MACHINES = 12  # of so many a scatter is uncertain by a fifth, of twenty parameters the extremes by more

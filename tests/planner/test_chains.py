@@ -23,13 +23,13 @@ from identification.simulate import truth_rows
 from identification.symbolic import over_samples
 from planner.bounds.information_limit import compute_bound
 from planner.demonstration import demo
+from planner.execution import RunOutcome, execute
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
+from planner.plan_program import write
 from planner.planning import make
 from planner.plans import Plan
 from planner.reports.plan import plan_page
 from planner.request import Request
-from planner.runs.running import RunOutcome, execute
-from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
 from tests.helpers import few

@@ -16,8 +16,8 @@ from cases.schema import Case
 from planner.comparison.comparison import groups, recommend, warnings_of
 from planner.comparison.entries import Conditions, Deviation, Entry, Level, read_entry
 from planner.plan_folder import fingerprint_of
+from planner.plan_program import plan_of_program
 from planner.reports.compare import coloured
-from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.helpers import few
 from tests.planner.browser import opened

@@ -7,7 +7,7 @@ import pytest
 
 from cases.basis import motion_hash
 from cases.loading import load_case
-from planner.runs.written import case_line
+from planner.plan_program import case_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.programs import there_and_back, timed, typed
 

@@ -13,11 +13,11 @@ from identification.limit_proof import prove
 from identification.model import static_model
 from identification.motion import StandingPoses
 from identification.simulate import truth_rows
+from planner.execution import execute
 from planner.library import plan_poses
+from planner.plan_program import write
 from planner.plans import Plan
 from planner.poses.travel import fastest_move
-from planner.runs.running import execute
-from planner.runs.written import write
 from tests.chains import chain_case
 from tests.helpers import few
 from tests.planner.command_line import call, refused

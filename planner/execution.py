@@ -20,7 +20,7 @@ from identification.simulate import UNDISTURBED, Circumstances, circumstances, s
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
 from planner.bounds.information_limit import Bound, box_bound
 from planner.noise import mean_information
-from planner.runs.written import of_another, plan_of_program, read_for, written_for_another
+from planner.plan_program import of_another, plan_of_program, read_for, written_for_another
 from postprocessors.dialects import Program
 from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc

@@ -1,1 +1,0 @@
-"""Programs on a controller and the recordings that come of them."""
