@@ -101,8 +101,6 @@ class PriorEffect(NamedTuple):
     """What a prior did to the parameter that it is about."""
 
     prior: Prior
-    estimate: float  # estimate with it [SI]
-    std: float  # standard deviation of the estimate [SI]
     # by how many of the standard deviations that the estimate would have without this prior the prior moved it; 0 where
     # the data are silent
     moved: float
@@ -204,5 +202,5 @@ def _effects(pseudo: PseudoMeasurements, fit: Fit) -> tuple[PriorEffect, ...]:
             without = np.sqrt(share / variance)  # one over the standard deviation without this prior
             shift = float((prior.value - value) / (prior.std**2 * without))
             conflict = shift * prior.std / np.sqrt(variance)
-        effects.append(PriorEffect(prior, float(value), float(np.sqrt(variance)), shift, float(conflict), share))
+        effects.append(PriorEffect(prior, shift, float(conflict), share))
     return tuple(effects)

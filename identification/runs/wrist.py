@@ -6,7 +6,7 @@ small angles is estimated with the parameters, as without that the delay is anyt
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,9 +158,8 @@ def wrist_run(
     beside = np.zeros(3) if biases is None else biases.require_accelerometer().values
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
-    orientation = _smooth(turning, quaternions * flips[:, None], band, reach)
-    specific_force = _smooth(accelerometer, accelerometer.specific_forces - beside, cutoff, reach)
-    quaternion, specific = orientation.signal, specific_force.signal
+    quaternion, of_orientation = _smooth(turning, quaternions * flips[:, None], band, reach)
+    specific, of_acceleration = _smooth(accelerometer, accelerometer.specific_forces - beside, cutoff, reach)
     t, step = _equal_steps(force_stream)
     low_pass = _filter(force_stream, cutoff, step, reach)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
@@ -168,7 +167,7 @@ def wrist_run(
     invalid = spoilt_by(bad, _lost(force_stream), low_pass)
     recorded = bridged(recording.forces, bad)
     smooth, t = low_pass.apply(recorded), t[inner]
-    invalid |= orientation.spoilt_at(t) | specific_force.spoilt_at(t)
+    invalid |= _spoilt_at(t, quaternion, of_orientation) | _spoilt_at(t, specific, of_acceleration)
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
     speed[invalid] = 0.0
     moving = np.flatnonzero(speed > TURNING)
@@ -197,24 +196,19 @@ def wrist_run(
     )
 
 
-class _Smooth(NamedTuple):
-    """A stream behind the filter, at any instant, and whether damage or a gap disturbs its samples."""
-
-    signal: CubicSpline
-    spoilt: Rows
-
-    def spoilt_at(self, t: Array) -> Rows:
-        """Whether it is disturbed at some instants, with any delay that is asked for."""
-        after = np.clip(np.searchsorted(self.signal.x, t), 1, len(self.signal.x) - 1)
-        return np.asarray(self.spoilt[after] | self.spoilt[after - 1])
-
-
-def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> _Smooth:
+def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple[CubicSpline, Rows]:
+    """A stream behind the filter, at any instant, and whether damage or a gap disturbs its samples, shape (m,)."""
     t, step = _equal_steps(stream)
     low_pass = _filter(stream, cutoff, step, reach)
     bad = np.zeros(len(t), dtype=bool) if stream.missing is None else stream.missing
     signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, bad)))
-    return _Smooth(signal, spoilt_by(bad, _lost(stream), low_pass))
+    return signal, spoilt_by(bad, _lost(stream), low_pass)
+
+
+def _spoilt_at(t: Array, signal: CubicSpline, spoilt: Rows) -> Rows:
+    """Whether a smooth stream is disturbed beside some instants, shape (n,)."""
+    after = np.clip(np.searchsorted(signal.x, t), 1, len(signal.x) - 1)
+    return np.asarray(spoilt[after] | spoilt[after - 1])
 
 
 def _lost(stream: Stream) -> NDArray[np.int64]:
