@@ -15,8 +15,6 @@ from identification.motion import Trajectory
 from planner.search.rows import LinearRows, Rows
 from planner.search.states import States, linear_states
 
-CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
-
 
 @dataclass(frozen=True)
 class Layout:

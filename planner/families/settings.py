@@ -11,11 +11,13 @@ from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
-from planner.families import CONTROLLERS, Family, ptp, spline
+from planner.families import Family, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.search.feasibility import Controlled, box_middle, controlled
+from postprocessors.dialects import DIALECTS
 
+CONTROLLERS = ("virtual", *DIALECTS)  # that moves are planned for
 MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
 KNOTS_A_SECOND = 10.0
@@ -241,7 +243,7 @@ class PointToPoint(FamilySettings):
     def __post_init__(self) -> None:
         if self.moves is not None and not ptp.FEWEST <= self.moves <= ptp.MOST:
             raise HexciteError(f"{self.moves} moves are outside {ptp.FEWEST} to {ptp.MOST}; choose about 40")
-        if self.controller is not None and self.controller not in CONTROLLERS:
+        if self.controller not in (None, *CONTROLLERS):
             raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(CONTROLLERS)}")
 
     def controlled(self, case: Case) -> Controlled:

@@ -55,7 +55,7 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     """The case as a controller executes point-to-point moves.
 
     Args:
-        controller: a name of `CONTROLLERS`; None for none.
+        controller: name of a dialect, or virtual; None for none.
 
     Raises:
         CaseError: the case has no limits, or no settings of this controller.
