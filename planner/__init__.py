@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from planner.library import plan_poses as plan_poses
     from planner.plan_program import write as write
     from planner.plans import Plan as Plan
-    from planner.reports.page import report as report
+    from planner.reports import report as report
     from planner.retiming.retimed import retime as retime
 
 __getattr__, __dir__ = door(
@@ -30,7 +30,7 @@ __getattr__, __dir__ = door(
         "planner.families.settings": "Fourier Manual PointToPoint Spline",
         "planner.library": "plan plan_poses",
         "planner.plans": "Plan",
-        "planner.reports.page": "report",
+        "planner.reports": "report",
         "planner.retiming.retimed": "retime",
         "planner.execution": "run",
         "planner.plan_program": "write",

@@ -28,7 +28,7 @@ from planner.noise import (
     mean_information,
     seen_through,
 )
-from planner.poses.pose_criteria import total_information
+from planner.pose_criteria import total_information
 from planner.search import Failed, Tried
 
 

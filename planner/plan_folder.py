@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -25,16 +25,28 @@ from identification.trajectories.curves import FourierMotion, Piece, PolynomialM
 from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
 from planner.noise import standing_model
 from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
-from planner.plans import SCHEMA_VERSION, Plan, Saved
-from planner.poses.pose_criteria import pose_regressors, total_information
+from planner.pose_criteria import pose_regressors, total_information
 from planner.request import LONGEST, PoseRequest, Request
 
+if TYPE_CHECKING:
+    from planner.plans import Plan
+
+SCHEMA_VERSION = 1
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
 RATE_OF_0_1 = 1000.0  # [1/s], which plans of the first version assumed without saying so
 DIGITS = 16  # of a fingerprint
 
 
-def fingerprint(plan: Plan) -> str:
+class Saved(NamedTuple):
+    """Where a plan was loaded from."""
+
+    folder: Path  # folder of the plan
+    fingerprint: str  # fingerprint of its plan.json, by which programs and recordings name it
+    # what has changed in its case since, where the user went on; written into what is made of the plan
+    stale: tuple[str, ...] = ()
+
+
+def fingerprint(plan: "Plan") -> str:
     """The first 16 digits of the SHA-256 of its plan.json, wherever the folder is."""
     return fingerprint_of(json_text(plan.to_json()).encode()) if plan.saved is None else plan.saved.fingerprint
 
@@ -44,10 +56,11 @@ def fingerprint_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:DIGITS]
 
 
-def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Plan:
+def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) -> "Plan":
     """Reads a plan folder; its figures are computed anew from its motion and compared.
 
     Args:
+        kind: the type of plans.
         case: stands for the case that the plan names, which may have been moved.
         stale: read it although what it was computed from has changed in its case.
 
@@ -79,7 +92,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
         limits = LimitReport.of_json(data["limits"])
         noise, rate = entries.assumed_noise_N, entries.assumed_rate_Hz
-        plan = Plan(own, request, motion, limits, entries.predicted_std, noise, rate, worth, saved)
+        plan = kind(own, request, motion, limits, entries.predicted_std, noise, rate, worth, saved)
         if not artefact.changes(now, own.hash):
             _require_own_figures(file, data, plan)
     return plan
@@ -120,7 +133,7 @@ ALIKE = 1e-3  # of figures that are computed anew: another computer rounds other
 CLOCK = 1e-6  # [s] of durations, which add up alike everywhere
 
 
-def _require_own_figures(file: Path, data: dict[str, Any], plan: Plan) -> None:
+def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None:
     """Raises FileProblem where an entry of plan.json is not what it is by the motion beside it."""
     size = 1.0  # an efficiency to a thousandth is a log det to a thousandth of the parameters
     if isinstance(plan.worth, PoseWorth):

@@ -12,11 +12,11 @@ from cases.scaffold import readiness
 from cases.schema import Case
 from identification.motion import Joined, Trajectory
 from identification.trajectories.moves import has_steps
+from planner.families.controlled import controlled
 from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.feasibility import controlled
 from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file, read_program
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program

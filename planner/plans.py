@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,20 +17,11 @@ from identification.model import identification_model
 from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
 from identification.parameters import physical_form
 from planner.plan_figures import PoseWorth, Worth, bound_by
+from planner.plan_folder import SCHEMA_VERSION, Saved, load_plan, motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 
-SCHEMA_VERSION = 1
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
-
-
-class Saved(NamedTuple):
-    """Where a plan was loaded from."""
-
-    folder: Path  # folder of the plan
-    fingerprint: str  # fingerprint of its plan.json, by which programs and recordings name it
-    # what has changed in its case since, where the user went on; written into what is made of the plan
-    stale: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,14 +135,10 @@ class Plan:
     @classmethod
     def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":
         """The plan of a folder; see `planner.plan_folder.load_plan`."""
-        from planner.plan_folder import load_plan
-
-        return load_plan(Path(folder), case, stale)
+        return load_plan(cls, Path(folder), case, stale)
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
-        from planner.plan_folder import motion_entries
-
         request = self.request
         if isinstance(request, Request):
             first, last = self.motion.at([0.0, self.duration]).pose

@@ -17,7 +17,7 @@ from identification.criteria import CRITERIA
 from identification.model import identification_model
 from identification.parameters import physical_form
 from planner.families.settings import FamilySettings, PointToPoint, family_class
-from planner.poses.pose_criteria import POSE_CRITERIA
+from planner.pose_criteria import POSE_CRITERIA
 
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 MOST_SECONDS = 86_400.0  # of a search

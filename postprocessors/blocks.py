@@ -4,13 +4,14 @@ Pieces are exact where a motion consists of such; else it is known how far they 
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from identification.motion import Array, Joined, Standstill, Trajectory
-from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
+from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
 from identification.trajectories.moves import CircularMove, Profile, StraightMove
 
 
@@ -186,3 +187,32 @@ def _within(spline: PolynomialMotion, shares: Array) -> Array:
 def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]:
     off = poses - motion.at(np.minimum(t, motion.duration)).pose
     return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())
+
+
+def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgram:
+    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces.
+
+    Args:
+        block: duration of a block of a timed path, at most [s].
+    """
+    blocks: list[Block] = []
+    for together, group in groupby(program.blocks, lambda b: isinstance(b, StraightMove)):
+        members = list(group)
+        if together:
+            moves = [b for b in members if isinstance(b, StraightMove)]
+            members = [timed_path("moves", polynomials_of(moves), block, 1.0)]
+        blocks += members
+    return replace(program, blocks=tuple(blocks))
+
+
+def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:
+    """A trajectory as equally timed poses; of a spline the ends of its pieces are among them.
+
+    Args:
+        block: duration of a block at full speed, at most [s].
+        speed: share of the planned speed; 0.1 takes ten times as long.
+    """
+    knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
+    times = divided(knots, np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2))
+    motion = trajectory if speed == 1.0 else Slowed(trajectory, speed)
+    return TimedPath(name, times / speed, trajectory.at(times).pose, motion)

@@ -15,12 +15,11 @@ from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, arc_words, comment_lines, feed, number
-from postprocessors.blocks import NeutralProgram, TimedPath
+from postprocessors.blocks import NeutralProgram, TimedPath, timed_path
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, linuxcnc_guarantees
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading import Reading
-from postprocessors.writing import timed_path
 
 FULL = 1e-9  # [rad] that a full circle may miss: rounding
 EQUAL = 1e-9  # [s] of durations: rounding

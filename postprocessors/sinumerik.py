@@ -14,10 +14,16 @@ from cases.units import DEG, MINUTE, MM, MS
 from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, comments, coordinates, number
-from postprocessors.blocks import NeutralProgram, TimedPath, even_deviation, path_speed_deviation, pieces
+from postprocessors.blocks import (
+    NeutralProgram,
+    TimedPath,
+    even_deviation,
+    moves_as_polynomials,
+    path_speed_deviation,
+    pieces,
+)
 from postprocessors.proving.guarantees import sinumerik_guarantees
 from postprocessors.reading import Reading, axis_letters
-from postprocessors.writing import moves_as_polynomials
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece

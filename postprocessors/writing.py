@@ -2,7 +2,6 @@
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from itertools import groupby
 
 import numpy as np
 
@@ -10,10 +9,10 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit_proof import slowed_for_forces
-from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
-from identification.trajectories.curves import PolynomialMotion, polynomials_of
+from identification.motion import Array, Joined, Measurement, Standstill, Trajectory
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, divided
+from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
@@ -132,35 +131,6 @@ def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
 
 SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
 APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: that move need not be fast
-
-
-def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgram:
-    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces.
-
-    Args:
-        block: duration of a block of a timed path, at most [s].
-    """
-    blocks: list[Block] = []
-    for together, group in groupby(program.blocks, lambda b: isinstance(b, StraightMove)):
-        members = list(group)
-        if together:
-            moves = [b for b in members if isinstance(b, StraightMove)]
-            members = [timed_path("moves", polynomials_of(moves), block, 1.0)]
-        blocks += members
-    return replace(program, blocks=tuple(blocks))
-
-
-def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:
-    """A trajectory as equally timed poses; of a spline the ends of its pieces are among them.
-
-    Args:
-        block: duration of a block at full speed, at most [s].
-        speed: share of the planned speed; 0.1 takes ten times as long.
-    """
-    knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
-    times = divided(knots, np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2))
-    motion = trajectory if speed == 1.0 else Slowed(trajectory, speed)
-    return TimedPath(name, times / speed, trajectory.at(times).pose, motion)
 
 
 def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float) -> tuple[Block, ...]:

@@ -114,8 +114,8 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
     Args:
         poses: coordinates, shape (n, k) [m or rad].
     """
+    from planner.families.states import state_size
     from planner.search.problem import state_limits
-    from planner.search.states import state_size
 
     states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])
     return {g.kind: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.order == 0}

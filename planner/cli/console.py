@@ -162,7 +162,7 @@ def save_with_page(value: Any, kind: "FolderKind", folder: Path, overwrite: bool
         FileProblem: the folder is somebody's, or cannot be written.
     """
     from cases.files import atomic_folder
-    from planner.reports.page import page_of
+    from planner.reports import page_of
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)

@@ -30,8 +30,8 @@ def demo(
     from planner.execution import RunOutcome, best_controller
     from planner.plan_program import usual_dialect
     from planner.plans import Plan
+    from planner.reports import report
     from planner.reports.demo import demo_page, truth_cells
-    from planner.reports.page import report
     from postprocessors.dialects import Program
     from postprocessors.dialects import dialect as dialect_named
 

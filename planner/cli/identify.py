@@ -89,7 +89,7 @@ def identify(
         show_result,
         verify_result,
     )
-    from planner.plan_folder import load_plan
+    from planner.plans import Plan
 
     conditioning = read_conditioning(period, harmonics, flexible, standstills)
     if verify is not None:
@@ -98,7 +98,7 @@ def identify(
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
     plan = None
     if poses is not None:
-        plan = load_plan(poses, loaded, stale=True)  # of a plan of poses only these are wanted
+        plan = Plan.load(poses, loaded, stale=True)  # of a plan of poses only these are wanted
         if not len(plan.poses):
             raise HexciteError(f"{poses}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)

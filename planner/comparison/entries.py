@@ -25,9 +25,9 @@ from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_figures import predicted_std
-from planner.plan_folder import fingerprint, load_plan
+from planner.plan_folder import fingerprint
 from planner.plans import Plan
-from planner.poses.pose_criteria import pose_regressors
+from planner.pose_criteria import pose_regressors
 from planner.vibration import Vibration, vibration
 
 
@@ -111,7 +111,7 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
         HexciteError: it cannot be used; the message says why.
     """
     if (path / "plan.json").is_file():
-        return entry_of_plan(load_plan(path, case, stale), str(path))
+        return entry_of_plan(Plan.load(path, case, stale), str(path))
     for file, reader in (("recording.json", _run), ("result.json", _result)):
         if (path / file).is_file():
             return reader(path, case, stale)

@@ -12,8 +12,8 @@ import numpy as np
 from cases.schema import Case
 from cases.units import Array, Flags
 from identification.motion import Trajectory
-from planner.search.rows import LinearRows, Rows
-from planner.search.states import States, linear_states
+from planner.families.rows import LinearRows, Rows
+from planner.families.states import States, linear_states
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
 from planner.families import Layout
-from planner.search.feasibility import box_middle
-from planner.search.rows import LinearRows, StateRows
-from planner.search.states import Kernel, KernelStates, LinearStates, state_size
+from planner.families.controlled import box_middle
+from planner.families.rows import LinearRows, StateRows
+from planner.families.states import Kernel, KernelStates, LinearStates, state_size
 
 FEWEST, MOST = 8, 64  # moves
 SHORTEST_PHASE = 3  # controller cycles; a shorter phase is absent

@@ -12,9 +12,9 @@ from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
+from planner.families.controlled import Controlled, box_middle, controlled
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
-from planner.search.feasibility import Controlled, box_middle, controlled
 from postprocessors.dialects import DIALECTS
 
 CONTROLLERS = ("virtual", *DIALECTS)  # that moves are planned for

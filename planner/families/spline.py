@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.trajectories.curves import Piece, PolynomialMotion
 from planner.families import LinearFamily, LinearMaps
-from planner.search.feasibility import box_middle
+from planner.families.controlled import box_middle
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -17,7 +17,7 @@ from identification.model import Model
 from identification.motion import Array, StandingPoses
 from planner.bounds.branch import Maximum
 from planner.bounds.design import EXCHANGED, LEVELS, Design, Way, climb, exchanged
-from planner.poses.pose_criteria import pose_regressors
+from planner.pose_criteria import pose_regressors
 from planner.poses.space import REASONS, ROUNDING, JointSpace, margins_of, space_of, valid_poses
 
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never had more information

@@ -15,19 +15,19 @@ from identification.motion import Array, Joined, Measurement, Trajectory
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
+from planner.pose_criteria import (
+    POSE_CRITERIA,
+    candidate_scaling,
+    pose_regressors,
+    require_full_rank,
+    total_information,
+)
 from planner.poses.candidates import (
     Candidates,
     candidate_design,
     continuous_design,
     grid_candidates,
     sampled_candidates,
-)
-from planner.poses.pose_criteria import (
-    POSE_CRITERIA,
-    candidate_scaling,
-    pose_regressors,
-    require_full_rank,
-    total_information,
 )
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
 from planner.poses.space import space_of

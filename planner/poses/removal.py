@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import Model
 from identification.motion import Array
-from planner.poses.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
+from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import JointSpace, PoseSpace, space_of
 from planner.precision import solver_text
 from planner.search.ipopt import NumpyFunction

@@ -14,20 +14,11 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import resources
 from itertools import starmap
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
-
-from cases.files import write_text
-
-if TYPE_CHECKING:
-    from identification.outcome import Result
-    from planner.comparison.comparison import Comparison
-    from planner.comparison.validation import Validation
-    from planner.plans import Plan
 
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
@@ -246,34 +237,3 @@ def explained(text: str) -> Markup:
         parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
         end = match.end()
     return Markup("").join([*parts, escape(text[end:])])
-
-
-def report(value: "Plan | Result | Comparison | Validation", file: Path | str) -> None:
-    """Writes the page of a value, one HTML file that needs no network.
-
-    Args:
-        value: a plan, a result, a comparison, a validation.
-        file: file to write.
-    """
-    write_text(Path(file), page_of(value))
-
-
-def page_of(value: Any) -> str:
-    """The page of a value as HTML."""
-    match type(value).__name__:  # to import the types of all takes a second
-        case "Plan":
-            from planner.reports.plan import plan_page, poses_page
-
-            return poses_page(value) if len(value.poses) else plan_page(value)
-        case "Result":
-            from planner.reports.identify import identify_page
-
-            return identify_page(value)
-        case "Comparison":
-            from planner.reports.compare import compare_page
-
-            return compare_page(value)
-        case _:
-            from planner.reports.validation import validation_page
-
-            return validation_page(value)

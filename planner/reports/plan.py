@@ -16,8 +16,8 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.noise import mean_information, standing_model
 from planner.plan_figures import bound_by, worst_std
 from planner.plans import Plan
+from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
-from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import places
 from planner.precision import legible, parameter_words, solver_text, std_text
 from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limits_chart, motion_blocks

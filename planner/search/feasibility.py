@@ -1,10 +1,9 @@
-"""Feasible motions: which limits count, a motion drawn inside every limit, and the keys to change where none is.
+"""Feasible motions: a motion drawn inside every limit, and the keys to change where none is.
 
 What a motion is worth and whether it is feasible is computed anew, whatever a solver says.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,66 +12,18 @@ from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
 from identification.criteria import CRITERIA, singular_values, uniform_states
-from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport, Status
-from identification.limit_proof import PROOF_RATE, prove
+from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
+from identification.limit_proof import prove
 from identification.model import Model, machine_of
 from identification.motion import Standstill
 from identification.symbolic import over_samples
 from planner.families import Family
+from planner.families.controlled import box_middle
 from planner.noise import PoseErrors, information_of
-from postprocessors.dialects import dialect
-from postprocessors.proving.guarantees import limits_jerk
-from postprocessors.reading import Reading
 
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
 SMALLEST = 1e-6  # share of all ways below which nothing moves
-
-
-class Controlled(NamedTuple):
-    """A case as a controller executes point-to-point moves."""
-
-    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
-    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
-    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
-
-    def reported(self, report: LimitReport) -> LimitReport:
-        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
-        if not self.step_time:
-            return report
-        share = 1.0 / (PROOF_RATE * self.step_time)
-        return LimitReport(
-            tuple(
-                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
-                if c.kind.family is LimitKind.JERK
-                else c
-                for c in report.checks
-            )
-        )
-
-
-def controlled(case: Case, controller: str | None) -> Controlled:
-    """The case as a controller executes point-to-point moves.
-
-    Args:
-        controller: name of a dialect, or virtual; None for none.
-
-    Raises:
-        CaseError: the case has no limits, or no settings of this controller.
-    """
-    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
-        return Controlled(case, controller)
-    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
-    if limits_jerk(guarantees.law):
-        return Controlled(case, controller)
-    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
-
-
-def box_middle(case: Case) -> tuple[Array, Array]:
-    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
-    home, limits = case.need_motion("planning")
-    low, high = limits.pose
-    return home + (low + high) / 2, np.asarray((high - low) / 2)
 
 
 def rate(

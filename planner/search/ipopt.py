@@ -14,9 +14,9 @@ import casadi as ca
 import numpy as np
 
 from cases.units import Array, Indices
+from planner.families.rows import LinearRows, StateRows
+from planner.families.states import LinearStates
 from planner.search.program import NonlinearProgram
-from planner.search.rows import LinearRows, StateRows
-from planner.search.states import LinearStates
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,8 @@ import numpy as np
 
 from cases.units import Array
 from identification.estimation.fit import squared_distances
+from planner.families.states import SHARE, Kernel, state_size
 from planner.noise import PoseErrors
-from planner.search.states import SHARE, Kernel, state_size
 
 EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is taken as the derivative
 

@@ -21,12 +21,12 @@ from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from planner.families import Family, Layout
+from planner.families.controlled import box_middle
+from planner.families.rows import LinearRows, Rows, StateRows
+from planner.families.states import Kernel, state_size
 from planner.noise import PoseErrors
-from planner.search.feasibility import box_middle
 from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
-from planner.search.rows import LinearRows, Rows, StateRows
-from planner.search.states import Kernel, state_size
 
 SLIP_RATE = 1000.0  # [1/s] at which a motion is looked at between the constrained instants
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from cases.units import Array, Indices
 from identification.model import Model
+from planner.families.rows import Rows, StateRows, curvature_at_states, pulled_back
+from planner.families.states import SHARE, Kernel, States, state_size
 from planner.search.objective import FieldByStates, InformationOfStates, Local, criterion_at, weighted_square
-from planner.search.rows import Rows, StateRows, curvature_at_states, pulled_back
-from planner.search.states import SHARE, Kernel, States, state_size
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -20,8 +20,8 @@ from cases.machine import Ring
 from cases.schema import Case
 from identification.model import identification_model
 from identification.parameters import OFFSETS
+from planner.pose_criteria import pose_regressors
 from planner.poses.candidates import grid_candidates
-from planner.poses.pose_criteria import pose_regressors
 from tests.bench.table_5 import PUBLISHED, group_deviations
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from cases.loading import load_case
 from identification.motion import sample
 from identification.recording import read
 from identification.simulate import truth_rows
-from planner.plan_folder import load_plan
+from planner.plans import Plan
 
 BLUE, RED, GREY = "#0072b2", "#d55e00", "#627d98"
 
@@ -26,7 +26,7 @@ def draw(demo: Path, picture: Path) -> None:
 
     case = load_case("hexapod")
     machine, _, _ = case.need_machine("the picture")
-    motion = sample(load_plan(demo / "plan").motion, 200.0)
+    motion = sample(Plan.load(demo / "plan").motion, 200.0)
     recording = read(demo / "recording", case)
     rows = truth_rows(case, estimate_parameters(recording, case, 9))
     mpl.rcParams.update({"font.size": 9, "svg.fonttype": "none", "axes.spines.top": False, "axes.spines.right": False})

@@ -22,7 +22,7 @@ from identification.parameters import body_parameters, physical_form
 from identification.simulate import pose_covariance
 from identification.symbolic import over_samples
 from planner.cli.console import print_table
-from planner.plan_folder import load_plan
+from planner.plans import Plan
 
 Command = Callable[..., tuple[float, str]]
 
@@ -44,7 +44,7 @@ def pose_error_rows(folder: Path, command: Command) -> list[list[str]]:
         for case in ("hexapod", str(folder / "erring")):
             place = folder / f"{family}-{Path(case).name}"
             words = ("--family", family, "--starts", "1", "--json", "-o", str(place))
-            plans.append((json.loads(command("plan", case, *words)[1]), over_machines(load_plan(place).motion)))
+            plans.append((json.loads(command("plan", case, *words)[1]), over_machines(Plan.load(place).motion)))
         (plain, true), (counting, less) = plans
         predicted = counting["predicted_std"]
         rows += [

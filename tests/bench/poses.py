@@ -8,9 +8,9 @@ import numpy as np
 from cases.loading import load_case
 from identification.model import identification_model
 from planner.cli.console import print_table
+from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates, sampled_candidates
 from planner.poses.planned_poses import poses_planned
-from planner.poses.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.removal import reduce_best, reduce_smallest_change
 from planner.request import PoseRequest
 from tests.bench import table_3, table_5

@@ -24,10 +24,10 @@ from cases.units import Array
 from identification.model import identification_model
 from planner.bounds.information_limit import box_bound
 from planner.families import Family
+from planner.families.controlled import box_middle
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
 from planner.planning import SHIPPED
-from planner.search.feasibility import box_middle
 from planner.search.solving import Start, Step, Task, run_start
 
 DIGITS = 5

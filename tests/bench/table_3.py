@@ -10,8 +10,8 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.result import Estimate
+from planner.pose_criteria import pose_regressors
 from planner.poses.candidates import grid_candidates
-from planner.poses.pose_criteria import pose_regressors
 
 TRUE_STATIC_MODEL = 5
 MODELS = (0, 1, 2, 3, 4, 5)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import identification_model
 from identification.parameters import physical_form
+from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates
-from planner.poses.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.removal import Reduction, reduce_best, reduce_smallest_change
 
 Array = NDArray[np.float64]

@@ -14,9 +14,9 @@ from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
 from identification.trajectories.moves import StraightMove
 from planner.families.ptp import PointToPointFamily
+from planner.families.states import state_size
 from planner.search.problem import near_limits, state_limits
 from planner.search.solving import Task, run_start
-from planner.search.states import state_size
 from postprocessors.proving.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic
 

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases
-from planner.plan_folder import load_plan
 from planner.plans import Plan
 from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, call, hexcite
@@ -65,7 +64,7 @@ def planned(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict
 @pytest.fixture(scope="session")
 def saved_plan(planned: dict[str, Any]) -> Plan:
     """The plan as other commands load it."""
-    return load_plan(Path(planned["plan"]))
+    return Plan.load(Path(planned["plan"]))
 
 
 @pytest.fixture(scope="session")

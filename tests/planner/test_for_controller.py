@@ -17,9 +17,10 @@ from identification.limit_proof import prove
 from identification.motion import Joined
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, has_steps
+from planner.families.controlled import controlled
 from planner.families.settings import PointToPoint, Spline
-from planner.plan_folder import load_plan, motion_entries, motion_of_entries
-from planner.search.feasibility import controlled
+from planner.plan_folder import motion_entries, motion_of_entries
+from planner.plans import Plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -129,7 +130,7 @@ def test_a_plan_says_what_is_not_limited_and_for_whom_it_is(plan: dict[str, Any]
     assert all(v["ratio"] <= 1.0 for name, v in plan["limits"].items() if "jerk" not in name)
     assert any("made for linuxcnc" in note and "100 m/s^3" in note for note in plan["notes"])
     assert plan["d_efficiency_tight"] is None  # that bound is one of limited jerk
-    saved = load_plan(folder)
+    saved = Plan.load(folder)
     assert saved.motion.duration == pytest.approx(SECONDS)
     assert has_steps(saved.motion)
 
@@ -175,7 +176,7 @@ def test_retimed_they_have_limited_jerk_and_go_anywhere(folder: Path, tmp_path: 
     assert any("jerk" in sentence for sentence in done["before"]["violations"])
     assert done["after"]["violations"] == []
     assert done["after"]["duration_s"] > SECONDS
-    saved = load_plan(tmp_path / "smooth")
+    saved = Plan.load(tmp_path / "smooth")
     assert not has_steps(saved.motion)
     assert call("post", tmp_path / "smooth", "--dialect", "sinumerik", "-o", tmp_path / "p.mpf").code == 0
     smooth = call("post", tmp_path / "smooth", *ACCEPT, "-o", tmp_path / "p.ngc", "--json").json()

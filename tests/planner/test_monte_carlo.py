@@ -5,8 +5,9 @@ import pytest
 
 from cases.schema import Case
 from identification.trajectories.curves import FourierMotion
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
-from planner.search.feasibility import box_middle, keep_limits
+from planner.search.feasibility import keep_limits
 from tests.planner.monte_carlo import monte_carlo
 
 RUNS = 600

@@ -12,9 +12,10 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.trajectories.curves import FourierMotion
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
-from planner.search.feasibility import MARGIN, box_middle, keep_limits
+from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import build_problem
 from planner.search.solving import Task, run_start
 from tests.planner.command_line import call

@@ -12,11 +12,12 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limit_proof import prove
 from identification.motion import Standstill
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.planning import require_plannable
 from planner.request import Request
-from planner.search.feasibility import box_middle, keep_limits, remedy
+from planner.search.feasibility import keep_limits, remedy
 from tests.helpers import one_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed

@@ -11,7 +11,7 @@ from planner.cli.plan import read_payloads
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise
 from planner.plan_figures import predicted_std_of, worst_std
-from planner.plan_folder import load_plan
+from planner.plans import Plan
 from planner.request import Request
 from tests.planner.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
@@ -48,7 +48,7 @@ def test_a_plan_for_a_range_says_which_load_is_the_worst_and_is_believed(cache: 
     assert (answer["payload_from"], answer["payload"]) == (0, 5)
     (note,) = [n for n in answer["notes"] if "largest with 0 to 5 payloads" in n]
     assert "with 0 those of m, xC" in note
-    assert load_plan(tmp_path / "plan").predicted_std == answer["predicted_std"]
+    assert Plan.load(tmp_path / "plan").predicted_std == answer["predicted_std"]
     text = (tmp_path / "plan" / "plan.json").read_text(encoding="utf-8")
     (tmp_path / "plan" / "plan.json").write_text(text.replace('"payload_from": 0', '"payload_from": 5'))
     assert "predicted_std" in refused("post", tmp_path / "plan", "-o", tmp_path / "run.ngc")

@@ -14,13 +14,14 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.symbolic import over_samples
 from identification.trajectories.curves import FourierMotion
+from planner.families.controlled import box_middle
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.settings import Spline
 from planner.noise import mean_information
 from planner.plans import Plan
 from planner.rating import PlannedMotion, notes
 from planner.request import Request
-from planner.search.feasibility import MARGIN, box_middle, keep_limits
+from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import build_problem
 from tests.postprocessors.independent import strut_lengths
 

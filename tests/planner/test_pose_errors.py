@@ -14,14 +14,14 @@ from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from planner.families import Family
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate, without_pose_errors
 from planner.plan_figures import predicted_std_at_poses, predicted_std_of
-from planner.poses.pose_criteria import pose_regressors
-from planner.search.feasibility import box_middle
+from planner.pose_criteria import pose_regressors
 from planner.search.problem import build_problem
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope

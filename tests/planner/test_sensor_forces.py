@@ -14,16 +14,16 @@ from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, Loads
 from planner.families import Family
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
+from planner.families.states import state_size
 from planner.rating import PlannedMotion, notes
 from planner.request import Request
-from planner.search.feasibility import box_middle
 from planner.search.problem import build_problem, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
-from planner.search.states import state_size
 from tests.postprocessors.changed_case import changed
 
 MODEL = identification_model(load_case("hexapod"), 0)

@@ -8,11 +8,11 @@ import pytest
 
 from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
 from planner.search import Tried
-from planner.search.feasibility import box_middle
 from planner.search.solving import DRAWN_BACK, Start
 
 SIZE = 20

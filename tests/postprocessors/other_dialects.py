@@ -8,13 +8,12 @@ import numpy as np
 
 from cases.loading import load_case
 from cases.schema import Case
-from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch, Timed
-from postprocessors.writing import timed_path
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HEAD
 from tests.postprocessors.reported import Move, Pause, Switch, reports

@@ -12,12 +12,11 @@ from identification.limit_proof import prove
 from identification.motion import TimedPoints
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch, linuxcnc
-from postprocessors.writing import timed_path
 
 Array = NDArray[np.float64]
 

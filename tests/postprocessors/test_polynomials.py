@@ -10,9 +10,18 @@ from identification.motion import Joined, Standstill
 from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, even_deviation, knots, path_speed_deviation, pieces
+from postprocessors.blocks import (
+    NeutralProgram,
+    TimedPath,
+    ToHome,
+    even_deviation,
+    knots,
+    path_speed_deviation,
+    pieces,
+    timed_path,
+)
 from postprocessors.reading import Timed
-from postprocessors.writing import excitation_program, proven_program, timed_path
+from postprocessors.writing import excitation_program, proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of
 from tests.postprocessors.programs import HOME

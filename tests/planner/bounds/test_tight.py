@@ -20,12 +20,13 @@ from planner.bounds.design import Design
 from planner.bounds.features import box_features, combined, motion_moments
 from planner.bounds.information_limit import box_bound, compute_bound
 from planner.bounds.tight import climbed_from, tight_design
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.noise import mean_information
-from planner.search.feasibility import box_middle, keep_limits
+from planner.search.feasibility import keep_limits
 from planner.search.solving import Task, run_start
 from tests.helpers import few
 from tests.planner.bounds.test_moments import CASE, FAMILIES

@@ -9,11 +9,12 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
 from identification.trajectories.moves import StraightMove
+from planner.families.controlled import controlled
 from planner.families.ptp import PointToPointFamily
+from planner.families.rows import StateRows
 from planner.noise import mean_information
-from planner.search.feasibility import MARGIN, controlled, keep_limits
+from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import Problem, build_problem
-from planner.search.rows import StateRows
 from planner.search.solving import Start, Task, run_start
 from tests.helpers import pose_shares
 

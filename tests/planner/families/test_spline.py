@@ -8,10 +8,10 @@ from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import sample
+from planner.families.rows import LinearRows
 from planner.families.spline import FINE, SplineFamily
+from planner.families.states import state_size
 from planner.search.problem import Problem, build_problem, state_limits
-from planner.search.rows import LinearRows
-from planner.search.states import state_size
 
 
 @pytest.fixture(scope="module")

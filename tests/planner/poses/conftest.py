@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from cases.loading import load_case
 from cases.schema import Case
 from identification.model import Model, identification_model
+from planner.pose_criteria import candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates, sampled_candidates
-from planner.poses.pose_criteria import candidate_scaling, pose_regressors
 
 
 class Setting(NamedTuple):

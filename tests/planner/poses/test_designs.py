@@ -4,8 +4,8 @@ import cvxpy as cp
 import numpy as np
 import pytest
 
+from planner.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.candidates import candidate_design, continuous_design
-from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.removal import reduce_best, refine
 from planner.poses.space import margins_of
 from tests.helpers import few

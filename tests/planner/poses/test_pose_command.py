@@ -11,7 +11,7 @@ import pytest
 
 from cases.loading import built_in_cases
 from identification.motion import Measurement
-from planner.plan_folder import load_plan
+from planner.plans import Plan
 from tests.planner.command_line import call, refused
 
 FEW = "8"
@@ -61,7 +61,7 @@ def test_the_answer_holds_what_was_promised(planned: dict[str, Any]) -> None:
 
 def test_the_folder_is_a_plan_with_poses(planned: dict[str, Any]) -> None:
     plan = Path(planned["plan"])
-    saved = load_plan(plan)
+    saved = Plan.load(plan)
     with (plan / "poses.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     poses = [part.pose for part in saved.motion.parts if isinstance(part, Measurement)]  # type: ignore[attr-defined]

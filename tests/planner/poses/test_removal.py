@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from planner.poses.pose_criteria import POSE_CRITERIA, total_information
+from planner.pose_criteria import POSE_CRITERIA, total_information
 from planner.poses.removal import Reduction, full_rank, reduce_best, reduce_smallest_change
 from tests.planner.poses.conftest import Setting
 

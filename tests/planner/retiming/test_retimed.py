@@ -14,7 +14,7 @@ from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from planner.families.settings import Manual
-from planner.plan_folder import load_plan
+from planner.plans import Plan
 from planner.request import Request
 from planner.retiming.retimed import by_controller, method_of, retimed, retimed_plan
 from tests.helpers import few
@@ -163,7 +163,7 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, request: pyt
     assert answer["method"] == method
     assert answer["plan"] == str(out)
     assert answer["after"]["violations"] == []
-    saved = load_plan(out)  # its figures are those of its motion
+    saved = Plan.load(out)  # its figures are those of its motion
     assert saved.motion.duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
     assert saved.worth.d_efficiency == pytest.approx(answer["after"]["d_efficiency"], rel=1e-3)
     assert any(note.startswith(f"re-timed with {method}") for note in saved.worth.notes)

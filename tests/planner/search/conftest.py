@@ -7,10 +7,10 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.families import Family
+from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.search.feasibility import box_middle
 from planner.search.problem import Problem, build_problem
 
 Small = tuple[Family, Problem, np.ndarray]

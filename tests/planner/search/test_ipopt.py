@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
+from planner.families.rows import LinearRows
 from planner.search.ipopt import INSIDE, Solution, solve
 from planner.search.program import NonlinearProgram
-from planner.search.rows import LinearRows
 from tests.helpers import few
 from tests.planner.search.conftest import Small
 

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from planner.search.states import Kernel
+from planner.families.states import Kernel
 
 
 @pytest.fixture

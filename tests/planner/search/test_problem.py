@@ -11,12 +11,13 @@ from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.families import Family
+from planner.families.controlled import box_middle
 from planner.families.fourier import START_SHARE, FourierFamily
+from planner.families.rows import LinearRows, Rows, StateRows
+from planner.families.states import state_size
 from planner.planning import seeds_of
-from planner.search.feasibility import CLOSE_ENOUGH, MARGIN, box_middle, keep_limits
+from planner.search.feasibility import CLOSE_ENOUGH, MARGIN, keep_limits
 from planner.search.problem import Problem, build_problem, near_limits, state_limits
-from planner.search.rows import LinearRows, Rows, StateRows
-from planner.search.states import state_size
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.helpers import few

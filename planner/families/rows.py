@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.units import Array, Flags, Indices
-from planner.search.states import Kernel, States
+from planner.families.states import Kernel, States
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
