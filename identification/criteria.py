@@ -57,6 +57,13 @@ STATES = 20_000
 SEED = 0
 
 
+def box_middle(case: Case) -> tuple[Array, Array]:
+    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
+    home, limits = case.need_motion("planning")
+    low, high = limits.pose
+    return home + (low + high) / 2, np.asarray((high - low) / 2)
+
+
 def uniform_states(case: Case, count: int, seed: int) -> tuple[Array, Array, Array]:
     """Independent uniform states of the motion box of a case: coordinates, rates and accelerations, shapes (n, k).
 

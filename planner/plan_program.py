@@ -12,7 +12,7 @@ from cases.scaffold import readiness
 from cases.schema import Case
 from identification.motion import Joined, Trajectory
 from identification.trajectories.moves import has_steps
-from planner.families.controlled import controlled
+from planner.families.ptp import controlled
 from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan

@@ -9,20 +9,25 @@ The last move need not end where the first begins: a way back would cost moves t
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
+from identification.criteria import box_middle
+from identification.limit import LimitKind, LimitReport, Status
+from identification.limit_proof import PROOF_RATE
 from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
 from planner.families import Layout
-from planner.families.controlled import box_middle
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import Kernel, KernelStates, LinearStates, state_size
+from postprocessors.dialects import dialect
+from postprocessors.proving.guarantees import limits_jerk
+from postprocessors.reading import Reading
 
 FEWEST, MOST = 8, 64  # moves
 SHORTEST_PHASE = 3  # controller cycles; a shorter phase is absent
@@ -317,3 +322,42 @@ def _largest_way(limits: Array, duration: float) -> float:
         way = (small + large) / 2
         small, large = (way, large) if fastest_profile(way, *limits).duration <= duration else (small, way)
     return small
+
+
+class Controlled(NamedTuple):
+    """A case as a controller executes point-to-point moves."""
+
+    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
+    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
+    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
+
+    def reported(self, report: LimitReport) -> LimitReport:
+        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
+        if not self.step_time:
+            return report
+        share = 1.0 / (PROOF_RATE * self.step_time)
+        return LimitReport(
+            tuple(
+                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
+                if c.kind.family is LimitKind.JERK
+                else c
+                for c in report.checks
+            )
+        )
+
+
+def controlled(case: Case, controller: str | None) -> Controlled:
+    """The case as a controller executes point-to-point moves.
+
+    Args:
+        controller: name of a dialect, or virtual; None for none.
+
+    Raises:
+        CaseError: the case has no limits, or no settings of this controller.
+    """
+    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
+        return Controlled(case, controller)
+    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
+    if limits_jerk(guarantees.law):
+        return Controlled(case, controller)
+    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)

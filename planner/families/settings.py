@@ -10,9 +10,9 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
+from identification.criteria import box_middle
 from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
-from planner.families.controlled import Controlled, box_middle, controlled
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from postprocessors.dialects import DIALECTS
@@ -51,7 +51,7 @@ class FamilySettings:
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where no search can succeed on this machine."""
 
-    def controlled(self, case: Case) -> Controlled:
+    def controlled(self, case: Case) -> ptp.Controlled:
         """The case as the controller executes it that the motion is made for."""
         return Controlled(case)
 
@@ -246,12 +246,12 @@ class PointToPoint(FamilySettings):
         if self.controller not in (None, *CONTROLLERS):
             raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(CONTROLLERS)}")
 
-    def controlled(self, case: Case) -> Controlled:
+    def controlled(self, case: Case) -> ptp.Controlled:
         """With the time law of the controller that is named here, else of the one that the case plans for."""
         name = self.controller
         if name is None and case.controller is not None:
             name = case.controller.plan_for
-        return controlled(case, name)
+        return ptp.controlled(case, name)
 
     def count(self, case: Case, duration: float) -> int:
         """Number of moves; where it is not stated, of any duration one that can be had.

@@ -16,9 +16,9 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import Array
+from identification.criteria import box_middle
 from identification.trajectories.curves import Piece, PolynomialMotion
 from planner.families import LinearFamily, LinearMaps
-from planner.families.controlled import box_middle
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

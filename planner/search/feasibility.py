@@ -11,14 +11,13 @@ import numpy as np
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import CRITERIA, singular_values, uniform_states
+from identification.criteria import CRITERIA, box_middle, singular_values, uniform_states
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
 from identification.model import Model, machine_of
 from identification.motion import Standstill
 from identification.symbolic import over_samples
 from planner.families import Family
-from planner.families.controlled import box_middle
 from planner.noise import PoseErrors, information_of
 
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion

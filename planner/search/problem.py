@@ -14,6 +14,7 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import Array
+from identification.criteria import box_middle
 from identification.limit import LimitKind
 from identification.limited_quantities import Box
 from identification.model import Model, identification_model, machine_of
@@ -21,7 +22,6 @@ from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from planner.families import Family, Layout
-from planner.families.controlled import box_middle
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import Kernel, state_size
 from planner.noise import PoseErrors

@@ -21,10 +21,10 @@ from cases.errors import HexciteError
 from cases.files import write_text
 from cases.loading import load_case
 from cases.units import Array
+from identification.criteria import box_middle
 from identification.model import identification_model
 from planner.bounds.information_limit import box_bound
 from planner.families import Family
-from planner.families.controlled import box_middle
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
 from planner.planning import SHIPPED

@@ -17,7 +17,7 @@ from identification.limit_proof import prove
 from identification.motion import Joined
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, has_steps
-from planner.families.controlled import controlled
+from planner.families.ptp import controlled
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import motion_entries, motion_of_entries
 from planner.plans import Plan

@@ -9,10 +9,9 @@ import pytest
 
 from cases.loading import built_in_cases
 from cases.schema import Case
-from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.criteria import CRITERIA, box_middle, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.trajectories.curves import FourierMotion
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
 from planner.search.feasibility import MARGIN, keep_limits

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
+from identification.criteria import box_middle
 from identification.limit_proof import prove
 from identification.motion import Standstill
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint
 from planner.planning import require_plannable

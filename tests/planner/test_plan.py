@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
+from identification.criteria import box_middle, reference_scaling
 from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.symbolic import over_samples
 from identification.trajectories.curves import FourierMotion
-from planner.families.controlled import box_middle
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.settings import Spline
 from planner.noise import mean_information

@@ -10,11 +10,10 @@ from scipy.special import gamma, kv
 
 from cases.loading import find_case, load_case
 from cases.sensors import PoseField
-from identification.criteria import reference_scaling
+from identification.criteria import box_middle, reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from planner.families import Family
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily

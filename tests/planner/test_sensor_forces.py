@@ -6,7 +6,7 @@ import pytest
 import planner.search.problem as problem_module
 from cases.loading import load_case
 from cases.schema import Case
-from identification.criteria import reference_scaling
+from identification.criteria import box_middle, reference_scaling
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from identification.limit_proof import load_shares, prove
 from identification.limited_quantities import rotation_motion
@@ -14,7 +14,6 @@ from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, Loads
 from planner.families import Family
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint

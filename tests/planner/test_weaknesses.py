@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases.errors import HexciteError
 from cases.units import DEG, MM
-from identification.criteria import reference_scaling
+from identification.criteria import box_middle, reference_scaling
 from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
@@ -20,7 +20,6 @@ from planner.bounds.design import Design
 from planner.bounds.features import box_features, combined, motion_moments
 from planner.bounds.information_limit import box_bound, compute_bound
 from planner.bounds.tight import climbed_from, tight_design
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily

@@ -9,8 +9,7 @@ from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import sample
 from identification.trajectories.moves import StraightMove
-from planner.families.controlled import controlled
-from planner.families.ptp import PointToPointFamily
+from planner.families.ptp import PointToPointFamily, controlled
 from planner.families.rows import StateRows
 from planner.noise import mean_information
 from planner.search.feasibility import MARGIN, keep_limits

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
+from identification.criteria import box_middle, reference_scaling
 from identification.model import Model, identification_model
 from planner.families import Family
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily

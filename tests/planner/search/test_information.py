@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.criteria import uniform_states
+from identification.criteria import box_middle, uniform_states
 from identification.model import Model, identification_model
 from identification.symbolic import over_samples
-from planner.families.controlled import box_middle
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
 from planner.search.program import regressor_kernel

@@ -7,11 +7,10 @@ import pytest
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.criteria import reference_scaling
+from identification.criteria import box_middle, reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
 from planner.families import Family
-from planner.families.controlled import box_middle
 from planner.families.fourier import START_SHARE, FourierFamily
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import state_size
