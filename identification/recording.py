@@ -1,4 +1,4 @@
-"""Recorded runs in SI units: streams of channels that share a clock, read with every damage explained, written whole.
+"""Recorded runs in SI units: read from files of any format with every damage explained, written whole.
 
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
 joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
@@ -8,9 +8,9 @@ names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,48 +34,8 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import MM, Array, as_html
-from identification.formats.table import Lines, lost_samples, uniform_step, unreadable
-
-Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
-CHANNELS: tuple[Channel, ...] = get_args(Channel)
-Rows = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """Samples of one clock, one row a sample; arrays are None where there are no such channels."""
-
-    source: str  # the file, for messages
-    t: Array | None  # time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill
-    # what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad]
-    struts: Array | None
-    rotations: Array | None  # R, shape (n, 3, 3)
-    forces: Array | None  # forces of the sensors, shape (n, 6) [N, or N and N m]
-    trigger: NDArray[np.bool_] | None  # shape (n,)
-    poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
-    specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
-    override: Array | None = None  # override of the feed, shape (n,); 1 is none
-    temperature: Array | None = None  # of the sensor, shape (n,) [degC]
-    lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
-    # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
-    missing: Rows | None = None
-    missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
-
-    @property
-    def channels(self) -> dict[Channel, Any]:
-        """The arrays that are there, by name."""
-        arrays = {name: getattr(self, name) for name in CHANNELS}
-        return {name: array for name, array in arrays.items() if array is not None}
-
-    @property
-    def rows(self) -> int:
-        """Number of samples."""
-        return len(next(iter(self.channels.values()), ()))
-
-    @property
-    def step(self) -> float:
-        """Time between samples [s]; raises RecordingError where there is no clock or it is not uniform."""
-        return uniform_step(self.source, self.t, self.lines)
+from identification.formats.stream import Channel, Stream
+from identification.formats.table import lost_samples, unreadable
 
 
 class Averaged(NamedTuple):
@@ -186,11 +146,13 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     Raises:
         RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
     """
-    from identification.formats.reading import read_run
+    from identification.formats.reading import read_run  # plans simulate, and load no reader
 
     places = [Path(paths)] if isinstance(paths, Path | str) else [Path(path) for path in paths]
-    recording = read_run(places, case)
-    return replace(recording, record=record_of(places[0])) if len(places) == 1 else recording
+    main, *others = read_run(places, case)
+    record = record_of(places[0]) if len(places) == 1 else {}
+    own: dict[str, Any] = {part.name: getattr(main, part.name) for part in fields(main)}
+    return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
 
 
 def record_of(path: Path) -> Mapping[str, Any]:

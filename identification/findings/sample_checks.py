@@ -15,8 +15,9 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM, Array
 from identification.findings import Finding, Kind, Severity, sentences, warning
+from identification.formats.stream import Stream
 from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
-from identification.recording import Recording, Stream
+from identification.recording import Recording
 from identification.signals import stretches
 
 Rows = NDArray[np.bool_]

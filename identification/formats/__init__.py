@@ -1,1 +1,1 @@
-"""Files of recorded runs, as tables of numbers in batches: one file a format, shared by all of them what is common."""
+"""Files of recorded runs, one file a format: tables of numbers in batches, and from these the streams of a run."""

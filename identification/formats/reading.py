@@ -1,11 +1,11 @@
 """From a file to tables in memory: the case names the format, the file's first bytes tell Parquet.
 
-From files to a run: each file in its format, streams told apart by their columns, on one time axis.
+From files to the streams of a run: each file in its format, told apart by their columns, on one time axis.
 """
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -18,9 +18,9 @@ from cases.recording_format import ROTATION, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
+from identification.formats.stream import Rows, Stream
 from identification.formats.table import ColumnTable, require_file, unreadable
 from identification.formats.text_errors import without
-from identification.recording import Recording, Rows, Stream
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
@@ -105,7 +105,7 @@ def whole(parts: Sequence[ColumnTable]) -> ColumnTable:
     )
 
 
-def read_run(paths: Sequence[Path], case: Case) -> Recording:
+def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     """Reads the files of one run, told apart by their columns.
 
     Args:
@@ -113,7 +113,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         case: says which columns to expect and how the files write them.
 
     Returns:
-        The run; files whose samples coincide are joined.
+        The streams of the run, that of the forces first; files whose samples coincide are joined.
 
     Raises:
         RecordingError: anything that keeps the run from being used; several files of one kind; no common time.
@@ -138,10 +138,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
     if main.struts is None and main.poses is not None:
         main = _with_kinematics(main, main.poses, case)
-    assert main.forces is not None
-    others = tuple(s for s in streams if s.forces is None)
-    own: dict[str, Any] = {part.name: getattr(main, part.name) for part in fields(main)}
-    return Recording(**own, others=others, case=case, paths=tuple(paths))
+    return main, *(s for s in streams if s.forces is None)
 
 
 _STORED = (".mcap", ".db3")  # of a bag

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import Array
+from identification.formats.stream import Channel, Stream
 from identification.hexapod import Hexapod
-from identification.recording import Averaged, Channel, Recording, Stream
+from identification.recording import Averaged, Recording
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide

@@ -21,10 +21,11 @@ from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.fit import Filtered, Robust
 from identification.findings import Finding
 from identification.findings.sample_checks import bridged
+from identification.formats.stream import Stream
 from identification.formats.table import HOST_GAP, equal_steps, lost_samples
 from identification.model import Model
 from identification.parameters import MASS
-from identification.recording import Recording, Stream
+from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter

@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 from cases.errors import RecordingError
 from cases.loading import load_case
+from identification.formats.stream import Stream
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
-from identification.recording import Recording, Stream
+from identification.recording import Recording
 from identification.runs.rates import interval_means, on_one_clock
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, one_line
