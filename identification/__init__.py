@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from identification.estimation.estimators import method as method
     from identification.external import force as force
     from identification.external import tare as tare
-    from identification.findings import Finding as Finding
+    from identification.finding import Finding as Finding
     from identification.formats.look import look as look
     from identification.formats.looked import Look as Look
     from identification.outcome import Result as Result
@@ -20,7 +20,7 @@ __getattr__, __dir__ = door(
     {
         "identification.estimation.estimators": "method",
         "identification.external": "force tare",
-        "identification.findings": "Finding",
+        "identification.finding": "Finding",
         "identification.formats.look": "look",
         "identification.formats.looked": "Look",
         "identification.outcome": "Result",

@@ -15,8 +15,7 @@ from cases.basis import KEPT
 from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.biases import drifted_since, shifted_all_along
-from identification.findings import Severity, sentences
-from identification.findings.sample_checks import Scan, unmeasured
+from identification.finding import Severity, sentences
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block
@@ -24,6 +23,7 @@ from identification.recording import Recording
 from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
+from identification.runs.sample_checks import Scan, unmeasured
 
 
 class ExternalForce(NamedTuple):

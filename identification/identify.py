@@ -20,11 +20,9 @@ from cases.units import Array
 from identification.estimation.biases import Biases, accelerometer_bias, drift_findings, mass_finding
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
-from identification.estimation.noise_sources import noise_sources
-from identification.findings import Kind, note, warning
+from identification.finding import Kind, note, warning
 from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
-from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import fitting_case, require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, fit_samples
 from identification.formats.reading import files_of
@@ -36,8 +34,10 @@ from identification.recording import Recording
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import MOST_DELAY, Run, mode_finding, smoothed, smoothing_finding, smoothing_of
+from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, stands_only, standstills
 from identification.runs.rates import on_one_clock
+from identification.runs.sample_checks import Scan, scan
 from identification.runs.standstills import average, find_standstills, match
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples

@@ -13,13 +13,13 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
-from identification.estimation.noise_sources import NoiseSources, attenuation_of
-from identification.findings import Finding, Severity, quantities_of, sentences
+from identification.finding import Finding, Severity, quantities_of, sentences
 from identification.fitting import Fitted, excerpt
 from identification.model import Model, expected_forces, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
+from identification.runs.noise_sources import NoiseSources, attenuation_of
 from identification.runs.wrist import WristRun
 from identification.samples import Samples, Standstills
 

@@ -13,7 +13,7 @@ from cases.units import Array
 from identification.estimation.channel_weights import independent_poses
 from identification.estimation.compressed import inverse_root, joint_triangle, long_run_covariance, scores
 from identification.estimation.fit import UNFILTERED, Filtered, Robust
-from identification.findings import Finding
+from identification.finding import Finding
 from identification.model import Model
 
 Rows = NDArray[np.bool_]

@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
-from identification.findings import Finding, Kind, note, warning
+from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import MASS, OFFSETS
 

@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
-from identification.findings import Finding, Kind, warning
+from identification.finding import Finding, Kind, warning
 
 _PART = 600  # rows of a QR that stay in the cache
 _PIECE = 20_000  # samples whose rows are held at once

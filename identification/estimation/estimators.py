@@ -19,7 +19,7 @@ from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, State
 from identification.estimation.nonlinear import estimate_selected, nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import consistent, huber
-from identification.findings import Kind, note, warning
+from identification.finding import Kind, note, warning
 from identification.model import Model
 from identification.parameters import Selection, physical_form, select
 

@@ -17,7 +17,7 @@ import numpy as np
 from cases.errors import IdentificationError
 from cases.sensors import PoseField, Sensors
 from cases.units import Array
-from identification.findings import Finding, Kind, note
+from identification.finding import Finding, Kind, note
 from identification.model import Model
 from identification.parameters import Selection
 

@@ -18,7 +18,7 @@ from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
-from identification.findings import Kind, note
+from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import (
     FIRST_MOMENT,

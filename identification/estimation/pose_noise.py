@@ -22,7 +22,7 @@ from cases.sensors import PoseField
 from cases.units import Array
 from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 from identification.estimation.fit import Robust, matern, squared_distances
-from identification.findings import Kind, note
+from identification.finding import Kind, note
 
 UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding
 JITTER = 1e-9  # white noise beside all others, as a share of their variance

@@ -22,10 +22,10 @@ from identification.estimation.channel_weights import least_trimmed_squares
 from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.estimation.fit import Uncertain
 from identification.findings.fit_checks import following
-from identification.findings.sample_checks import MOST_NAMED, places
 from identification.fitting import Fitted, fit_samples
 from identification.model import Model
 from identification.recording import Recording
+from identification.runs.sample_checks import MOST_NAMED, places
 from identification.samples import Samples
 from identification.signals import FAIR_PART, fair_part, stretches
 

@@ -19,14 +19,14 @@ from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, noise_components, whitened
-from identification.findings import Finding, Kind, note, warning
-from identification.findings.sample_checks import cut_off, shorter_than_planned
+from identification.finding import Finding, Kind, note, warning
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
 from identification.recording import Recording
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
+from identification.runs.sample_checks import cut_off, shorter_than_planned
 from identification.samples import Standstills
 from identification.signals import fair_part
 

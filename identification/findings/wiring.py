@@ -22,13 +22,13 @@ from cases.recording_format import STRUTS
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.compressed import column_scale, joint_triangle
-from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors
 from identification.parameters import OFFSETS, nominal_parameters
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.preparation import moving_run, standstills
+from identification.runs.sample_checks import scan
 from identification.runs.wrist import wrist_run
 from identification.signals import decimated
 from identification.symbolic import Kinematics

@@ -1,7 +1,7 @@
 """From columns in a file's units and names to channels in SI: units, signs, order, offsets, mounting, clocks.
 
 What no measurement can be is named with its place before it becomes a result; doubts about numbers that a sensor can
-give are findings: `identification.findings`.
+give are findings: `identification.runs.sample_checks`.
 """
 
 from dataclasses import replace

@@ -1,1 +1,1 @@
-"""A recorded run made ready for an estimate: rates, filters, delay, sections, standstills."""
+"""A recorded run made ready for an estimate: damage, rates, filters, delay, sections, standstills, and its noise."""

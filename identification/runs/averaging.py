@@ -21,8 +21,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.compressed import orthonormal
 from identification.estimation.fit import Filtered, Fit, Robust
-from identification.findings import Finding, Kind, note, warning
-from identification.findings.sample_checks import Scan, bridged
+from identification.finding import Finding, Kind, note, warning
 from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.recording import Recording
@@ -37,6 +36,7 @@ from identification.runs.periods import (
 )
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 from identification.runs.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
+from identification.runs.sample_checks import Scan, bridged
 from identification.samples import Conditioning
 from identification.symbolic import Kinematics
 

@@ -29,7 +29,7 @@ from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import inverse_root, joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust, Uncertain
 from identification.estimation.pose_noise import covariance_by_pose
-from identification.findings import Finding, Kind, note
+from identification.finding import Finding, Kind, note
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording

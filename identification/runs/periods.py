@@ -13,10 +13,10 @@ from scipy.special import chdtri
 
 from cases.errors import RecordingError
 from cases.units import Array
-from identification.findings import Finding, Kind, warning
-from identification.findings.sample_checks import places
+from identification.finding import Finding, Kind, warning
 from identification.recording import Recording
 from identification.runs.repeating import FourierSeries, RepeatingPart, fit_series
+from identification.runs.sample_checks import places
 from identification.signals import stretches
 
 INDEPENDENT = 24  # complex values that a spectral matrix of six channels is averaged over

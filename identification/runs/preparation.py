@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.findings import Finding, Kind, warning
-from identification.findings.sample_checks import Scan, bridged
+from identification.finding import Finding, Kind, warning
 from identification.formats.assembly import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.sample_checks import Scan, bridged
 from identification.samples import Standstills
 from identification.signals import Filter, stretches
 

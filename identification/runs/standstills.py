@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
 from cases.units import DEG, MM, Array
-from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.model import machine_of
 from identification.recording import Recording
 from identification.runs.preparation import MOVING, delimited
+from identification.runs.sample_checks import unmeasured
 from identification.signals import stretches
 
 Flags = NDArray[np.bool_]

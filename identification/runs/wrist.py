@@ -19,8 +19,7 @@ from cases.units import Array
 from identification.estimation.biases import Biases
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.fit import Filtered, Robust
-from identification.findings import Finding
-from identification.findings.sample_checks import bridged
+from identification.finding import Finding
 from identification.formats.stream import Stream
 from identification.formats.table import HOST_GAP, equal_steps, lost_samples
 from identification.model import Model
@@ -28,6 +27,7 @@ from identification.parameters import MASS
 from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import about_left_out, spoilt_by
+from identification.runs.sample_checks import bridged
 from identification.signals import Filter
 
 Rows = NDArray[np.bool_]

@@ -13,7 +13,6 @@ from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json, sha256_of
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.findings.sample_checks import scan
 from identification.formats.reading import files_of
 from identification.identify import default_model, standing_of
 from identification.model import Model, identification_model
@@ -23,6 +22,7 @@ from identification.parameters import physical_form
 from identification.recording import Recording, read
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
+from identification.runs.sample_checks import scan
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_figures import predicted_std
 from planner.plan_folder import fingerprint

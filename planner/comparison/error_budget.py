@@ -7,7 +7,6 @@ import numpy as np
 
 from cases.schema import Case
 from cases.sensors import Disturbances
-from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.motion import Array
 from identification.parameters import physical_form
@@ -15,6 +14,7 @@ from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.evaluation import Run
 from identification.runs.preparation import moving_run, standstills
+from identification.runs.sample_checks import scan
 from identification.simulate import ForceParts, pose_covariance
 
 

@@ -13,12 +13,12 @@ from cases.errors import IdentificationError, RecordingError
 from cases.loading import load_case
 from identification.findings import contact
 from identification.findings.contact import find_contacts
-from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Joined
 from identification.parameters import linear_parameters
 from identification.recording import Recording
+from identification.runs.sample_checks import scan
 from identification.simulate import simulate_recording
 from identification.trajectories.moves import StraightMove
 from tests.helpers import HOME, Harmonic, few, one_line, simulated

@@ -10,7 +10,6 @@ import pytest
 from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.external import force as over_recording
-from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model
@@ -18,6 +17,7 @@ from identification.outcome import Result
 from identification.recording import read, write_recording
 from identification.result import Estimate
 from identification.runs.preparation import moving_run
+from identification.runs.sample_checks import scan
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, few, one_line
 from tests.simulated_machine import PoseExecution

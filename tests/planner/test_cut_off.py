@@ -11,10 +11,10 @@ import pytest
 from cases.errors import IdentificationError
 from cases.loading import built_in_cases
 from cases.schema import Case
-from identification.findings.sample_checks import cut_off, shorter_than_planned
 from identification.findings.wiring import fitting_case
 from identification.hexapod import Hexapod
 from identification.identify import identify
+from identification.runs.sample_checks import cut_off, shorter_than_planned
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
 

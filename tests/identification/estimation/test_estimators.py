@@ -6,7 +6,7 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation.estimators import ESTIMATORS, FitProblem, method
 from identification.estimation.priors import Prior
-from identification.findings import Severity
+from identification.finding import Severity
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, PHYSICAL, SAMPLES, A, U, forces
 

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from cases.schema import Case
 from identification.external import force, tare
-from identification.findings import Kind
+from identification.finding import Kind
 from identification.identify import estimate_parameters
 from identification.outcome import Result
 from identification.recording import Recording, read, write_recording

@@ -8,9 +8,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import RecordingError
-from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.recording import read
+from identification.runs.sample_checks import unmeasured
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written
 

@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from identification.findings.sample_checks import unmeasured
 from identification.recording import Recording, read, write_recording
+from identification.runs.sample_checks import unmeasured
 from tests.helpers import answer, one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written
 

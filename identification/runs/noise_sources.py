@@ -25,7 +25,7 @@ from scipy.fft import fft
 from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.fit import Fit
-from identification.findings import Finding, Kind, warning
+from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm

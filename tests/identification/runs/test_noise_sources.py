@@ -8,12 +8,12 @@ import pytest
 from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import method
-from identification.estimation.noise_sources import acceleration_effects
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model, regressors
 from identification.motion import Motion
 from identification.recording import Recording
+from identification.runs.noise_sources import acceleration_effects
 from identification.runs.preparation import moving_run
 from identification.signals import Filter
 from identification.simulate import simulate_recording

@@ -10,8 +10,8 @@ from identification.identify import estimate_parameters
 from identification.recording import Recording
 from identification.samples import Conditioning
 from tests.helpers import ideal, simulated
-from tests.identification.estimation.test_noise_sources import noisy, stated
 from tests.identification.repeating import Repeating, recorded
+from tests.identification.runs.test_noise_sources import noisy, stated
 
 CASE = ideal(load_case("hexapod"))
 WISH = Conditioning(True, harmonics=40)

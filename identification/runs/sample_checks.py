@@ -14,7 +14,7 @@ from cases.errors import RecordingError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM, Array
-from identification.findings import Finding, Kind, Severity, sentences, warning
+from identification.finding import Finding, Kind, Severity, sentences, warning
 from identification.formats.stream import Stream
 from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
 from identification.recording import Recording

@@ -1,0 +1,70 @@
+"""Findings about a recording, a fit or a result, beside the figures: one type for notes and warnings."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+class Kind(StrEnum):
+    """What a finding is about."""
+
+    DAMAGE = "damage"  # samples that no estimate may use
+    WINDOW = "window"  # which part of a recording counts
+    CLOCK = "clock"  # rates, delays, lost time
+    CONTACT = "contact"
+    FEED = "feed"
+    NOISE = "noise"  # what the residuals look like, beside what is stated
+    MODEL = "model"  # what the model leaves, or cannot be
+    ESTIMATOR = "estimator"  # what an estimator did, constraints and priors included
+    OFFSETS = "offsets"  # biases that were taken from another result
+    CASE = "case"  # what has changed, or contradicts the case
+
+
+class Severity(StrEnum):
+    """Whether people are to act on it."""
+
+    NOTE = "note"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One finding.
+
+    Args:
+        kind: what it is about.
+        severity: whether people are to act on it.
+        sentence: the text for people, place included; empty where it is for programs only.
+        place: place in the file, as messages name it; empty where that is no place.
+        quantity: entries for programs, by their key in result files.
+    """
+
+    kind: Kind
+    severity: Severity
+    sentence: str
+    place: str = ""
+    quantity: Mapping[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+def warning(kind: Kind, sentence: str, place: str = "", **quantity: Any) -> Finding:
+    """What people should act on."""
+    return Finding(kind, Severity.WARNING, f"{place}: {sentence}" if place else sentence, place, quantity)
+
+
+def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
+    """What is good to know."""
+    return Finding(kind, Severity.NOTE, sentence, quantity=quantity)
+
+
+def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
+    """Sentences for people, of one severity."""
+    return tuple(f.sentence for f in findings if f.severity is severity and f.sentence)
+
+
+def quantities_of(findings: Iterable[Finding]) -> dict[str, Any]:
+    """Entries for programs."""
+    return {key: value for finding in findings for key, value in finding.quantity.items()}
