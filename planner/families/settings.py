@@ -53,7 +53,7 @@ class FamilySettings:
 
     def controlled(self, case: Case) -> ptp.Controlled:
         """The case as the controller executes it that the motion is made for."""
-        return Controlled(case)
+        return ptp.Controlled(case)
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """The sets of motions to search: several where a setting is left free, none where nothing is optimised."""
