@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from planner import Plan as Plan
     from planner import PointToPoint as PointToPoint
     from planner import Spline as Spline
+    from planner import ValidationSettings as ValidationSettings
     from planner import bound as bound
     from planner import compare as compare
     from planner import demo as demo
@@ -57,8 +58,8 @@ __getattr__, __dir__ = door(
         "cases": "Case HexciteError load_case",
         "identification": "Finding Look Recording Result force look method read tare",
         "identification.identify": "identify",
-        "planner": "Fourier Manual Plan PointToPoint Spline bound compare demo plan plan_poses report retime "
-        "run validate write",
+        "planner": "Fourier Manual Plan PointToPoint Spline ValidationSettings bound compare demo plan plan_poses report "
+        "retime run validate write",
         "postprocessors": "Program read_program",
         "postprocessors.export": "export",
     },

@@ -7,6 +7,7 @@ from cases import door
 if TYPE_CHECKING:
     from planner.bounds.information_limit import bound as bound
     from planner.comparison.comparison import compare as compare
+    from planner.comparison.methods import ValidationSettings as ValidationSettings
     from planner.comparison.validation import validate as validate
     from planner.demonstration import demo as demo
     from planner.execution import run as run
@@ -26,6 +27,7 @@ __getattr__, __dir__ = door(
     {
         "planner.bounds.information_limit": "bound",
         "planner.comparison.comparison": "compare",
+        "planner.comparison.methods": "ValidationSettings",
         "planner.demonstration": "demo",
         "planner.families.settings": "Fourier Manual PointToPoint Spline",
         "planner.library": "plan plan_poses",

@@ -44,7 +44,7 @@ Count = Callable[[str, int], None]
 
 @dataclass(frozen=True, slots=True)
 class ValidationSettings:
-    """How methods are carried out."""
+    """How `hx.validate` carries out its methods."""
 
     on: str = "virtual"  # controller: virtual or linuxcnc
     starts: int = 2  # random starts of the optimised methods
