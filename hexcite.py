@@ -58,8 +58,8 @@ __getattr__, __dir__ = door(
         "cases": "Case HexciteError load_case",
         "identification": "Finding Look Recording Result force look method read tare",
         "identification.identify": "identify",
-        "planner": "Fourier Manual Plan PointToPoint Spline ValidationSettings bound compare demo plan plan_poses report "
-        "retime run validate write",
+        "planner": "Fourier Manual Plan PointToPoint Spline ValidationSettings bound compare demo plan plan_poses "
+        "report retime run validate write",
         "postprocessors": "Program read_program",
         "postprocessors.export": "export",
     },
