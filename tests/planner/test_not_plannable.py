@@ -65,7 +65,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
             ("too short for 40", "4 s, or --moves 24 or fewer"),
         ),
         (("--family", "spline", "--duration", "1"), ("too short for a spline", "2 s")),
-        (("--for", "fanuc"), ("controller 'fanuc' is unknown", "choose linuxcnc, virtual, sinumerik")),
+        (("--for", "fanuc"), ("controller 'fanuc' is unknown", "choose virtual, linuxcnc, sinumerik")),
         (("--for", "linuxcnc", "--family", "spline"), ("--for does nothing", "spline", "leave it out", "--family ptp")),
         (("--for", "linuxcnc", "--duration", "0.04"), ("too short for 8 moves: 2 phases of 3", "at least 0.048 s")),
         (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
