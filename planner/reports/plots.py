@@ -21,6 +21,7 @@ from planner.reach import Reach, StaticLimits
 from planner.reports.case_figures import share_words
 from planner.reports.machine import box_outlines, room, tool_outlines
 
+NARROWEST = 0.6  # of the longest side of a picture in 3-D: joints in one line make no room
 GRID = 25  # poses along each side of a map
 BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it
 MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
@@ -70,8 +71,9 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
     frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(at_home, chain))]
     origins = np.array([frame[:3, 3] for frame in frames]) / MM
     axes.plot(*origins.T, color="tab:gray", linewidth=2.0, marker="o", markersize=4, label="joints")
-    for k, joint in enumerate(chain.joints, 1):
-        axes.text(*origins[k], joint.name, fontsize="small")
+    for place in np.unique(origins[1 : len(chain.joints) + 1].round(3), axis=0):  # joints may lie at one place
+        there = [j.name for k, j in enumerate(chain.joints, 1) if np.allclose(origins[k], place, atol=1e-2)]
+        axes.text(*place, ", ".join(there), fontsize="small")
     axes.plot(*origins[-1:].T, color="tab:red", marker="s", linestyle="", label="sensor")
     links = list(zip(frames[1:], (joint.bodies for joint in chain.joints), strict=False))
     outlines = [origins]
@@ -146,6 +148,10 @@ def _finish(axes: Axes3D, case: Case, drawn: Sequence[Array], boxes: Iterable[Ke
     corners = room(every.min(axis=0), every.max(axis=0), boxes)
     _draw_lines(axes, box_outlines(boxes, *corners), "tab:orange", "kept out", 1.0)
     axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
+    limits = np.array([axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()])
+    half = np.maximum(np.diff(limits)[:, 0], NARROWEST * np.diff(limits).max()) / 2.0
+    low, high = limits.mean(axis=1) - half, limits.mean(axis=1) + half
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_aspect("equal")
     axes.legend(loc="upper left")
 
