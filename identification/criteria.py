@@ -101,7 +101,7 @@ class Group(NamedTuple):
     """Parameters that can only be determined together."""
 
     parameters: tuple[str, ...]  # their names
-    hidden: int  # so many directions among them that the data do not see
+    hidden: int  # number of directions among them that the data do not determine
     # what is determined instead: sums of factor times parameter, by name; empty where nothing is
     combinations: tuple[dict[str, float], ...]
 
@@ -148,7 +148,7 @@ class Identifiability:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Identifiability":
-        """From what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
+        """The tables that `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
         return cls(
             names=tuple(str(name) for name in data["names"]),
             correlation=np.array(data["correlation"], dtype=float),
@@ -201,7 +201,7 @@ def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
     involved = np.flatnonzero(np.diag(projector) > INVOLVED**2)
     if not len(involved):
         return []
-    from scipy.sparse.csgraph import connected_components  # loads slowly, and nothing hides in most runs
+    from scipy.sparse.csgraph import connected_components  # loads slowly, and most runs determine all
 
     count, labels = connected_components(np.abs(projector[np.ix_(involved, involved)]) > INVOLVED**2)
     indices = (involved[labels == k] for k in range(count))
@@ -217,7 +217,7 @@ def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
     _, size, basis = np.linalg.svd(hidden)
     count = int(np.sum(size > INVOLVED))
     directions = basis[count:] * factors  # from scaled back to the parameters' own units
-    from scipy.linalg import qr  # only where parameters hide behind each other: SciPy takes long to load
+    from scipy.linalg import qr  # only where parameters are not separable: SciPy takes long to load
 
     pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(directions)]
     combinations = []

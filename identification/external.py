@@ -51,7 +51,7 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     Args:
         recording: a run of the same machine.
         result: identified parameters; their delay is compensated.
-        whole: all samples; else only the excitation.
+        whole: whether all samples are evaluated; else only the excitation.
 
     Raises:
         FileProblem: parameters of another case.
@@ -151,7 +151,7 @@ Payload = tuple[dict[str, Value], tuple[str, ...]]
 
 
 def payload_on_table(before: Result, after: Result) -> Payload:
-    """What was put on a frame that does not move, from the offsets without and with it (setup 1a).
+    """The payload that was put on a frame that does not move, from the offsets without and with it (setup 1a).
 
     Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
     all of xC, yC, zC that have a share in it; the warnings name them.
@@ -170,7 +170,7 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     root = 1.0 / np.sqrt(variance)
     along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
     indices = np.flatnonzero(np.r_[True, ~along])
-    # With the unknown direction left free the others do not take what belongs to it.
+    # The unknown direction stays free, so that the others do not take over its share.
     spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
     u = spread @ (after.values - before.values)
     of_u = (spread * variance) @ spread.T

@@ -15,7 +15,7 @@ class Kind(StrEnum):
     CONTACT = "contact"
     FEED = "feed"
     NOISE = "noise"  # what the residuals look like, beside what is stated
-    MODEL = "model"  # what the model leaves, or cannot be
+    MODEL = "model"  # what the model does not explain, or what is impossible
     ESTIMATOR = "estimator"  # what an estimator did, constraints and priors included
     OFFSETS = "offsets"  # biases that were taken from another result
     CASE = "case"  # what has changed, or contradicts the case
@@ -36,7 +36,7 @@ class Finding:
         kind: what it is about.
         severity: whether people are to act on it.
         sentence: the text for people, place included; empty where it is for programs only.
-        place: place in the file, as messages name it; empty where that is no place.
+        place: place in the file, as messages name it; empty where there is none.
         quantity: entries for programs, by their key in result files.
     """
 
@@ -51,12 +51,12 @@ class Finding:
 
 
 def warning(kind: Kind, sentence: str, place: str = "", **quantity: Any) -> Finding:
-    """What people should act on."""
+    """A finding that people should act on."""
     return Finding(kind, Severity.WARNING, f"{place}: {sentence}" if place else sentence, place, quantity)
 
 
 def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
-    """What is good to know."""
+    """A finding that is good to know."""
     return Finding(kind, Severity.NOTE, sentence, quantity=quantity)
 
 

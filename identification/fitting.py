@@ -1,4 +1,4 @@
-"""A fit to samples: the delay between forces and motion, where there is one, is found together with the parameters."""
+"""A fit to samples: the delay between forces and motion, where there is one, is estimated with the parameters."""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -20,8 +20,8 @@ from identification.runs.wrist import WristRun
 from identification.samples import Samples
 
 DELAY_STEPS = 8
-DELAY_TOLERANCE = 1e-9  # [s]; the step that is left is in the fit's own nuisance
-CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so many samples its square is a hundredth
+DELAY_TOLERANCE = 1e-9  # [s]; what remains of the delay is in the nuisance of the fit
+CLOSE = 1e-5  # [s] the same where the search began close to it: the square is a hundredth of the noise of the samples
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
@@ -37,7 +37,7 @@ class Fitted(NamedTuple):
     whitening: Array | None  # W is its square, where it is given
     columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
     forces: Array  # forces as the estimator saw them, shape (n, 6)
-    taken: Array  # part of the fit's covariance that biases from another result make
+    taken: Array  # part of the fit's covariance that comes from biases of another result
 
     @property
     def at(self) -> float:
@@ -56,27 +56,27 @@ class Fitted(NamedTuple):
 
 
 def fit_samples(
-    samples: Samples, how: Method, problem: FitProblem, delay: float = 0.0, held: Uncertain | None = None
+    samples: Samples, how: Method, problem: FitProblem, delay: float = 0.0, fixed_delay: Uncertain | None = None
 ) -> Fitted:
-    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
+    """The fit by Gauss-Newton over the delay, which stays in the last fit as a nuisance: its uncertainty counts.
 
-    A long run is fitted from where a part of it ends.
+    For a long run the search begins with the fit to a part of it.
 
     Args:
         problem: the samples' model, and which channels have the same noise.
         delay: delay to start from [s].
-        held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
+        fixed_delay: a known delay, which is not estimated; its standard deviation is propagated.
     """
     model, forces = samples.model, samples.forces
-    beside = len(samples.nuisances) - (held is not None)
-    delay = delay if held is None else held.value
+    beside = len(samples.nuisances) - (fixed_delay is not None)
+    delay = delay if fixed_delay is None else fixed_delay.value
     problem = replace(problem, nuisance=beside, filtered=samples.filtered)
     names = [*model.names, *samples.nuisances[:beside]]
     near = None
     for times in EXCERPTS:
         part = excerpt(samples, times)
         if part is not samples:
-            with suppress(IdentificationError):  # where a part tells too little, the whole is asked alone
+            with suppress(IdentificationError):  # where a part determines too little, the whole run is fitted at once
                 steps = DELAY_STEPS if near is None else 1
                 delay, _, near, _, _ = _converged(part, part.forces, how, problem, delay, near, steps)
     delay, columns, _, whitening, fit = _converged(samples, forces, how, problem, delay, near)
@@ -93,7 +93,7 @@ def fit_samples(
             fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
     fit = of_forces(whitening, fit, columns, forces)
     require_sense(model, fit)
-    has_delay = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
+    has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
     residuals = samples.residuals(columns[:, :, : len(names) - has_delay], fit.values[: len(names) - has_delay])
     taken, more, w = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance), w_of(whitening, fit)
     if how.biases is not None:
@@ -104,14 +104,14 @@ def fit_samples(
         moves = basis @ gain(columns @ basis, w, effects)
         if how.biases is not None:
             taken += moves[:, 1:] @ how.biases.require_accelerometer().covariance @ moves[:, 1:].T
-        if held is not None:
-            more += held.std**2 * np.outer(moves[:, 0], moves[:, 0])
+        if fixed_delay is not None:
+            more += fixed_delay.std**2 * np.outer(moves[:, 0], moves[:, 0])
     more += taken
     fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
-        held = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
-    return Fitted(samples, fit, held, residuals, whitening, columns, forces, taken)
+        fixed_delay = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
+    return Fitted(samples, fit, fixed_delay, residuals, whitening, columns, forces, taken)
 
 
 def excerpt(samples: Samples, times: int = 1) -> Samples:
@@ -131,7 +131,7 @@ def _converged(
     """Gauss-Newton over the delay: the delay, A and the nuisances there, u, whitening, and the Gauss-Markov fit.
 
     Args:
-        forces: forces of that, shape (n, 6).
+        forces: forces of the run, shape (n, 6).
         problem: problem with the nuisances and the filter of the run; without one for the delay, the delay is fixed.
         delay: delay to start from [s].
         near: u of a part of the run, shape (u,), with its delay: one step is then enough.
@@ -154,7 +154,7 @@ def _converged(
     for _ in range(steps):
         columns = free = None  # of a long run there is room for one
         if values is None:
-            # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
+            # The effect of the delay follows from the best forces so far, whatever parameters make them.
             matrices = run.regressors(delay)
             right = forces - matrices @ selection.offset
             top = joint_triangle(matrices @ selection.basis, right, scale)

@@ -78,7 +78,7 @@ class Hexapod:
         return hexapod_shares(self, case, pose, rates, accelerations)
 
     def positions(self, coordinates: Array) -> Array:
-        """Of poses, shape (n, 3) [m]."""
+        """Positions of the origin of {P} at poses, shape (n, 3) [m]."""
         return coordinates[:, :3]
 
     def _struts(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -202,7 +202,7 @@ class Hexapod:
             raise StrutsDoNotClose(first, lengths[first])
         return poses, jacobians
 
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what runs off is given up
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # samples that diverge are given up
     def _newton(self, lengths: Array, start: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Poses, J_Hex^-1 there, and for which samples the struts close."""
         pose, closed = start.copy(), np.zeros(len(start), dtype=bool)
@@ -214,7 +214,7 @@ class Hexapod:
             converged = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
             closed[active[converged]] = True
             jacobians[active[converged]] = jacobian[converged]
-            # A sample that has run off into a singularity or to infinity is given up, not the others with it.
+            # Only a sample that diverges, or that comes into a singularity, is given up, not the others.
             alive = ~converged & np.isfinite(error).all(axis=1)
             active, error, jacobian = active[alive], error[alive], jacobian[alive]
             if not len(active):
@@ -255,7 +255,7 @@ class Hexapod:
     def kinematics_where_closed(
         self, lengths: Array, velocities: Array, accelerations: Array
     ) -> tuple[Kinematics, NDArray[np.bool_]]:
-        """`kinematics` of samples that need not close, in any order, each found from home; and which of them do.
+        """Kinematics of samples whose struts need not close, in any order, each solved from home; and which close.
 
         Args:
             lengths: shape (n, 6) [m].
@@ -279,7 +279,7 @@ class Hexapod:
 def kinetic(
     case: Case, pose: Array, rates: Array, accelerations: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Motion of what has limits of rates and accelerations beside the coordinates, along a motion in these.
+    """Velocities and accelerations of the struts, with their limits, along a motion in the coordinates.
 
     Args:
         pose: coordinates, shape (n, c); `rates` and `accelerations` are their derivatives.
@@ -302,7 +302,7 @@ def kinetic(
 
 @lru_cache(maxsize=32)
 def _of_joints(joints: bytes, home: bytes) -> Hexapod:
-    """The same joints are the same hexapod, whose CasADi functions are then built once."""
+    """The hexapod with these joints, made once, so that its CasADi functions are built once."""
     base, platform = np.frombuffer(joints).reshape(2, 6, 3)
     return Hexapod(base, platform, np.frombuffer(home))
 

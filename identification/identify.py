@@ -44,7 +44,7 @@ from identification.samples import USUAL, Conditioning, Samples
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 NOT_COMPARED = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
-SHARE = 0.5  # of the structural mode's frequency: there the first term that is left out is a sixteenth
+SHARE = 0.5  # share of the structural mode's frequency: there the first neglected term is a sixteenth
 
 
 @runtime_checkable
@@ -119,7 +119,7 @@ def identify(
 
 
 def default_model(recording: Recording, case: Case) -> int:
-    """The model that a recording can carry: 9 moving, 5 standing with struts, 6 and 0 of joints, 0 of orientations."""
+    """Number of a recording's largest model: 9 moving, 5 standing with struts, 6 and 0 of joints, 0 of orientations."""
     if recording.struts is None:
         return 0
     most = full_model(case)
@@ -135,7 +135,7 @@ def standing_of(
 
     Args:
         poses: other poses whose standstills the run holds, shape (n, k) [m or rad].
-        asked: average standstills without knowing the poses.
+        asked: whether standstills are averaged where their poses are not known.
 
     Raises:
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
@@ -244,7 +244,7 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
 def _samples(
     recording: Recording, case: Case, model: Model, conditioning: Conditioning, found: Scan, biases: Biases | None
 ) -> Samples:
-    """A recording ready to be evaluated, as it was asked for; `biases` are those of a wrist run, known beforehand."""
+    """Samples of a recording, ready to be evaluated; `biases` are those that a wrist run takes as known."""
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model, found)
     if conditioning.periodic:
@@ -271,11 +271,11 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         )
         sentence += f"{samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         findings.append(note(Kind.CLOCK, sentence))
-    fitted = fit_samples(samples, method, problem, held=delay)
+    fitted = fit_samples(samples, method, problem, fixed_delay=delay)
     fitted, contacts = free_of_contact(recording, fitted, method, problem, delay)
     if contacts and wide is not None:
         delay = fit_samples(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
-        fitted = fit_samples(fitted.samples, method, problem, held=delay)
+        fitted = fit_samples(fitted.samples, method, problem, fixed_delay=delay)
     if isinstance(fitted.samples, Run) and not method.priors and not conditioning.flexible:
         rich = smoothed(fitted.samples, fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich.smoothing:

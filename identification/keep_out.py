@@ -62,7 +62,7 @@ def distances(box: KeepOut, workspace: Workspace, origin: Array, turn: Array, ba
     Below 0 inside; in the order of `guarded`.
 
     Args:
-        box: which.
+        box: the box.
         workspace: gives the tools and the radius of the struts.
         origin: origin of {P}, shape (n, 3) [m].
         turn: R, shape (n, 3, 3).

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from cases.units import DEG, MM
 
-TOLERANCE = 1e-6  # a limit counts as kept up to this share of it: rounding, not motion
+TOLERANCE = 1e-6  # a limit counts as satisfied up to this share above it: rounding, not motion
 
 
 class LimitKind(StrEnum):
@@ -50,7 +50,7 @@ class LimitKind(StrEnum):
 
     @property
     def family(self) -> "LimitKind":
-        """The kind under which people accept it and controllers enforce it: of rotations that of translations."""
+        """The kind under which people accept it and controllers enforce it: for rotations that of translations."""
         return _FAMILIES.get(self, self)
 
     @property
@@ -72,7 +72,7 @@ KINETIC = (
 
 
 class OwnMove(StrEnum):
-    """Moves that a controller times by itself: their limits are named apart, lest a prediction hides what is proven."""
+    """Moves that a controller times by itself: other names, so that predictions do not hide what is proven."""
 
     UNTIMED = "untimed moves"
     WAY_HOME = "way home"  # from an unknown pose
@@ -107,7 +107,7 @@ class Limit(NamedTuple):
 
 
 class Status(StrEnum):
-    """Who answers for a limit."""
+    """How a limit is ensured."""
 
     PROVEN = "proven"
     ENFORCED = "enforced by controller"
@@ -124,10 +124,10 @@ class LimitCheck:
     worst: float  # the value there, in `unit`
     limit: float  # the limit it came closest to, in `unit`
     unit: str  # unit of both
-    ratio: float  # share of the limit that is used; the limit is kept up to 1
+    ratio: float  # share of the limit that is used; the limit is satisfied up to 1
     time: float  # when [s]
     status: Status
-    # whether the motion itself is answerable for it; not where a controller's own law is only predicted
+    # whether the motion itself is responsible for it; not where a controller's own law is only predicted
     binding: bool = True
     # lower and upper limit, in `unit`, where there are two; the share is counted from the middle between them
     bounds: tuple[float, float] | None = None
@@ -144,11 +144,11 @@ class LimitCheck:
 
     @property
     def kept(self) -> bool:
-        """Whether the limit is kept, as far as the motion is answerable for it."""
+        """Whether the limit is satisfied, as far as the motion itself is responsible for it."""
         return not self.binding or self.ratio <= 1.0 + TOLERANCE
 
     def sentence(self, timed: bool = True) -> str:
-        """One phrase with value and limit, and when, unless that tells nothing."""
+        """One phrase with value and limit, and the time where it matters."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
         time_text = f" at {self.time:.3f} s" if timed else ""
         return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{time_text}, limit {self.limit:.4g}"
@@ -168,7 +168,7 @@ class LimitCheck:
 
     @classmethod
     def of_json(cls, name: str, entry: Mapping[str, Any]) -> "LimitCheck":
-        """From a limit's name and what `to_json` made; errors as `LimitReport.of_json`."""
+        """The check from a limit's name and what `to_json` made; errors as `LimitReport.of_json`."""
         bounds, status, at = entry.get("bounds"), Status(entry["status"]), str(entry["at"])
         return cls(
             of=Limit.named(name),
@@ -192,7 +192,7 @@ class LimitReport:
 
     @property
     def kept(self) -> bool:
-        """Whether every limit is kept."""
+        """Whether every limit is satisfied."""
         return all(c.kept for c in self.checks)
 
     @property
@@ -202,11 +202,11 @@ class LimitReport:
 
     @property
     def worst_ratio(self) -> float:
-        """Largest share that is used of a limit for which the motion is answerable."""
+        """Largest share that is used of a limit for which the motion is responsible."""
         return max(c.ratio for c in self.checks if c.binding)
 
     def to_json(self) -> dict[str, dict[str, Any]]:
-        """One object a limit, by name."""
+        """One object for each limit, by name."""
         return {str(c.of): c.to_json() for c in self.checks}
 
     @classmethod

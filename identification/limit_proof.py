@@ -1,4 +1,4 @@
-"""Numeric proof that a motion keeps the limits of its case.
+"""Numeric proof that a motion satisfies the limits of its case.
 
 Written in NumPy from the definitions (rotation matrices differentiated by the product rule), with no code in common
 with the CasADi models that the optimiser uses.
@@ -39,7 +39,7 @@ def prove(
     Args:
         rate: samples a second [1/s].
         offset: start of the trajectory on the clock that the report uses [s].
-        in_box: whether it must keep the pose box of `[limits.motion]`; positioning need only keep `[workspace]`.
+        in_box: whether it must stay in the pose box of `[limits.motion]`; positioning need only stay in `[workspace]`.
 
     Raises:
         CaseError: the case has no machine or no limits.
@@ -72,7 +72,7 @@ def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantit
 
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
-    """Struts, joints, boxes, singularities and sensors: what takes the rotation of the load to compute."""
+    """Quantities of struts, joints, boxes, singularities and sensors, which need the rotation of the load."""
     if case.chain is not None:
         frames = chain_frames(motion, case.chain)
         rotation, acceleration = sensor_motion(frames)
@@ -120,7 +120,7 @@ def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
 
 
 def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
-    """All that a case limits."""
+    """All quantities that a case limits."""
     yield from of_coordinates(motion, case, in_box)
     yield from of_mechanics(motion, case, in_box)
 
@@ -159,7 +159,7 @@ _BY_POWER = (
 def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple[Array, Array, Array]:
     """Share that is used at each instant of any limit of velocities, of accelerations and of jerks, each of shape (n,).
 
-    These are the limits that another pace helps against: they shrink with its first, second and third power.
+    Only these shares depend on the pace: they shrink with its first, second and third power.
     """
     parts = [
         [
@@ -193,13 +193,13 @@ def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> f
     return max(shares)
 
 
-SLOWINGS, SLOWED = 30, 0.95  # of a move with too large forces or torques: weight does not shrink with the pace
+SLOWINGS, SLOWED = 30, 0.95  # of a move with too large forces or torques: its weight does not depend on the pace
 FORCE_RATE = 1000.0  # [1/s] at which these are looked at
 MARGIN = 1.0 - 1e-3  # share of limits that a slowed move uses: for rounding, and for what is between the instants
 
 
 def slowed_for_forces(move: StraightMove, case: Case) -> StraightMove:
-    """The move itself, or slowed until struts, sensors and torques of joints keep their limits, where that helps."""
+    """The move itself, or slowed until struts, sensors and torques of joints satisfy their limits, where that helps."""
     for _ in range(SLOWINGS):
         if (share := mechanical_pace(move, case, FORCE_RATE)) <= 1.0:
             break
@@ -210,10 +210,10 @@ def slowed_for_forces(move: StraightMove, case: Case) -> StraightMove:
 def _evaluated(
     trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited
 ) -> Iterator[tuple[tuple[Quantity, ...], Array]]:
-    """What is limited, in chunks of instants."""
+    """Quantities that are limited, in chunks of instants."""
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
-        with np.errstate(invalid="ignore"):  # what is not a number counts as passed, and is reported so
+        with np.errstate(invalid="ignore"):  # what is not a number counts as exceeded, and is reported so
             yield tuple(limited(trajectory.at(t), case, in_box)), t
 
 

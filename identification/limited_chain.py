@@ -2,8 +2,8 @@
 
 Frames are homogeneous matrices T, multiplied from the base to the sensor; their derivatives follow by the product rule.
 Torques are those of Lagrange's equations in this form: the sum over bodies of tr(dT/dq J (T'' - G)^T), J the integral
-of r r^T over the mass (Uicker 1965), G the acceleration of gravity. Of bodies nothing passes between two instants: a
-distance is less what the axes of its bodies can move by in half a step.
+of r r^T over the mass (Uicker 1965), G the acceleration of gravity. No contact of bodies is missed between two
+instants: each distance is reduced by the way that the axes of its bodies can move in half a step.
 """
 
 from collections.abc import Iterable, Sequence
@@ -49,7 +49,7 @@ def sensor_motion(frames: Frames) -> tuple[tuple[Array, Array, Array], Array]:
 
 
 def joint_efforts(frames: Frames, chain: Chain, gravity: Array, bodies: Sequence[RigidBody]) -> Iterable[Quantity]:
-    """What the drives must do to move links and load, against 80 % of what they can; friction is not in it.
+    """Torques or forces of the drives to move links and load, without friction, against 80 % of the largest.
 
     Args:
         chain: chain with the inertia of every link, or nothing is limited.
@@ -102,13 +102,13 @@ def _generalised(frame: Array, joint: Joint, inertia: Array) -> Array:
 
 def chain_frames(motion: Motion, chain: Chain) -> Frames:
     """T, T', T'' of the moved frame of each joint, then of the sensor's, shapes (n, 4, 4)."""
-    count, found = len(motion.t), []
+    count, frames = len(motion.t), []
     total: _Frames = (np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4)))
     for k, joint in enumerate(chain.joints):
         total = _fixed(total, _placed(joint))
         total = _times(total, _moved(joint, motion.pose[:, k], motion.rates[:, k], motion.accelerations[:, k]))
-        found.append(total)
-    return [*found, _fixed(total, _placed(chain.sensor))]
+        frames.append(total)
+    return [*frames, _fixed(total, _placed(chain.sensor))]
 
 
 def _fixed(before: _Frames, then: Array) -> _Frames:
@@ -121,7 +121,7 @@ def _times(before: _Frames, then: _Frames) -> _Frames:
 
 
 def _placed(place: Place) -> Array:
-    """A frame in the one before it, shape (4, 4)."""
+    """Matrix of a frame in the one before it, shape (4, 4)."""
     still = np.zeros(1)
     x, y, z = (axis_rotation(axis, np.array([angle]), still, still)[0][0] for axis, angle in enumerate(place.rpy))
     frame = np.eye(4)
@@ -163,8 +163,8 @@ class _Body(NamedTuple):
 def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity]:
     """Distances of bodies from boxes and from each other, at each instant and until half way to the next.
 
-    Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. Of a box it
-    falls to 0 at a distance of half the box's diagonal, of two bodies at one of the sum of their radii.
+    Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. For a box it
+    falls to 0 at a distance of half the box's diagonal, for two bodies at the sum of their radii.
 
     Args:
         t: instants of the frames, shape (n,) [s].
@@ -196,7 +196,7 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
 
 
 def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float) -> _Body:
-    """Of a point of the axis the velocity is affine along it, so that none is faster than one of the ends."""
+    """A body in {B}: velocities are affine along its axis, so that no point is faster than the faster end."""
     ends = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.axis] for frame in frames]
     speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
     way = (speed + acceleration * half / 2) * half

@@ -1,4 +1,4 @@
-"""What a case limits of coordinates and of a hexapod, of a sampled motion: in NumPy from the definitions."""
+"""Limited quantities of coordinates and of a hexapod, along a sampled motion: in NumPy from the definitions."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ _STRUTS = tuple(f"strut {k}" for k in range(1, 7))
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that is limited, one row an instant and one column a coordinate or strut."""
+    """A limited quantity, one row an instant and one column a coordinate or strut."""
 
     of: Limit
     labels: tuple[str, ...]  # labels of the columns
@@ -62,7 +62,7 @@ Box = MotionLimits | JointMotionLimits
 
 
 def plane(motion: Motion, machine: HexapodMachine, workspace: Workspace) -> Quantity:
-    """How far the platform of a hexapod is from home, in the plane that it can reach."""
+    """Distances of a hexapod's platform from home, in the plane that it can reach."""
     low, high = workspace.plane[0], workspace.plane[1]
     offset = motion.pose[:, :2] - machine.home.vector[:2]
     return Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y"), offset, low, high)
@@ -161,10 +161,10 @@ def limited_struts(
     workspace: Workspace,
     limits: MotionLimits,
 ) -> Iterable[Quantity]:
-    """What a case limits of the struts and joints, the distance from boxes and singularities among it.
+    """Limited quantities of struts and joints, with the distances from boxes and singularities.
 
     Args:
-        workspace: what it can reach.
+        workspace: reach of the machine.
     """
     strut, velocity, acceleration, normal = strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)
@@ -185,8 +185,8 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     """Distance of platform, struts and tools from each box, along the axis that separates them most.
 
     The share is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal. Struts are
-    lines from joint to joint, with the radius that the case says around them, tools likewise. What moves at 1 m/s is
-    between two instants of 10 kHz nearer by at most 0.05 mm.
+    lines from joint to joint, with the radius that the case says around them, tools likewise. At 1 m/s
+    a distance is at most 0.05 mm smaller between two instants of 10 kHz.
     """
     for box in workspace.keep_out:
         labels = guarded(workspace)

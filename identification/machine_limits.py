@@ -1,11 +1,11 @@
 """Limits of a machine beside those of its coordinates, as CasADi expressions for the search.
 
-Of a hexapod: struts, joints, singularity, boxes; these enter with the platform's origin, its joints and points of
-struts and tools. Joint angles enter by their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
+A hexapod has limits of struts, joints, singularity and boxes, the latter for the platform's origin, its joints and
+points of struts and tools. Joint angles enter by their cosine, smooth at zero: (1 - cos angle) / (1 - cos limit).
 
-Of a chain: distances of its bodies from boxes and from each other, the bodies as balls along their axes, half a radius
-apart. A clearance stands for what is between points; what it does not hold back is left to the proof, which has its own
-distances, and to drawing back.
+A chain has limits of the distances of its bodies from boxes and from each other; a body is balls along its axis, half a
+radius apart. A clearance allows for what is between points. The proof, which has its own distances, finds what remains
+beyond it, and the motion then shrinks.
 """
 
 from collections.abc import Sequence
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from identification.hexapod import Hexapod
 
 ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
-ALONG_TOOLS = (0.0, 0.5, 1.0)  # of a tool's
+ALONG_TOOLS = (0.0, 0.5, 1.0)  # shares of a tool's length
 ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
-MOST_BALLS = 20  # of a body of a chain
+MOST_BALLS = 20  # largest number of balls of a body
 BALL_ROUNDING = 0.001  # [m] by about which least distances of bodies are rounded
 CLEARANCE = 0.02  # [m] from boxes, for what comes near them between two points or instants; less where home is nearer
 BALL_CLEARANCE = 0.01  # [m] the same between two balls; less where the middle of the box is nearer
-VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the ways of motions
+VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the travel of motions
 
 
 def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
@@ -94,7 +94,7 @@ def _distance(point: ca.SX, corners: Array, rounding: float) -> ca.SX:
 
 
 def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tuple[ca.SX, ca.SX]]) -> list[Share]:
-    """Shares of what keeps bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
+    """Shares of the clearances of bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
 
     Args:
         chain: chain with bodies of links and tool, and boxes to keep out of.

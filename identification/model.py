@@ -42,7 +42,7 @@ class Model:
     structure: Array  # J^-T of the sensor frame, shape (6, 6)
     gravity: Array  # gravitational acceleration in {B}, shape (3,) [m/s^2]
     whitening: Array | None = None  # root of W that multiplies all rows of A, shape (6, 6); None for W = 1
-    machine: Machine | None = None  # machine in whose coordinates motions are planned; None where nothing is
+    machine: Machine | None = None  # machine in whose coordinates motions are planned; None where none are
     # where the sensors sit in the struts: then J^-T depends on the pose, and `structure` is that at home
     struts: StrutLayout | None = None
 
@@ -217,13 +217,13 @@ def expected_forces(model: Model, kinematics: Kinematics, values: Array) -> Arra
 
 
 def full_model(case: Case) -> int:
-    """Number in Table 2 of the model with all that a motion of a machine can tell: 9, without error terms 6."""
+    """Number in Table 2 of the model with all that a motion of a machine can determine: 9, without error terms 6."""
     machine = machine_if_any(case)
     return RIGID if case.sensor_frame.struts is not None or not (machine is None or machine.elastic) else 9
 
 
 def static_model(case: Case) -> int:
-    """Number in Table 2 of the model with all that standstills of a machine can tell: 5, without error terms 0."""
+    """Number in Table 2 of the model with all that standstills of a machine can determine: 5, without error terms 0."""
     return 5 if full_model(case) == 9 else 0
 
 

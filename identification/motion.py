@@ -91,12 +91,12 @@ class TimedPoints:
 
 
 RESOLUTION = 1e-8  # [m, rad] of program words
-SAME_JERK = 0.005  # of a coordinate's range of jerks
+SAME_JERK = 0.005  # share of a coordinate's range of jerks
 FEWEST_POINTS = 8
 OFTEN = (
     0.2  # of the blocks; of smooth motions 0.1 or less, of cubic splines 0.25 or more from four blocks an interval on
 )
-NO_ACCELERATION = 0.01  # of the largest
+NO_ACCELERATION = 0.01  # share of the largest acceleration
 
 
 def _piecewise_cubic(times: Array, poses: Array) -> bool:
@@ -125,7 +125,7 @@ def _cubic_at_rest(times: Array, poses: Array) -> "BSpline | None":
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """No motion at all."""
+    """A motion that stays at one pose."""
 
     pose: Array  # coordinates, shape (n,) [m or rad]
     duration: float  # [s]
@@ -139,7 +139,7 @@ class Standstill:
 
 @dataclass(frozen=True, slots=True)
 class StandingPoses:
-    """Poses one after the other, one a second, each at rest: only limits of poses mean anything."""
+    """Poses one after the other, one a second, each at rest: only limits of poses apply."""
 
     poses: Array  # coordinates, shape (n, k) [m or rad]
 
@@ -149,7 +149,7 @@ class StandingPoses:
         return float(len(self.poses) - 1)
 
     def at(self, t: ArrayLike) -> Motion:
-        """The poses whose turn it is at times t, shape (n,) [s], at rest."""
+        """The poses that are visited at times t, shape (n,) [s], at rest."""
         time = np.asarray(t, dtype=float)
         still = [np.zeros((len(time), self.poses.shape[1])) for _ in range(3)]
         return Motion(time, self.poses[np.round(time).astype(int)], *still)
@@ -157,11 +157,11 @@ class StandingPoses:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Standing still to be measured: settling first, then what is averaged."""
+    """A standstill to be measured: time to settle, then time that is averaged."""
 
     pose: Array  # coordinates, shape (n,) [m or rad]
-    settle: float  # waited before [s]
-    average: float  # measured, with the trigger on [s]
+    settle: float  # time to settle [s]
+    average: float  # time that is averaged, with the trigger on [s]
 
     @property
     def duration(self) -> float:
@@ -217,7 +217,7 @@ class Slowed:
     """A motion at a share of its speed: the same path, everything else slower."""
 
     motion: Trajectory
-    speed: float  # share of it, above 0
+    speed: float  # share of the speed, above 0
 
     @property
     def duration(self) -> float:

@@ -19,7 +19,7 @@ from identification.model import Model, identification_model
 from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
 from identification.saved_result import AGAIN, read_record, require_agreement
 
-# Of what recording.json says of a run, what a result keeps.
+# Entries of recording.json that a result takes over.
 RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
 PROMINENT = ("m", "xC", "yC", "zC")  # shown first
 _OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
@@ -56,7 +56,7 @@ class Result:
 
     @cached_property
     def identifiability(self) -> Identifiability | None:
-        """What the run determined; None where nothing says."""
+        """What the run determined; None where no file says it."""
         return self.determined if self.estimate is None else identifiability_of(self.estimate)
 
     @cached_property
@@ -66,17 +66,17 @@ class Result:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a user should act on."""
+        """Sentences that a user should act on."""
         return tuple(self.record["warnings"])
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What else there is to say of the evaluation."""
+        """Further sentences on the evaluation."""
         return tuple(self.record["notes"])
 
     @property
     def source(self) -> str:
-        """What messages name it by: its file, or the recording that it is of."""
+        """Its name in messages: its file, or the recording that it is from."""
         return str(self.record["recording"] if self.file is None else self.file)
 
     @property
@@ -137,7 +137,7 @@ class Result:
         """Makes a folder with the same files; residuals are not saved.
 
         Raises:
-            FileProblem: the folder is somebody's, or cannot be written.
+            FileProblem: the folder holds something else, or cannot be written.
         """
         check_folder(Path(folder), RESULT, overwrite=overwrite)
         with atomic_folder(Path(folder), RESULT, overwrite) as part:
@@ -170,7 +170,7 @@ class Result:
         return replace(result, determined=determined, remarks=remarks)
 
     def require_agreement(self) -> None:
-        """Refuses entries that are not what they are by others.
+        """Refuses entries that contradict each other.
 
         Raises:
             FileProblem: one was changed by hand, or the parameters belong to another case.

@@ -26,7 +26,7 @@ _CROSS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)  # S of each
 class Loads:
     """Forces of the sensors with every body that a case expects; one channel is one sensor with one of the bodies.
 
-    Offsets and compensation apart.
+    Offsets and compensation are not included.
     """
 
     case: Case
@@ -48,7 +48,7 @@ class Loads:
 
     @property
     def coefficients(self) -> Array:
-        """Forces of sensors in the platform over the `_state` of {P}, shape (channels, 15)."""
+        """Matrix from the `_state` of {P} to the forces of sensors in the platform, shape (channels, 15)."""
         return np.asarray(np.linalg.solve(self.case.sensor_frame.structure, self.wrenches).reshape(-1, 15))
 
     def forces(self, motion: Motion, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
@@ -66,7 +66,7 @@ class Loads:
 
 
 def body_wrench(body: RigidBody) -> Array:
-    """What times the state of {P} is force and moment about its origin that move a body with it, shape (6, 15).
+    """Matrix from the state of {P} to the force and moment about its origin that move a body with it, shape (6, 15).
 
     Newton and Euler in the axes of {P}: m (a + alpha x c + omega x (omega x c)) and c x m a + I alpha + omega x I omega
     with a = p'' - g, I about the origin.
@@ -146,9 +146,9 @@ def _in_struts(
     of_bodies = (wrenches @ state.T).transpose(2, 0, 1).reshape(len(state), -1, 3) @ turn.transpose(0, 2, 1)  # in {B}
     along = np.linalg.solve(columns, (of_bodies.reshape(len(state), -1, 6) + carried[:, None]).transpose(0, 2, 1))
     if sensors.at == "drive":
-        turned = _dot(turning, turning)
-        sliding = _dot(n, changing) + length * turned  # l''
-        along = along + mass * (sliding - _dot(n, gravity[None, None])) - lever * turned
+        squared = _dot(turning, turning)  # |n'|^2
+        sliding = _dot(n, changing) + length * squared  # l''
+        along = along + mass * (sliding - _dot(n, gravity[None, None])) - lever * squared
     return np.asarray(along.transpose(0, 2, 1).reshape(len(strut), -1))
 
 

@@ -4,7 +4,7 @@ I_P = I_PC + m S(xC)^T S(xC), the parallel-axis theorem; the line under (5) prin
 
 Partial identification (section 4): some parameters are known or left out, the rest is estimated. A known centre of
 gravity ties a first moment to the mass, and a known central inertia ties an inertia to the first moments by the
-parallel-axis theorem, so that u = u0 + B v with the parameters v that are left: the problem stays linear, and every
+parallel-axis theorem, so that u = u0 + B v with the remaining parameters v: the problem stays linear, and every
 estimator of stacked data serves it (`select`).
 """
 
@@ -224,18 +224,18 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
 
 
 def nominal_parameters(model: "Model", body: RigidBody) -> Array:
-    """U of (17) with what is known before a run, shape (u,): the body and the struts; offsets and error terms are 0."""
+    """Nominal parameters u of (17), shape (u,): those of the body and the struts; offsets and error terms are 0."""
     values = with_struts(model, body_parameters(body))
     return np.array([values.get(name, 0.0) for name in model.names])
 
 
 def with_struts(model: "Model", body: dict[str, float]) -> dict[str, float]:
-    """What is known of a body, with what the struts add where sensors sit in them, by name."""
+    """Known values of a body, with those of the struts where sensors sit in them, by name."""
     return body if model.struts is None else model.struts.with_struts(body, model.needs_motion)
 
 
 def linear_parameters(model: "Model", truth: Truth) -> Array:
-    """U of (17) for a simulated machine whose compensation is K5, shape (u,).
+    """Parameters u of (17) for a simulated machine whose compensation is K5, shape (u,).
 
     Raises:
         KeyError: the model has parameters (K1, K3, K4) that the simulated machine has no values for.
@@ -261,14 +261,14 @@ class Selection(NamedTuple):
 
 
 def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
-    """Raises IdentificationError, listing the valid names, where one of those given is none of them."""
+    """Raises IdentificationError, listing the valid names, where a given name is not among them."""
     for name in given:
         if name not in valid:
             raise IdentificationError(f"{name!r} is not a parameter here; choose from {', '.join(valid)}")
 
 
 def symmetric_platform(model: "Model") -> dict[str, float]:
-    """The reduction of section 5 for a symmetric platform: five parameters less, two where there is no inertia."""
+    """The reduction of section 5 for a symmetric platform: five parameters fewer, two where there is no inertia."""
     names = [p.name for p in physical_form(model).parameters]
     return {name: 0.0 for name in (*names, *model.names) if name in ("xC", "yC", "I12", "I13", "I23")}
 
@@ -284,7 +284,7 @@ def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = 
 
     Raises:
         IdentificationError: a name that the model does not have, with those that it has; a value that is not finite;
-            a parameter given twice; a body without mass; nothing left to estimate.
+            a parameter given twice; a body without mass; no parameter to estimate.
     """
     form, dropped = [p.name for p in physical_form(model).parameters], tuple(dropped)
     require_names(known, list(dict.fromkeys([*model.names, *form])))

@@ -60,7 +60,7 @@ class Recording(Stream):
     # weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,)
     weights: Array | None = None
     averaged: Averaged | None = None  # how forces were averaged that were sampled faster than the motion
-    case: Case | None = None  # case that it is of; None where that is not known
+    case: Case | None = None  # case that it is from; None where that is not known
     paths: tuple[Path, ...] = ()  # paths of the files that it was read from
     record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none
     remarks: tuple[str, ...] = ()  # what has changed in the case since, where it is evaluated nevertheless
@@ -70,7 +70,7 @@ class Recording(Stream):
 
         Raises:
             RecordingError: the run has several clocks, or its case is not known.
-            FileProblem: the folder is somebody's, or cannot be written.
+            FileProblem: the folder holds something else, or cannot be written.
         """
         if self.case is None:
             raise RecordingError(self.source, "does not say which case it is of", "read it with its case")
@@ -133,7 +133,7 @@ SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
 _DECIMALS = {CLOCK: 9} | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
 _DECIMALS |= dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
-FINE = 12  # decimals of all else
+FINE = 12  # decimals of all other columns
 
 
 def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
@@ -144,7 +144,7 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
         case: says which columns to expect and how the files write them.
 
     Raises:
-        RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
+        RecordingError: anything that prevents the use of the run, with line, column, value and remedy.
     """
     from identification.formats.reading import read_run  # plans simulate, and load no reader
 
@@ -156,7 +156,7 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
 
 
 def record_of(path: Path) -> Mapping[str, Any]:
-    """What recording.json in a folder says of its run; nothing where `path` is no such folder.
+    """Entries of recording.json in a folder; empty where `path` is not such a folder.
 
     Raises:
         RecordingError: there is nothing at `path`.

@@ -1,4 +1,4 @@
-"""What an identification says: parameters in both forms with standard deviations, and how well the model fits."""
+"""What an identification reports: parameters in both forms with standard deviations, and how well the model fits."""
 
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -88,12 +88,12 @@ class Estimate:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What people should act on."""
+        """Sentences that people should act on."""
         return sentences(self.findings, Severity.WARNING)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is good to know."""
+        """Sentences that are good to know."""
         return sentences(self.findings, Severity.NOTE)
 
     @property
@@ -168,7 +168,7 @@ def estimate_of(
     accelerometer: AccelerometerBias | None,
     findings: tuple[Finding, ...],
 ) -> Estimate:
-    """Makes an estimate of a fit; columns of the fit beyond the model's parameters are nuisances and left out."""
+    """The estimate of a fit; columns of the fit beyond the model's parameters are nuisances, which it leaves out."""
     fit, model = fitted.fit, fitted.samples.model
     own = slice(len(model.parameters))
     u, white, robust = fit.values[own], fit.covariance[own, own], fit.covariance_robust[own, own]
@@ -194,7 +194,7 @@ class Residuals:
 
     t: Array  # time, shape (n,) [s]; of standstills their number from 1
     forces: Array  # as recorded, shape (n, 6) [N, or N and N m]
-    predicted: Array  # A u behind the evaluation's filter, the delay put right, shape (n, 6)
+    predicted: Array  # A u behind the evaluation's filter, the delay compensated, shape (n, 6)
     step: float | None  # time between samples [s]; None for standstills
     # the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw them as
     # recorded, or averaged in another way
@@ -235,7 +235,7 @@ class Residuals:
 
 
 def residuals_of(estimate: Estimate) -> Residuals:
-    """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`."""
+    """Recorded forces of a run beside those of its own estimate, at most the first `MOST_SAMPLES`."""
     samples, delay, u = estimate.evaluated, estimate.at, estimate.fit.values
     if isinstance(samples, Standstills):
         return Residuals(samples.t, samples.recorded, samples.matrices @ u, None)
@@ -255,7 +255,7 @@ def residuals_of(estimate: Estimate) -> Residuals:
 
 
 def identifiability_of(estimate: Estimate) -> Identifiability:
-    """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
+    """Which of the estimated parameters the run determines, alone and together (section 5)."""
     samples = excerpt(estimate.evaluated)
     selection = estimate.how.selection(samples.model)
     return analyse(samples.regressors(estimate.at) @ selection.basis, selection.names)

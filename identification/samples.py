@@ -1,6 +1,6 @@
-"""What an estimate is made from: times, forces, regressors at a delay, how noise came in.
+"""What an estimate is made from: times, forces, regressors at a delay, properties of the noise.
 
-Averaged standstills are such; and what may be done to a moving run before the estimate, beyond its low-pass.
+Averaged standstills are such samples. `Conditioning` is what is done to a run beforehand, beyond its low-pass.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Samples(Protocol):
 
     @property
     def model(self) -> Model:
-        """Gives A."""
+        """The model, which gives A."""
 
     @property
     def t(self) -> Array:
@@ -32,15 +32,15 @@ class Samples(Protocol):
 
     @property
     def forces(self) -> Array:
-        """As the estimator sees them, shape (n, 6) [N, or N and N m]."""
+        """Forces as the estimator uses them, shape (n, 6) [N, or N and N m]."""
 
     @property
     def samples(self) -> int:
-        """Recorded samples that they stand for."""
+        """Number of recorded samples that they stand for."""
 
     @property
     def window(self) -> tuple[Finding, ...]:
-        """What was found about the part of the recording that they are from."""
+        """Findings about the part of the recording that they are from."""
 
     @property
     def consecutive(self) -> bool:
@@ -52,11 +52,11 @@ class Samples(Protocol):
 
     @property
     def filtered(self) -> Filtered:
-        """What was done to white noise of the recorded forces."""
+        """Effect of the filter on white noise of the recorded forces."""
 
     @property
     def noise_correlation(self) -> float:
-        """Of white noise, between neighbours."""
+        """Correlation of white noise between neighbours."""
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
@@ -70,10 +70,10 @@ class Samples(Protocol):
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
-        """Covariance of u for noise that is not white; None where too few samples tell."""
+        """Covariance of u for noise that is not white; None for too few samples."""
 
     def without(self, left_out: Rows) -> Self:
-        """The same without some samples, shape (n,)."""
+        """The same without the samples that are marked, shape (n,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,21 +94,21 @@ class Standstills:
 
     @property
     def forces(self) -> Array:
-        """Weighted, shape (n, 6)."""
+        """Weighted forces, shape (n, 6)."""
         return self.recorded * self.scale[:, None]
 
     @property
     def samples(self) -> int:
-        """Their number."""
+        """Number of standstills."""
         return len(self.recorded)
 
     def regressors(self, delay: float) -> Array:
-        """A, weighted, shape (n, 6, u)."""
+        """Weighted A, shape (n, 6, u)."""
         del delay
         return self.matrices * self.scale[:, None, None]
 
     def linearised(self, delay: float, values: Array) -> Array:
-        """The same: there are no nuisances."""
+        """Weighted A: there are no nuisances."""
         del values
         return self.regressors(delay)
 
@@ -119,9 +119,9 @@ class Standstills:
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
-        """For standstills that err each for itself, or, with a clock, for noise with memory, by Bartlett's kernel.
+        """Covariance of u for independent standstills, or, with a clock, for noise with memory, by Bartlett's kernel.
 
-        One pose looks at the lowest frequencies alone, of which a short run knows nothing: models of the noise that
+        One pose depends on the lowest frequencies alone, which a short run does not show: models of the noise that
         extrapolate to them would find memory in white noise, in one of five runs.
         """
         del whitening
@@ -132,7 +132,7 @@ class Standstills:
         return Robust(inverse @ long_run_covariance(scores(matrices, residuals, weights)) @ inverse)
 
     def without(self, left_out: Rows) -> "Standstills":
-        """Without some, shape (n,)."""
+        """The standstills that are not marked, shape (n,)."""
         mask = ~left_out
         return Standstills(
             self.model, self.t[mask], self.recorded[mask], self.matrices[mask], self.scale[mask], self.clocked
@@ -143,7 +143,7 @@ class Conditioning(NamedTuple):
     """What a user asks to be done to a run; all but the last to a moving one."""
 
     periodic: bool = False  # evaluation by Fourier series of a repeating run instead of the low-pass
-    period: float | None = None  # its period [s]; None: to be found
+    period: float | None = None  # its period [s]; None: to be estimated
     harmonics: int | None = None  # harmonics of the series; None: as many as stand out of the noise
     # estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency
     flexible: bool = False

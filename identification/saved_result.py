@@ -19,7 +19,7 @@ ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds other
 
 def _named(entry: Any) -> Any:
     if not isinstance(entry, Mapping):  # a list would do for pydantic
-        raise ValueError("is no object")
+        raise ValueError("is not an object")
     return entry
 
 
@@ -44,7 +44,7 @@ class Linear(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
 
 
 class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
-    """What a result was made of, and how; what has a value here may be absent."""
+    """What a result was made of, and how; entries with a default may be absent."""
 
     case: str
     case_hash: str
@@ -111,7 +111,7 @@ def read_record(path: Path) -> tuple[Path, dict[str, Any]]:
 
 
 def require_agreement(file: str, record: Mapping[str, Any], model: Model, wrench: bool) -> None:
-    """Computes anew what follows from other entries, so that nobody reads the wrong one of two.
+    """Computes anew what follows from other entries, so that no two entries disagree.
 
     Args:
         record: as `read_record` returns it.

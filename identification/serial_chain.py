@@ -23,7 +23,7 @@ from identification.machine_limits import clearance_shares
 from identification.overload import SHARE
 from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rpy
 
-UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
+UPRIGHT = 1e-8  # cosine of a pitch below which only rounding separates roll and yaw
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
 
 
@@ -57,7 +57,7 @@ class SerialChain:
 
     @classmethod
     def of(cls, case: Case) -> "SerialChain":
-        """The chain of a case; raises CaseError where its machine is none."""
+        """The chain of a case; raises CaseError where its machine is not a chain."""
         return cls(case.need_chain("the kinematics")[0])
 
     def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
@@ -78,7 +78,7 @@ class SerialChain:
         return [*distances, *(Share(LimitKind.JOINT_TORQUE, 2, torques[limited] / ca.DM(most)) for torques in loads)]
 
     def positions(self, coordinates: Array) -> Array:
-        """Of the sensor, shape (k, 3) [m]."""
+        """Positions of the sensor, shape (k, 3) [m]."""
         return over_samples(self.pose, coordinates)[0][:, :3]
 
     def drives(self, coordinates: ArrayLike) -> Array:
@@ -90,7 +90,7 @@ class SerialChain:
     def torques(
         self, q: ca.SX, rates: ca.SX, accelerations: ca.SX, gravity: Sequence[float] | Array, load: RigidBody | None
     ) -> ca.SX:
-        """What the drives must do to move links and load, friction apart, shape (n,) [N m or N].
+        """Torques or forces of the drives to move links and load, without friction, shape (n,) [N m or N].
 
         Args:
             q: positions of the joints, shape (n,) [rad or m]; `rates` and `accelerations` are their derivatives.
@@ -160,7 +160,7 @@ class SerialChain:
     def kinematics(
         self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None
     ) -> Kinematics:
-        """Pose, twist and twist rate of {P}, one row a sample; of a pitch of a right angle the roll is 0.
+        """Pose, twist and twist rate of {P}, one row a sample; where the pitch is a right angle the roll is 0.
 
         Args:
             q: positions of the joints, shape (n, count) [rad or m].
@@ -173,7 +173,7 @@ class SerialChain:
         return Kinematics(np.hstack([position.reshape(-1, 3), _angles(turns)]), twist, twist_rate)
 
     def earlier(self, motion: Kinematics, time: float) -> None:
-        """Nothing is searched for."""
+        """None: poses follow from the joints without a search."""
         del motion, time
 
 

@@ -3,7 +3,7 @@
 The kernel is an ideal low-pass under a Nuttall window, known as a function of time: its derivatives differentiate,
 its argument shifts by fractions of a sample. Position, velocity and acceleration of a signal so pass the same filter.
 
-At the samples that are kept, one transform of the signals serves all kernels and is folded to their rate: every s-th
+At the samples that are wanted, one transform of the signals serves all kernels and is folded to their rate: every s-th
 sample of a circular convolution of length N = s M has the spectrum of the whole folded to M, (1/s) times the sum over a
 of X(q + a M) H(q + a M) e^(2 pi i p (q + a M) / N) with the phase p (Crochiere & Rabiner 1983, chapter 2): the way back
 costs a transform of M, not of N. Signals go through in overlapping parts (overlap-save), so that memory stays small.
@@ -47,7 +47,7 @@ class Filter(NamedTuple):
 
     @property
     def stride(self) -> int:
-        """Every so many filtered samples hold all that is left of the signal: nothing passes above 1.5 cut-offs."""
+        """Every so many filtered samples hold all of the filtered signal: nothing passes above 1.5 cut-offs."""
         return max(1, int(1.0 / (3.0 * self.cutoff * self.step)))
 
     @property
@@ -95,8 +95,8 @@ class Filter(NamedTuple):
         Returns:
             Shape (2 margin + 1,).
 
-        Sampling changes the response by nearly the same amount over the whole pass band, so what is wrong at frequency
-        zero is taken away in the shape of the lower-order kernels.
+        Sampling changes the response by nearly the same amount over the whole pass band, so the error at frequency
+        zero is removed in the shape of the lower-order kernels.
         """
         t = np.arange(-self.margin, self.margin + 1) * self.step
         smooth = self._kernel(0, shift)
@@ -114,7 +114,7 @@ class Filter(NamedTuple):
         return np.asarray(curvature / (curvature @ t**2 / 2))
 
     def require(self, values: Array, delay: float) -> None:
-        """Whether values, shape (n, ..), can be filtered at a delay [s].
+        """Refuses values, shape (n, ..), that cannot be filtered at a delay [s].
 
         Raises:
             RecordingError: fewer samples than the filter is long.
@@ -227,11 +227,11 @@ def _turn(stride: int, count: int, phase: int) -> Spectrum:
 
 # Samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz.
 FAIR_PART = 8_000
-STRETCHES = 8  # that these are in
+STRETCHES = 8  # number of stretches that hold them
 
 
 def stretches(on: NDArray[np.bool_]) -> list[slice]:
-    """Where neighbours are on, shape (n,), one slice for each stretch of them."""
+    """One slice for each stretch of neighbours that are on, shape (n,)."""
     edges = np.flatnonzero(np.diff(np.r_[False, on, False].astype(np.int8))).tolist()
     return [slice(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -240,7 +240,7 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
     """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
 
     Args:
-        count: count of the samples.
+        count: number of samples.
     """
     most = times * FAIR_PART
     if count <= most:

@@ -2,7 +2,7 @@
 
 No inverse crime: forces follow from the continuous motion's own derivatives, not from the recorded samples, and by
 default the recording is delayed, sampled between encoder cycles, quantised and noisy. With disturbances the drives
-ripple, the structure vibrates and forces err with the pose: nothing of which the identification models know.
+ripple, the structure vibrates and forces err with the pose: no identification model contains any of these.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ from identification.trajectories.executed import Execution, mode_frequency, ripp
 if TYPE_CHECKING:
     from identification.result import Estimate  # plans simulate, and load nothing of identification
 
-WAVES = 48  # of which a pose error is made
+WAVES = 48  # number of waves that make a pose error
 
 
 class Circumstances(NamedTuple):
@@ -66,7 +66,7 @@ def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:
 def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> Array:
     """Force errors that depend on the pose: two smooth random fields of the machine, shape (2, n, 6).
 
-    That of the platform itself [N], and that of each newton that is on the platform.
+    The first is that of the platform itself [N], the second that of each newton that is mounted on it.
 
     Args:
         home: pose from which the machine's poses are counted, shape (6,) [m, rad].
@@ -102,7 +102,7 @@ def _lengths(disturbances: Disturbances) -> Array:
 
 
 class ForceParts(NamedTuple):
-    """What true forces consist of."""
+    """Parts of the true forces, by their causes."""
 
     rigid: Array  # (18) of the motion that the drives made, shape (n, 6) [N]
     mode: Array  # what the vibration of the structure adds, shape (n, 6) [N]
@@ -120,7 +120,7 @@ the struts then, shape (n, 6) [m], and the motion of the sensors when they are s
 
 
 def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> ForceParts:
-    """The true forces of a motion, taken apart.
+    """The true forces of a motion, by their causes.
 
     Args:
         motion: motion of the drives, at n instants.

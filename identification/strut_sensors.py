@@ -5,9 +5,9 @@ joint P (ball), both slender: moments of inertia about the strut's own axis do n
 length. What counts of a rod is its mass mu, its first moment h from P towards B and its moment of inertia about P; of a
 tube its first moment d from B and its moment of inertia about B; of the two moments of inertia the sum k.
 
-A sensor at the drive's end carries the whole rod. Then a rod's mass cannot be told from a point mass in its platform
-joint, and mass, first moments and inertia of the body are those of the platform with the rods lumped there. A sensor at
-the platform's end carries the platform alone, and mu is a parameter of its own. A positive force pushes the platform.
+A sensor at the drive's end carries the whole rod. Then a rod's mass cannot be separated from a point mass in its
+platform joint, and mass, first moments and inertia of the body are those of the platform with the rods lumped there. A
+sensor at the platform's end carries the platform alone, with mu as a parameter. A positive force pushes the platform.
 
 Derived from Lagrange's equations; the tests derive them again by automatic differentiation.
 """
@@ -198,17 +198,17 @@ def _spin(moving: Rods) -> ca.SX:
     return ca.horzcat(*(ca.cross(moving.direction[:, k], moving.turning[:, k]) for k in range(6)))
 
 
-def _held(moving: Rods, moments: ca.SX) -> ca.SX:
-    """Forces across the struts that hold them against moments of their joints, shape (3, 6)."""
+def _lateral(moving: Rods, moments: ca.SX) -> ca.SX:
+    """Forces across the struts that balance moments of their joints, shape (3, 6)."""
     forces = [ca.cross(moving.direction[:, k], moments[:, k]) / moving.length[k] for k in range(6)]
     return ca.horzcat(*forces)
 
 
 def _friction(moving: Rods, omega: ca.SX, platform: bool, coulomb: bool) -> ca.SX:
-    """Of moments against which the struts turn in their joints with the platform, or with the base."""
+    """Force and moment on the platform of friction in the struts' joints at the platform, or at the base."""
     rates = _spin(moving) - ca.repmat(omega, 1, 6) if platform else _spin(moving)
     moments = -(_directions(rates) if coulomb else rates)
-    return _wrench(moving, _held(moving, moments), moments if platform else None)
+    return _wrench(moving, _lateral(moving, moments), moments if platform else None)
 
 
 def _directions(rates: ca.SX) -> ca.SX:

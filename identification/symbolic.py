@@ -1,4 +1,4 @@
-"""CasADi at work: its functions over many samples at once, orientations as its expressions, and machines made of both.
+"""CasADi functions over many samples at once, orientations as CasADi expressions, and machines made of both.
 
 Equation numbers are those of Friedrich & Ihlenfeldt, Sensors 21 (2021) 3537. R = Rz(yaw) Ry(pitch) Rx(roll) turns
 vectors of {P} into {B}.
@@ -9,8 +9,8 @@ thousand of them, which is three to eight times as fast: the interpreter's overh
 CasADi is column-major: one column a sample, so that memory order equals NumPy's rows.
 
 A machine leads from its coordinates to the frame that carries the load. Coordinates are what motions are planned in,
-drives what encoders measure: the pose and the struts of a hexapod, for a chain both the positions of its joints. Who
-asks for less than a hexapod's struts takes a machine from `model.machine_of`, and so knows no kind of machine; a new
+drives what encoders measure: the pose and the struts of a hexapod, for a chain both the positions of its joints. Code
+that needs no struts of a hexapod takes a machine from `model.machine_of`, and so depends on no kind of machine; a new
 kind is a class with the members of `Machine`, and a line there.
 """
 
@@ -60,7 +60,7 @@ def over_samples(function: ca.Function, *arguments: ArrayLike) -> list[Array]:
             raise ValueError(
                 f"{function.name()}: input {k} has shape {value.shape}, expected {(count, function.size1_in(k))}"
             )
-    # A matrix leaves CasADi column by column: shape (n, columns, rows) in C order, turned round at the end.
+    # A matrix leaves CasADi column by column: shape (n, columns, rows) in C order, transposed at the end.
     outputs = [np.empty((count, function.size2_out(k), function.size1_out(k))) for k in range(function.n_out())]
     program = _program(function) if count > CHUNK else None
     if program is not None:
@@ -231,10 +231,10 @@ class Machine(Protocol):
         """Limits of the case beside those of the coordinates, for the search; the proof has its own."""
 
     def positions(self, coordinates: Array) -> Array:
-        """Where the origin of the load's frame is, shape (k, 3) [m]."""
+        """Positions of the origin of the load's frame, shape (k, 3) [m]."""
 
     def drives(self, coordinates: ArrayLike, /) -> Array:
-        """What encoders measure at coordinates, shape (k, n) [m or rad]."""
+        """Positions of the drives, which encoders measure, at coordinates, shape (k, n) [m or rad]."""
 
     def coordinates(self, drives: ArrayLike, /) -> Array:
         """The coordinates that belong to measured drives, shape (k, n) [m or rad].
@@ -255,4 +255,4 @@ class Machine(Protocol):
         """
 
     def earlier(self, motion: Kinematics, time: float) -> Array | None:
-        """Poses about a short time [s] before, for `start`, shape (k, 6); None where they are of no use."""
+        """Poses about a short time [s] before, for `start`, shape (k, 6); None where they are not needed."""

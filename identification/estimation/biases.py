@@ -23,7 +23,7 @@ from identification.model import Model
 from identification.parameters import MASS, OFFSETS
 
 OFFSET_NAMES = tuple(p.name for p in OFFSETS.parameters)
-FEWEST_POSES = 3  # with less, biases and small turns of an accelerometer cannot be told apart
+FEWEST_POSES = 3  # with fewer, biases and small turns of an accelerometer cannot be separated
 DRIFTED = 3.0  # standard deviations between offsets of a run and those that it was given
 
 
@@ -34,7 +34,7 @@ class AccelerometerBias:
     values: Array  # shape (3,) [m/s^2]
     covariance: Array  # shape (3, 3) [m^2/s^4]
     turn: Array  # small rotation of the readings against the orientations, estimated beside, shape (3,) [rad]
-    rms: float  # what both leave of the readings [m/s^2]
+    rms: float  # rms residual of the readings [m/s^2]
 
     @property
     def std(self) -> Array:
@@ -42,7 +42,7 @@ class AccelerometerBias:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def to_json(self) -> dict[str, Any]:
-        """As it stands in `result.json`."""
+        """Its entry in `result.json`."""
         return {
             "bias_m_s2": self.values.tolist(),
             "std_m_s2": self.std.tolist(),
@@ -53,7 +53,7 @@ class AccelerometerBias:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "AccelerometerBias":
-        """From what `to_json` made, checked before."""
+        """The biases from what `to_json` made, checked before."""
         values, covariance, turn = (np.array(data[key]) for key in ("bias_m_s2", "covariance_m2_s4", "turn_rad"))
         return cls(values, covariance, turn, data["rms_m_s2"])
 
@@ -95,7 +95,7 @@ class Biases:
         return dict(zip(OFFSET_NAMES, map(float, self.values), strict=True))
 
     def to_json(self) -> dict[str, Any]:
-        """What a result says about where its offsets come from."""
+        """Entry of a result on the origin of its offsets."""
         return {
             "result": self.source,
             "accelerometer": None if self.accelerometer is None else self.accelerometer.to_json(),
@@ -116,7 +116,7 @@ class Biases:
 
 
 def mass_finding(model: Model, fit: Fit, taken: Array) -> Finding:
-    """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
+    """Finding about the share of the mass's standard deviation that comes from the uncertainty of known offsets.
 
     Args:
         taken: part of the fit's covariance that these offsets, and the accelerometer's biases, make.
@@ -131,7 +131,7 @@ def mass_finding(model: Model, fit: Fit, taken: Array) -> Finding:
 
 
 def gain(regressors: Array, w: Array, columns: Array) -> Array:
-    """How a weighted fit of `regressors` answers to unit errors along `columns`, shape (v, k).
+    """How a weighted fit of `regressors` changes with unit errors along `columns`, shape (v, k).
 
     Args:
         regressors: A_j, shape (n, 6, v), of full rank.
@@ -145,7 +145,7 @@ def gain(regressors: Array, w: Array, columns: Array) -> Array:
 
 
 def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array:
-    """How the values of a fit answer to unit errors of offsets that it took from another result, shape (u, 6).
+    """How the values of a fit change with unit errors of offsets that it took from another result, shape (u, 6).
 
     Args:
         basis: basis of what was free, shape (u, free).

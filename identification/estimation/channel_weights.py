@@ -1,7 +1,7 @@
-"""Weights of channels and of samples, from what a fit leaves of them, in turns with the fit.
+"""Weights of channels and of samples, from the residuals of a fit, in turns with the fit.
 
 W (24) follows from the residuals of each channel, or from their covariance; poses may err alone. Of the samples, least
-trimmed squares keep the half that agrees best.
+trimmed squares use the half that agrees best.
 """
 
 from collections.abc import Sequence
@@ -65,7 +65,7 @@ def per_channel(
             worst = int(np.argmin(freedom))
             raise IdentificationError(
                 f"channel {worst + 1} has {independent:.0f} independent samples, of which the parameters take "
-                f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to tell its noise: record more, "
+                f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to know its noise: record more, "
                 "or choose a model with fewer parameters"
             )
         variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
@@ -106,7 +106,7 @@ def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Ar
     """Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
 
     The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
-    what they would be had the pose not been part of the fit, so that a few poses do not praise themselves.
+    what they would be had the pose not been part of the fit, so that the covariance of a few poses is not too small.
 
     Args:
         regressors: A_j, shape (n, 6, u).
@@ -132,7 +132,7 @@ def full_weights(
 ) -> tuple[Fit, Array]:
     """Gauss-Markov (24) with W the inverse of the full channel covariance.
 
-    Weights are the diagonal of W; s0 is 1 up to the turns that are left.
+    Weights are the diagonal of W; s0 is 1 where the turns have converged.
 
     W from n samples is on average too large by n / (n - 7), the mean of the inverse Wishart distribution (Hartlap,
     Simon & Schneider 2007, Astron. Astrophys. 464:399), and its scatter costs the estimate up to as much again: the
@@ -240,7 +240,7 @@ def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: floa
 
 
 def _concentrated(matrices: Array, right: Array, rows: Rows, count: int, width: int) -> tuple[float, Array, Rows]:
-    """Fits and keeps what fits best, in turns: the trimmed sum, the values and the samples."""
+    """Fits, and selects the samples that fit best, in turns: the trimmed sum, the values and the samples."""
     unknowns = matrices.shape[2]
     objective = np.inf
     values: Array = np.zeros(unknowns)

@@ -1,4 +1,4 @@
-"""How sure an estimate is where noise has memory: the sandwich with an autocovariance that the residuals tell.
+"""Covariance of an estimate where noise has memory: the sandwich with an autocovariance from the residuals.
 
 Kernel estimates of the long-run covariance (`fit.long_run_covariance`) need long runs: at the frequencies of the
 motion, where it matters, a short run leaves them too few residuals. Here noise is described channel by channel, the
@@ -6,14 +6,14 @@ channels turned to be independent at lag zero, as a mixture: an autoregressive m
 by Akaike 1974) and first-order noises with memories of up to the run's length, of which short series show an
 autoregressive model nothing. How much there is of each, their spectra say below half the cut-off, by Whittle's
 likelihood (1953): the residuals' against those that the mixture would leave behind the same fit, exactly, so that what
-the fit took away is put back. Noise slower than the run looks like a parameter, and nothing can tell it.
+the fit took away is put back. Noise slower than the run looks like a parameter, and no method can show it.
 
 Shares cannot be negative, so that of 300 samples of white noise the slow noises get a little in half of the fits:
 deviations are 15 to 20 % too wide then. It is the price of intervals that hold. A memory of a sixth of the run is not
-told by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and without slow noises, or with a test that
+shown by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and without slow noises, or with a test that
 must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
 
-Stationary noise with memory: its autocovariance as a series tells it, slow noises that no short series tells.
+Stationary noise with memory: its autocovariance as a series shows it, and slow noises that no short series shows.
 """
 
 from typing import NamedTuple
@@ -39,7 +39,7 @@ class Turned(NamedTuple):
     noise: Array  # residuals, of variance 1 but for degrees of freedom, shape (n, 6)
     freedom: float  # degrees of freedom of a channel
     places: Places  # places of the samples in a series of equal steps, from 0 upwards, shape (n,)
-    share: float = 1.0  # share of the run's samples that these are; noise in all of them tells that much more
+    share: float = 1.0  # share of the run's samples that these are; noise in all of them is known that much better
 
     @property
     def length(self) -> int:
@@ -87,7 +87,7 @@ def turned(regressors: Array, residuals: Array, weights: Array, places: Places |
 SLOW = 1.0 / 3.0  # of the evaluated samples' Nyquist frequency: half the cut-off, where the filter changes nothing
 ROUNDS = 80  # of the search for the shares; what they still change by then is a few percent of a deviation
 BEGIN = 1e-3  # shares of slow noises to begin with, of a channel's variance
-NOTHING = 1e-9  # of the largest power, as which none counts
+NOTHING = 1e-9  # share of the largest power, below which no power counts
 
 
 def coloured_covariance(found: Turned) -> Array | None:
@@ -102,7 +102,7 @@ def coloured_covariance(found: Turned) -> Array | None:
 
 
 def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovariance: Array) -> tuple[Array, Array]:
-    """What stationary noise does at n equal steps: expected |rfft|^2 of what the fit leaves, and B^T Gamma B.
+    """Effect of stationary noise at n equal steps: expected |rfft|^2 of the residuals, and B^T Gamma B.
 
     Args:
         answer: B, the parameters answer to noise x with B^T x, shape (n, u).
@@ -119,7 +119,7 @@ def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovarian
 
 
 def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float) -> Array:
-    """B^T Gamma B of a channel with the autocovariance that its residuals tell, shape (u, u).
+    """B^T Gamma B of a channel with the autocovariance from its residuals, shape (u, u).
 
     Args:
         answer: B, see `_seen`.
@@ -160,7 +160,7 @@ def _shares(power: Array, expected: Array) -> Array:
 
 MOST_ORDER = 30  # of the autoregressive model; behind the filter samples are a quarter of its shortest period apart
 MOST_ALIKE = 1.0 - 1e-6  # of reflection coefficients, so that no pole lies on the unit circle
-LEAST_SAMPLES = 20  # fewer tell no spectrum; here intervals hold already, those of a kernel in four of five cases
+LEAST_SAMPLES = 20  # fewer show no spectrum; here intervals hold already, those of a kernel in four of five cases
 PER_ORDER = 16  # samples for each coefficient, at least: more follow what the fit took, dips of the spectrum
 MEMORIES = 6  # of slow noises: the run's length, a half, .. of it
 

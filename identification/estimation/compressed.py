@@ -1,6 +1,6 @@
 """Gauss-Markov estimation (23) to (28) of a regression in as many rows as it has unknowns.
 
-One QR, after which the size of the regression no longer matters, with rank said aloud:
+After one QR, which also gives the rank, the size of the regression no longer matters:
 
 W^1/2 (A f) = Q (R c; 0 d) turns chi^2 of (27) into |c - R u|^2 + d^2 (Golub & Van Loan 2013, section 5.3).
 """
@@ -17,7 +17,7 @@ from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.finding import Finding, Kind, warning
 
 _PART = 600  # rows of a QR that stay in the cache
-_PIECE = 20_000  # samples whose rows are held at once
+_PIECE = 20_000  # samples whose rows are in memory at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,10 +130,10 @@ def triangle(matrix: Array) -> Array:
 
 
 def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
-    """What is left of the forces to judge the noise by (see `gauss_markov` for filtered data).
+    """Degrees of freedom by which the noise is judged (see `gauss_markov` for filtered data).
 
     Raises:
-        IdentificationError: nothing is left.
+        IdentificationError: there are none.
     """
     independent = rows * filtered.gain * filtered.stride
     if independent <= used:
@@ -172,7 +172,7 @@ def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
 
 
 def scores(regressors: Array, residuals: Array, weights: Array) -> Array:
-    """A_j^T W r_j of each sample, shape (n, u); their spread tells how sure an estimate is."""
+    """A_j^T W r_j of each sample, shape (n, u); the covariance of an estimate follows from their spread."""
     return np.asarray(np.einsum("nku,nk->nu", regressors, weights * residuals))
 
 
@@ -233,8 +233,8 @@ def gauss_markov(
 
     Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
     the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
-    variance gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
-    stride F^-1 is the covariance, F being that of the kept samples.
+    variance gain s0^2, of which every stride-th is used: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
+    stride F^-1 is the covariance, F being that of the used samples.
 
     Args:
         regressors: A_j, shape (n, 6, u).

@@ -33,7 +33,7 @@ CONFLICT = 3.0  # standard deviations between data and a prior from which it is 
 
 @dataclass(frozen=True, slots=True)
 class FitProblem:
-    """What stacked data do not say about themselves."""
+    """Properties of a problem that stacked data do not state."""
 
     model: Model  # model that the first columns of the regressors belong to
     pooled: bool  # all channels have the same noise, as identical sensors do; else each its own
@@ -46,7 +46,7 @@ class FitProblem:
 
     @classmethod
     def of(cls, model: Model, case: Case, how: "Method") -> "FitProblem":
-        """With the noise of the channels as the method's weights say, or else the case's.
+        """The problem with the noise of the channels by the method's weights, or else by the case's.
 
         Raises:
             IdentificationError: weights from stated noise where none is stated, or with an estimator of their own.
@@ -139,9 +139,9 @@ def gauss_markov_of(regressors: Array, forces: Array, names: Sequence[str], prob
 
 
 def robust_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
-    """Huber's M-estimate: gross errors of the forces lose their pull."""
-    fit, kept = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
-    share = ", ".join(f"{100 * r:.0f}" for r in np.mean(kept < 1.0, axis=0))
+    """Huber's M-estimate: gross errors of the forces count less."""
+    fit, factors = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
+    share = ", ".join(f"{100 * r:.0f}" for r in np.mean(factors < 1.0, axis=0))
     sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
     return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
 

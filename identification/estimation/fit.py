@@ -1,4 +1,4 @@
-"""What every estimator gives back, and noise as a case states it: of the pose, of sensors and of accelerations.
+"""What every estimator returns, and noise as a case states it: of the pose, of sensors and of accelerations.
 
 Errors that depend on the pose are a random function of the place in each channel, as `pose_noise` says.
 
@@ -6,7 +6,7 @@ A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = 
 vibration is measured in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
 accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body. Errors of
 strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that at the few
-hertz of a motion they are below a hundredth of what is left near the cut-off, and W is about the former.
+hertz of a motion they are below a hundredth of the residuals near the cut-off, and W is about the former.
 """
 
 from dataclasses import dataclass, replace
@@ -30,10 +30,10 @@ class Uncertain(NamedTuple):
 
 
 class Filtered(NamedTuple):
-    """What a low-pass did to white noise before the fit, and how many samples of it were kept."""
+    """Effect of a low-pass on white noise before the fit, and how many samples behind it are evaluated."""
 
     gain: float  # variance of filtered noise over that of recorded noise, the sum of the squared kernel
-    stride: float  # recorded samples for each one that is kept
+    stride: float  # recorded samples for each one that is evaluated
 
 
 UNFILTERED = Filtered(1.0, 1)
@@ -65,7 +65,7 @@ def field_covariance(field: PoseField, struts: Array) -> Array:
 
 
 class Robust(NamedTuple):
-    """What a run says of an estimate where noise is not white."""
+    """Covariance of an estimate where noise is not white."""
 
     covariance: Array  # covariance of u, shape (u, u)
     findings: tuple[Finding, ...] = ()
@@ -78,7 +78,7 @@ class Fit:
 
     values: Array  # u, shape (u,)
     covariance: Array  # s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white
-    covariance_robust: Array  # autocorrelation-robust, shape (u, u): right also where they are not
+    covariance_robust: Array  # autocorrelation-robust, shape (u, u): right also where it is not
     s0: float  # (27), of the recorded forces; dimensionless where weights are given, else [N]
     freedom: float  # degrees of freedom of s0
     residuals: Array  # f - A u, shape (n, 6) [N, or N and N m]
@@ -124,7 +124,7 @@ class StatedNoise:
 
     @classmethod
     def of(cls, model: Model, sensors: Sensors) -> "StatedNoise":
-        """What a case states.
+        """The noise that a case states.
 
         Raises:
             IdentificationError: it states no noise of forces.
@@ -147,7 +147,7 @@ class StatedNoise:
         return np.asarray(np.diag(self.force**2) + effects @ effects.T)
 
     def whitening(self, values: Array) -> Array:
-        """What makes the noise of a force sample white and of variance 1, shape (6, 6): W is its square, (24)."""
+        """Matrix that makes the noise of a force sample white with variance 1, shape (6, 6): W is its square, (24)."""
         return whitening_of(self.covariance(values))
 
     def whitening_from(self, regressors: Array, forces: Array, selection: Selection) -> Array:

@@ -1,13 +1,13 @@
-"""How sure an estimate is where errors come back with the pose: those of encoders, joints, frame and geometry.
+"""Covariance of an estimate where errors depend on the pose: those of encoders, joints, frame and geometry.
 
-Noise that is stationary in time says nothing of them: where a motion returns to a place they are the same again, and
+Noise that is stationary in time is another thing: where a motion returns to a place these are the same again, and
 where it stays they do not average out. They are described as a random field over the struts' lengths, as in kriging
 with a trend (Cressie 1993, Statistics for Spatial Data, section 3.4), beside noise with memory: its correlation of
 Matern's form with smoothness 3/2 (Stein 1999, Interpolation of Spatial Data), its size and length by restricted
 likelihood. Akaike's criterion says whether there is such a field at all; without one, nothing here counts.
 
 Struts are one unit for places and turns, and say what encoders, screws and joints do. A field that changes over half
-of the run's reach, or more, looks like a parameter, and nothing in the run can tell it.
+of the run's reach, or more, looks like a parameter, and the run cannot show it.
 """
 
 from collections.abc import Callable
@@ -41,7 +41,7 @@ class ChannelResiduals(NamedTuple):
 
     @classmethod
     def of(cls, noise: Array, taken: Array) -> "ChannelResiduals":
-        """Of residuals, shape (m, s), and columns of the fit, shape (m, s, u), that may depend on one another."""
+        """From residuals, shape (m, s), and columns of the fit, shape (m, s, u), that may depend on one another."""
         basis, size, _ = np.linalg.svd(taken.reshape(noise.size, -1), full_matrices=False)
         directions = basis[:, size > UNSEEN * size[0]]
         return cls(noise, directions.reshape(*noise.shape, -1))
@@ -135,9 +135,9 @@ def shares_by_channel(residuals: ChannelResiduals, kernels: Array, shares: Array
     return np.asarray((found_shares * scale).reshape(channels, count))
 
 
-INSTANTS = 150  # of the run, at which the field is looked for; more cost time by their cube and tell the same
-WAVES = 256  # of which a field is made where it makes forces
-COUNTED = 1e-5  # share of a channel's variance, below which a noise is none
+INSTANTS = 150  # of the run, at which the field is looked for; more cost time by their cube without more information
+WAVES = 256  # number of waves that make a field of force errors
+COUNTED = 1e-5  # share of a channel's variance, below which a noise does not count
 SHARES = (1e-8, 1e3)  # of a channel's variance: the fit may leave a thousandth
 LENGTHS = (0.005, 0.5)  # of the median distance between instants
 BEGIN = (0.5, 0.01, 0.5, 0.1)  # shares of near and slow noise and of the field, and its length, to begin with
@@ -173,7 +173,7 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
         return None
     length = reach * float(shares[-1])
     field = matern(np.sqrt(squared) / length)[0]
-    # Between channels slow noises differ as a whole: one by one a channel tells next to nothing of them.
+    # Between channels slow noises differ as a whole: a single channel has next to no information on them.
     memories = [memories[0], np.tensordot(shares[1:-2], memories[1:], 1)]
     alike = np.array([memories[0][lags], memories[1][lags], field])
     begin = np.array([shares[0], 1.0, shares[-2]])

@@ -1,6 +1,6 @@
 """Estimates that stay sound where Gauss-Markov's is not: gross errors of the forces, and parameters that no body has.
 
-Huber's M-estimate by iteratively reweighted least squares (IRLS): gross errors lose their pull, none is removed.
+Huber's M-estimate by iteratively reweighted least squares (IRLS): gross errors count less, none is removed.
 Huber & Ronchetti 2009, Robust Statistics, chapter 7. Only errors of the forces are resisted, not those of the
 regressor, and one-sided ones still bias: a share e of them by up to about 1.6 e of the noise's standard deviation.
 
@@ -32,7 +32,7 @@ MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noi
 MEAN_SQUARE_PSI = 0.710165  # E psi(z)^2 for Gaussian z and HUBER_K: makes s0 that of Gaussian noise
 ROUNDS = 100
 TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what matters, far above rounding
-SILENT = 1e-12  # of the largest force: what is left of a channel is rounding, not noise
+SILENT = 1e-12  # of the largest force: smaller residuals of a channel are rounding, not noise
 
 
 def huber(
@@ -58,7 +58,7 @@ def huber(
         alike: number of each channel; where scales are not pooled, equal numbers share one.
 
     Returns:
-        The fit, and the weight that each force kept, from 0 to 1, shape (n, 6): below 1 for 18 % of Gaussian noise.
+        The fit, and the weight of each force, from 0 to 1, shape (n, 6): below 1 for 18 % of Gaussian noise.
 
     Raises:
         IdentificationError: as `gauss_markov`; or a channel fits without any residual.
@@ -134,7 +134,7 @@ def _bread(q: Array, residuals: Array, noise: Array) -> Array:
     slope = noise[np.abs(residuals) <= HUBER_K * noise] ** -2.0
     information = (inner * slope[:, None]).T @ inner
     if np.linalg.cond(information) > 1.0 / np.finfo(float).eps:
-        raise IdentificationError("too few forces agree with each other to tell how sure the robust estimate is")
+        raise IdentificationError("too few forces agree with each other for a covariance of the robust estimate")
     return np.asarray(np.linalg.inv(information))
 
 
@@ -184,7 +184,7 @@ def consistent(
     Returns:
         The estimate, the rise of chi^2 by the constraint over s0^2, 0 where it did not bind, and the probability that
         noise makes a consistent body look as inconsistent as this or more, at most: a tiny one says that the model or
-        the data are wrong, not the luck.
+        the data are wrong, not that it is chance.
 
     Raises:
         IdentificationError: the model has no inertia, so that any positive mass is consistent; or no body is found.

@@ -1,9 +1,9 @@
-"""External contact during an identification run: samples at which the model is left by more than noise.
+"""External contact during an identification run: samples whose residuals are larger than noise.
 
 The squared residual of a sample, in the metric of the channels' own robust covariance, is chi^2 with six degrees of
 freedom where nothing touches; a contact is a stretch of samples that noise does not explain.
 
-A contact that lasts for a large part of a run draws the fit so far that its residuals no longer show where it is: least
+A contact that lasts for a large part of a run biases the fit so much that residuals no longer show where it is: least
 trimmed squares resist up to half of the samples (`least_trimmed_squares`).
 """
 
@@ -31,11 +31,11 @@ from identification.signals import FAIR_PART, fair_part, stretches
 
 Rows = NDArray[np.bool_]
 
-CHANCE = 1e-7  # for a sample by noise alone; two neighbours are asked for, so that a run of an hour stays silent
+CHANCE = 1e-7  # for a sample by noise alone; two neighbours are needed, so that a run of an hour has no false contact
 CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
-SHARE = 0.2  # of what the model's force changes by nearby, that a contact leaves behind
+SHARE = 0.2  # of the nearby change of the model's force, which residuals of a contact exceed
 OWN = 3.0  # standard deviations of a channel's noise beside that share
-CALM = 0.3  # share of the samples that tell it: a contact may touch half of them
+CALM = 0.3  # quantile of the residuals that gives the noise: a contact may touch half of them
 NEARBY = 0.03  # [s] before and after: a little more than the filter's memory
 FEWEST = 2  # neighbouring samples above the limit
 SHORTEST = 0.02  # [s] that a contact lasts; behind the filter no push is shorter
@@ -52,14 +52,14 @@ class Contact(NamedTuple):
 
 
 def _calm(residuals: Array) -> tuple[Array, Array, Array]:
-    """What noise leaves of the forces, by residuals, shape (m, 6), of which contacts may have touched less than half.
+    """Noise of the forces from residuals, shape (m, 6), of which contacts may have touched less than half.
 
     The covariance is that of the inner half of the residuals, so that up to half of them may be touched; the median of
     the distances, which noise fixes, removes what trimming took from it.
 
     Returns:
         Median of each channel, shape (6,) [N, or N and N m]; the metric, shape (6, 6), in which the square of a
-        distance is 1 for what noise exceeds with the probability `CHANCE`, 0 where nothing is left; standard deviation
+        distance is 1 for what noise exceeds with the probability `CHANCE`, 0 without residual; standard deviation
         of each channel, shape (6,).
     """
     centre = np.median(residuals, axis=0)
@@ -78,7 +78,7 @@ def _calm(residuals: Array) -> tuple[Array, Array, Array]:
     middle = float(np.median(size))
     if middle <= 0.0:
         return centre, np.zeros((6, 6)), noise
-    # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
+    # The residuals' spread changes over a real run; the upper quartile gives no false contacts where the median would.
     upper = float(np.quantile(size, 0.75)) / float(chdtri(6, 0.25))
     spread = max(middle / float(chdtri(6, 0.5)), upper)
     return centre, inverse / np.outer(scale, scale) / spread / float(chdtri(6, CHANCE)), noise
@@ -87,15 +87,15 @@ def _calm(residuals: Array) -> tuple[Array, Array, Array]:
 def find_contacts(
     t: Array, residuals: Array, structure: Array, expected: Array, calm: Array | None = None
 ) -> tuple[Contact, ...]:
-    """Looks for contacts.
+    """The contacts of a run, from its residuals.
 
     Args:
         t: time of the samples, ascending, shape (n,) [s].
         residuals: measured less expected, shape (n, 6) [N, or N and N m].
         structure: J^-T, shape (6, 6), for the external force.
         expected: forces of the model, shape (n, 6): where they change fast, a little error of time or of the model is
-            no contact.
-        calm: residuals that tell what noise leaves, shape (m, 6); by default these.
+            not a contact.
+        calm: residuals from which the noise is estimated, shape (m, 6); by default these.
     """
     centre, metric, noise = _calm(residuals if calm is None else calm)
     distance = np.sum(((residuals - centre) @ metric) * (residuals - centre), axis=1)
@@ -137,12 +137,12 @@ MOST_TOUCHED = 0.25  # of the samples in contact; more is not an identification 
 
 
 def free_of_contact(
-    recording: Recording, fitted: Fitted, how: Method, problem: FitProblem, held: Uncertain | None = None
+    recording: Recording, fitted: Fitted, how: Method, problem: FitProblem, delay: Uncertain | None = None
 ) -> tuple[Fitted, tuple[Contact, ...]]:
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 
     Args:
-        held: the delay, where it is not estimated.
+        delay: the delay, where it is not estimated.
 
     Raises:
         IdentificationError: too much of the run is in contact.
@@ -160,12 +160,12 @@ def free_of_contact(
             break
         rows = touched(run.t, contacts)
         require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in contacts], run.model)
-        moving = fit_samples(run.without(rows), how, problem, moving.at, held)
+        moving = fit_samples(run.without(rows), how, problem, moving.at, delay)
         matrices = run.regressors(moving.at)
     if following(moving) is not None:
         longer = _long_contacts(run, moving)
         rows = touched(run.t, longer)
-        candidate = fit_samples(run.without(rows), how, problem, moving.at, held) if 0.0 < rows.mean() < 1.0 else moving
+        candidate = fit_samples(run.without(rows), how, problem, moving.at, delay) if 0 < rows.mean() < 1 else moving
         if _spread(candidate) < CALMER * _spread(moving) and following(candidate) is None:
             require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in longer], run.model)
             moving, contacts = candidate, longer
@@ -197,7 +197,7 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
     Args:
         share: share of its samples.
         contacts: a sentence about each.
-        model: model that the forces leave.
+        model: model that the forces deviate from.
     """
     if share > MOST_TOUCHED:
         if model.needs_position and not model.needs_motion:
@@ -212,7 +212,7 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
 
 
 def _without_pull(matrices: Array, forces: Array, run: Samples, method: Method, problem: FitProblem) -> Array:
-    """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not draw it to them."""
+    """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not bias it."""
     selection, part = method.selection(run.model), fair_part(len(forces))
     matrices, forces = matrices[part], forces[part]
     pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)

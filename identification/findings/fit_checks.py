@@ -1,8 +1,8 @@
-"""What every fit is looked at for: findings that residuals, samples and recording give rise to, and what the body says.
+"""Checks of every fit: findings from residuals, samples and recording, and from the estimated body.
 
-A new check is one more function in `CHECKS` at the end. What cannot be at all is refused. Of the body that comes out
-count its mass, where its centre of gravity is, and how its mass spreads. For offsets that drift, each channel gets a
-straight line in time, or in the recorded temperature, judged by the deviations that noise with memory leaves it.
+A new check is one more function in `CHECKS` at the end. Impossible results are refused. Of the body, the mass,
+the centre of gravity and the spread of the mass are checked. For offsets that drift, each channel gets a straight line
+in time, or in the recorded temperature, which is judged by deviations that allow for noise with memory.
 """
 
 from collections.abc import Callable
@@ -33,9 +33,9 @@ from identification.signals import fair_part
 NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
-LEAST_SERIES = 50  # samples that tell an autocorrelation
+LEAST_SERIES = 50  # samples from which on an autocorrelation is estimated
 MUCH = 0.1  # rms of the residuals over that of what varies
-LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
+LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that explains less does not belong to the run
 RATE_TOLERANCE = 0.02  # of the rate of a recording
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
@@ -70,7 +70,7 @@ def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
 
 
 def far_from_white(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What an estimate itself says against its standard deviations."""
+    """Findings of an estimate against its own standard deviations."""
     white, robust = (np.diag(c) for c in (fitted.fit.covariance, fitted.fit.covariance_robust))
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
     if not ratio > SUSPICIOUS_RATIO:
@@ -83,7 +83,7 @@ def far_from_white(recording: Recording, case: Case, method: Method, fitted: Fit
 
 
 def unexplained(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What an estimate itself says against its model."""
+    """Findings of an estimate against its own model."""
     fit, forces = fitted.fit, fitted.forces
     spread = np.sum(fit.weights * forces.var(axis=0))
     misfit = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
@@ -118,7 +118,7 @@ def recorded_overrides(recording: Recording) -> tuple[tuple[slice, float], ...]:
 
 
 def other_feed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What went at another feed than 100 %."""
+    """Findings on parts that ran at another feed than 100 %."""
     stretches = recorded_overrides(recording) if fitted.samples.nuisances else ()
     if not stretches:
         return []
@@ -149,7 +149,7 @@ def other_rate(recording: Recording, case: Case, method: Method, fitted: Fitted)
 
 
 def found_before(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
-    """What recorder, estimator, window and periods have to say."""
+    """Findings of recorder, estimator, window and periods."""
     samples, fit = fitted.samples, fitted.fit
     cut = [*cut_off(recording), *shorter_than_planned(recording)] if samples.nuisances else []
     periods = samples.findings(fit, fitted.w) if isinstance(samples, PeriodicRun) else ()
@@ -297,9 +297,9 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     return [warning(Kind.MODEL, f"{sentence}moment channels, and the dimensions of the machine")]
 
 
-CHANCE = 1e-6  # probability of a drift that is none, in each channel
+CHANCE = 1e-6  # probability of a false drift, in each channel
 LEAST_WARMING = 0.2  # [K] within a run, from which on its temperature says more than its time
-LEAST_FREEDOM = 4.0  # of a channel, that tell a deviation
+LEAST_FREEDOM = 4.0  # degrees of freedom of a channel, from which on a drift can be judged
 
 
 def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
@@ -317,11 +317,11 @@ def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -
     part = fair_part(len(line))
     if not _likely(*_with_lines(fitted, method, line, part), freedom * len(part) / len(line)):
         return []  # noise with memory makes deviations larger, and takes time
-    columns, left, weights = _with_lines(fitted, method, line, np.arange(len(line)))
-    change, white = _solved(columns, left, weights, freedom)
-    robust = samples.robust_covariance(columns, left - columns @ change, weights, fitted.whitening)
+    columns, residuals, weights = _with_lines(fitted, method, line, np.arange(len(line)))
+    change, white = _solved(columns, residuals, weights, freedom)
+    robust = samples.robust_covariance(columns, residuals - columns @ change, weights, fitted.whitening)
     spread = white if robust is None else np.maximum(white, np.diag(robust.covariance)[-6:])
-    # noise that remembers long has so few independent samples that a straight line is no surprise
+    # noise with a long memory has so few independent samples that a straight line is likely
     most = -stdtrit(np.maximum(freedom * white / spread, 1.0), CHANCE / 2.0)
     sure = np.abs(change[-6:]) / np.sqrt(spread)
     if not np.any(sure > most):
@@ -336,26 +336,26 @@ def _with_lines(fitted: Fitted, method: Method, line: Array, rows: NDArray[np.in
     basis = method.selection(fitted.samples.model).basis
     free = fitted.columns[rows] @ block_diag(basis, np.eye(fitted.columns.shape[2] - len(basis)))
     lines = line[rows, None, None] * np.eye(6)
-    columns, left = whitened(fitted.whitening, np.dstack([free, lines]), fitted.fit.residuals[rows])
-    return columns, left, fitted.fit.weights if fitted.whitening is None else np.ones(6)
+    columns, residuals = whitened(fitted.whitening, np.dstack([free, lines]), fitted.fit.residuals[rows])
+    return columns, residuals, fitted.fit.weights if fitted.whitening is None else np.ones(6)
 
 
-def _solved(columns: Array, left: Array, weights: Array, freedom: float) -> tuple[Array, Array]:
+def _solved(columns: Array, residuals: Array, weights: Array, freedom: float) -> tuple[Array, Array]:
     """How far the values of a fit move with the lines, and the variance of these six by white noise."""
-    top = joint_triangle(columns, left, np.sqrt(weights))
+    top = joint_triangle(columns, residuals, np.sqrt(weights))
     half, change = inverse_root(top[:-1, :-1]), np.linalg.lstsq(top[:-1, :-1], top[:-1, -1], rcond=None)[0]
     covariance = half @ half.T * top[-1, -1] ** 2 / (6.0 * freedom)
     return np.asarray(change), np.diag(covariance)[-6:]
 
 
-def _likely(columns: Array, left: Array, weights: Array, freedom: float) -> bool:
+def _likely(columns: Array, residuals: Array, weights: Array, freedom: float) -> bool:
     """Whether a line is more than white noise makes."""
-    change, white = _solved(columns, left, weights, freedom)
+    change, white = _solved(columns, residuals, weights, freedom)
     return bool(np.any(np.abs(change[-6:]) > -stdtrit(freedom, CHANCE / 2.0) * np.sqrt(white)))
 
 
 def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
-    """What offsets may go with, at the evaluated samples, and whether that is the temperature."""
+    """Time or temperature at the evaluated samples, by which offsets may drift, and whether it is the temperature."""
     if recording.temperature is None:
         return t, False
     own = np.arange(1.0, len(recording.temperature) + 1.0) if recording.t is None else recording.t

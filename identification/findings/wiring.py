@@ -1,11 +1,11 @@
 """Struts or force channels in another order or with another sign than the case says, by the residuals of the model.
 
 Every order that cables get into is tried on some instants of a run: exchanged pairs, one, two or three of them at once,
-shifts, and turned signs. An order that explains the run far better than the recorded one names what is wrong.
+shifts, and changed signs. An order that explains the run far better than the recorded one names what is wrong.
 
 Robots offer, beside the raw wrench of a wrist sensor, one without the tool's weight or in the axes of the base. Its
-force at rest does not turn with the wrist, and the mass comes out as nothing, as too little, or negative: seen
-likewise in the residuals.
+force at rest does not turn with the wrist, and the mass comes out as zero, too small or negative: the
+residuals show this too.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,8 +34,8 @@ from identification.signals import decimated
 from identification.symbolic import Kinematics
 
 FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
-SAME = 1.001  # ratio of residuals below which two orders leave the same
-ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
+SAME = 1.001  # ratio of residuals below which two orders count as equal
+ALIKE = 1.2  # ratio of residuals below which struts and force channels cannot be distinguished
 SMALL = 0.01  # share of what varies in forces and moments: a model that leaves less has its cables in order
 LEAST = 60  # forces beyond the unknowns
 INSTANTS = 90  # that are tried of a hexapod, with hundreds of orders
@@ -92,7 +92,7 @@ class Order(NamedTuple):
 
     @property
     def mistakes(self) -> int:
-        """Number of columns that are elsewhere or turned."""
+        """Number of columns that are exchanged or have the other sign."""
         return sum(place != k or sign < 0 for k, (place, sign) in enumerate(zip(self.places, self.signs, strict=True)))
 
     def words(self, what: str) -> str:
@@ -129,7 +129,7 @@ class Data(NamedTuple):
 
 
 def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
-    """How struts or force channels seem to be exchanged or compensated, with the remedy; None where nothing tells.
+    """How struts or force channels seem to be exchanged or compensated, with the remedy; None without such signs.
 
     Args:
         model: model that the forces are compared with.
@@ -144,14 +144,14 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     if data.forces.size - len(model.names) < LEAST:
         return None
     mass = model.names.index("m") if "m" in model.names else None
-    weighted, newtons = _left(data, data.regressors)
+    weighted, newtons = _rms(data, data.regressors)
     if not negative and weighted <= SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
         return None
-    candidates = [(_left(data, data.regressors, order, mass), "force", order) for order in orders_of(turned=True)]
+    candidates = [(_rms(data, data.regressors, order, mass), "force", order) for order in orders_of(turned=True)]
     if data.drives is not None and case.chain is None:  # the order of a chain's joints is not looked at
         orders = list(orders_of(turned=case.recording.drives is not None))
         tried = zip(_regressors_of(data, case, model, orders), orders, strict=True)
-        candidates += [(_left(data, matrices, mass=mass), "strut", order) for matrices, order in tried]
+        candidates += [(_rms(data, matrices, mass=mass), "strut", order) for matrices, order in tried]
     least, *_ = min(candidates, key=lambda f: f[0])[0]
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
@@ -170,13 +170,13 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     return f"{names}: residuals {_in_words(data, *alike[0][0])}{instead}; {remedies}"
 
 
-_Candidate = tuple[tuple[float, float], str, Order]  # residuals as `_left` has them, side, order that leaves them
+_Candidate = tuple[tuple[float, float], str, Order]  # residuals as `_rms` has them, side, order that leaves them
 
 
 def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
     """The order that leaves least, and of those that leave the same, the one with the fewest mistakes.
 
-    Standstills leave the same with all moments turned, for the centre of gravity turns with them.
+    The signs of all moments do not matter in standstills: the centre of gravity changes its sign with them.
     """
     least = min(residuals for residuals, _, _ in candidates)[0]
     same = [c for c in candidates if c[0][0] <= SAME * least]
@@ -196,7 +196,7 @@ _SIDES = {"force": "force channels", "strut": "struts"}
 
 
 def _remedy(case: Case, side: str, order: Order) -> str:
-    """What to write into the case."""
+    """The remedy: what to write into the case."""
     if any(sign < 0 for sign in order.signs):
         if side == "strut":
             return "turn these entries of recording.drives.sign in the case"
@@ -272,7 +272,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
 
 
 def _weights(forces: Array) -> Array:
-    """For newtons beside newton metres: one over what forces and moments change by, squared, shape (6,)."""
+    """Weights of newtons beside newton metres: one over the squared change of forces and of moments, shape (6,)."""
     spread = np.repeat(forces.var(axis=0).reshape(2, 3).mean(axis=1), 3)
     return np.asarray(1.0 / np.maximum(spread, max(DULL * float(spread.max()), np.finfo(float).tiny)))
 
@@ -296,14 +296,14 @@ def _compensated(data: Data, motion: Kinematics, case: Case, model: Model) -> st
     in_base = data._replace(forces=of_base, slopes=slopes, weights=_weights(of_base))
     mass = model.names.index("m")
     tried = (
-        (_left(data, weightless, mass=mass), "the weight has been taken out of the readings"),
-        (_left(in_base, whole, mass=mass), "the readings are in the axes of the base, not in those of the sensor"),
+        (_rms(data, weightless, mass=mass), "the weight has been taken out of the readings"),
+        (_rms(in_base, whole, mass=mass), "the readings are in the axes of the base, not in those of the sensor"),
         (
-            _left(in_base, weightless, mass=mass),
+            _rms(in_base, weightless, mass=mass),
             "the weight has been taken out of the readings, which are in the axes of the base",
         ),
     )
-    recorded, ((least, _), words) = _left(data, whole)[0], min(tried)
+    recorded, ((least, _), words) = _rms(data, whole)[0], min(tried)
     if not least * FACTOR < recorded:
         return None
     return f"{words}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
@@ -322,14 +322,14 @@ def _regressors_of(data: Data, case: Case, model: Model, orders: Sequence[Order]
     lengths, velocities, accelerations = (
         np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in data.drives
     )  # those of each order in turn
-    if case.recording.drives is not None:  # a turned drive mirrors its strut at the offset
+    if case.recording.drives is not None:  # a drive with the other sign mirrors its strut at the offset
         lengths = np.where(signs > 0, lengths, 2.0 * case.recording.drives.offset - lengths)
     motion, closed = Hexapod.of(case).kinematics_where_closed(lengths, velocities * signs, accelerations * signs)
     matrices = np.split(regressors(model, motion), len(orders))
     return [a if c.all() else None for a, c in zip(matrices, np.split(closed, len(orders)), strict=True)]
 
 
-def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> tuple[float, float]:
+def _rms(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> tuple[float, float]:
     """Rms residuals of the forces in an order, weighted, and of the channels in newtons [N].
 
     Infinite where the struts do not close, or a mass would be negative.

@@ -1,7 +1,7 @@
 """From columns in a file's units and names to channels in SI: units, signs, order, offsets, mounting, clocks.
 
-What no measurement can be is named with its place before it becomes a result; doubts about numbers that a sensor can
-give are findings: `identification.runs.sample_checks`.
+Values that no measurement can have are refused with their place; doubts about numbers that a sensor can give are
+findings: `identification.runs.sample_checks`.
 """
 
 from dataclasses import replace
@@ -90,7 +90,7 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
 
 
 def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
-    """Time of the first sample [s], exact: epochs in ns leave no digits for a double to round.
+    """Time of the first sample [s], exact: a double has too few digits for epochs in ns.
 
     Raises:
         RecordingError: columns of one clock are shifted by different times.
@@ -169,7 +169,7 @@ def _unwrapped(positions: Array | None, chain: Chain) -> Array | None:
 
 
 def _specific_forces(table: ColumnTable, form: RecordingFormat) -> Array | None:
-    """In the axes of {P}; without an accelerometer in the case such columns are somebody else's."""
+    """Specific forces in the axes of {P}; None where the case has no accelerometer, whatever the columns."""
     if form.accelerometer is None:
         return None
     readings = _group(table, form, ACCELEROMETER)
@@ -183,11 +183,11 @@ _GRAVITY = 3.0
 # Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
 _MOST = 1e20
 MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
-_FIRST = 10_000  # rows that tell a wrong unit as well as all of them
+_FIRST = 10_000  # rows that show a wrong unit as well as all of them
 
 
 def require_clock(table: ColumnTable, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first time stamp that is none of a clock, or not later than the one above it."""
+    """Raises RecordingError at the first time stamp that cannot be of a clock, or not later than the one above it."""
     stamps = table.stamps
     if stamps is None:
         return
@@ -230,7 +230,7 @@ OFF = 0.3  # share of the level on, up to which the level off of a voltage may b
 
 
 def switched(values: Array) -> Rows | None:
-    """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None where it is no switch."""
+    """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None if it is not a switch."""
     low, high = float(np.min(values)), float(np.max(values))
     if low == high:
         return values > 0.0
@@ -308,7 +308,7 @@ def _require_gravity(stream: Stream, case: Case) -> None:
 MOST_MISSING = 0.3  # of a column's rows; one with more is sampled at another rate, or is broken
 _KEPT = frozenset((*ROTATION, TRIGGER, OVERRIDE))
 MOST_PUT_BACK = 3  # samples in a row
-_SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # keep their last value
+_SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
 
 
 def _marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Rows | None, tuple[str, ...]]:
@@ -323,7 +323,7 @@ def _marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Row
     missing = np.zeros(table.rows, dtype=bool)
     columns: tuple[str, ...] = ()
     for ours, column in table.values.items():
-        if column.size and column.min() > -_MOST and column.max() < _MOST:  # neither holds where one is NaN
+        if column.size and column.min() > -_MOST and column.max() < _MOST:  # both are false where one is NaN
             continue
         good = np.asarray(np.abs(column) < _MOST)
         name = shown(form.file_name(ours))
@@ -372,9 +372,9 @@ def _with_lost_rows(stream: Stream) -> Stream:
     return replace(stream, t=t, lines=lines, missing=missing, **more)
 
 
-def _spread(values: Array, own: NDArray[np.int64], rows: NDArray[np.int64], kept: bool) -> Array:
+def _spread(values: Array, own: NDArray[np.int64], rows: NDArray[np.int64], last: bool) -> Array:
     """Values at all rows: straight lines between those that are there, or the last of them."""
-    if kept:
+    if last:
         return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])
     columns = [np.interp(rows, own, column) for column in values.reshape(len(values), -1).T]
     return np.stack(columns, axis=1).reshape(len(rows), *values.shape[1:])

@@ -3,7 +3,7 @@
 A bag has positions of joints and readings of a force/torque sensor in two topics, each with a clock of its own:
 `sensor_msgs/JointState` and `geometry_msgs/WrenchStamped`, in SI units (REP 103), by the stamps in their headers. A
 host gives these, so that they jitter: samples are taken to be at equal steps, on the straight line through the stamps.
-Joints go by name, for their order differs between messages; messages of other joints on the topic are left out.
+Joints go by name, for their order differs between messages; messages of other joints on the topic are skipped.
 
 Parquet files have a column a channel, named as in `csv`; clocks are numbers or Parquet's own time stamps.
 """

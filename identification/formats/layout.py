@@ -12,8 +12,8 @@ from identification.formats.table import TextFormat, is_number, unreadable
 from identification.formats.text import SIZE, read_head
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
-_SAMPLE = 200  # lines that tell the fields
-_NUMERIC = 0.7  # of a column's fields, from which on it is one of numbers
+_SAMPLE = 200  # lines from which the fields are known
+_NUMERIC = 0.7  # share of a column's fields, from which on it is numeric
 _TAIL = 1 << 14  # bytes at the end in which lines without numbers are looked for
 _UNIT = re.compile(
     r"[\[(]?(s|ms|us|µs|ns|mm|m|um|µm|nm|cm|in|N|kN|mN|Nm|N\*m|N m|Nmm|kNm|deg|°|rad|mrad|%|-|V|mm/s|m/s)?[\])]?"

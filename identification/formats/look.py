@@ -46,7 +46,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
 
     Args:
         file: text, Parquet, or the folder of a ROS 2 bag.
-        case: the machine that it was recorded on; without one, units and completeness are told by names alone.
+        case: the machine that it was recorded on; without one, units and completeness follow from the names alone.
 
     Raises:
         RecordingError: the file cannot be read, or holds no table of numbers.
@@ -98,7 +98,7 @@ def _bag(bag: Path, case: Case | None) -> Look:
 
 
 def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int, Array]]:
-    """Names, and position -> numbers of the columns that hold such."""
+    """Names, and position -> numbers of the columns that hold numbers."""
     positions = [
         k for k, numeric in enumerate(layout.numeric) if numeric and (layout.names[k] or layout.names_row == 0)
     ]

@@ -28,7 +28,7 @@ from identification.formats.table import Stamps, listed, lost_samples, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
 AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
-_MOST_BLANK = 1e-3  # of a column, from which on its empty fields are worth a word
+_MOST_BLANK = 1e-3  # share of a column, from which on its empty fields are reported
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Column:
     """A column of the file."""
 
     name: str  # as the file has it
-    ours: str | None  # our name of it; None: it means nothing to hexcite, or nobody knows what
+    ours: str | None  # our name of it; None: hexcite does not use it, or its meaning is unknown
     unit: str  # unit that the file is taken to use; empty where there is none
     guessed: bool  # whether meaning or unit follow from the values alone
     values: Array  # numbers, shape (n,); empty where the column holds text
@@ -84,7 +84,7 @@ class Look:
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        """What it found, in a few lines."""
+        """Its columns and settings, in a few lines."""
         names = ", ".join(c.ours for c in self.columns if c.ours is not None) or "none that hexcite knows"
         return "\n".join([f"{self.file}: {self.rows} rows; columns: {names}", *self.odd, self.toml])
 
@@ -94,27 +94,27 @@ class Look:
         return as_html(repr(self))
 
 
-def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Iterator[str]:
-    """What a person should look at."""
-    columns = {c.ours: c for c in found.columns if c.ours is not None}
+def oddities(look: Look, layout: TextLayout | None, case: Case | None) -> Iterator[str]:
+    """Sentences on what a person should check."""
+    columns = {c.ours: c for c in look.columns if c.ours is not None}
     if layout is not None and layout.cut_off:
         yield "the last line ends early: the recorder was stopped while it wrote; the settings leave this line out"
     elif layout is not None and layout.trailing_rows and layout.format == "csv":
         yield f"lines without numbers at the end: {layout.trailing_rows}; the settings leave them out"
     clock = columns.get(CLOCK)
-    if clock is None and "clock" in found.settings:
-        period = found.settings["clock"]["period_ms"]
+    if clock is None and "clock" in look.settings:
+        period = look.settings["clock"]["period_ms"]
         yield f"no clock: {period:g} ms between rows is a guess; state the recorder's period in clock.period_ms"
     elif clock is None:
         yield "no clock: each row is taken for an averaged standstill; of a motion state clock.period_ms"
     else:
-        yield from _clock_oddities(clock, found.rate)
+        yield from _clock_oddities(clock, look.rate)
     if clock is not None and clock.guessed:
         yield (
             f"{shown(clock.name)}: its unit {clock.unit} is a guess from its steps; if it counts samples, leave it out "
             "and state clock.period_ms"
         )
-    if TRIGGER not in columns and (clock is not None or "clock" in found.settings):
+    if TRIGGER not in columns and (clock is not None or "clock" in look.settings):
         yield "no trigger: the whole motion is evaluated, the ways from and to home too"
     if TRIGGER in columns:
         on = switched(np.nan_to_num(columns[TRIGGER].values))
@@ -129,12 +129,12 @@ def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Itera
             "drive positions: state drives = { sign = [1.0, ..], offset_mm = [..] }, for strut length = sign times "
             "position plus offset"
         )
-    for column in found.columns:
+    for column in look.columns:
         if not len(column.values):
             yield f"{shown(column.name)}: holds text; where it is the time, export it as a number"
-    for column in found.columns:
+    for column in look.columns:
         yield from _column_oddities(column)
-    guesses = [c.name for c in found.columns if c.guessed and c.ours != CLOCK]
+    guesses = [c.name for c in look.columns if c.guessed and c.ours != CLOCK]
     if guesses:
         names = ", ".join(map(shown, guesses))
         yield f"meaning or unit guessed from values: {names}; compare order and unit with the recorder's settings"
@@ -202,14 +202,14 @@ def _toml(value: Any) -> str:
 
 _NS = 1e-9
 _SPAN = 15  # messages over which a step is measured
-_MOST_JITTER = 0.2  # of a step, from which on stamps are worth a word
+_MOST_JITTER = 0.2  # share of a step, from which on jitter is reported
 
 
 def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[str, Any], list[str]]:
     """Columns, settings for `[recording]`, and what is odd; the sensor's readings are those at the joints' stamps.
 
     Args:
-        case: the machine that it was recorded on; without one nobody knows the order of the joints.
+        case: the machine that it was recorded on; without one the order of the joints is unknown.
 
     Raises:
         RecordingError: it is damaged, or lacks joints or a sensor.

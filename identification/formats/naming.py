@@ -82,7 +82,7 @@ def named(theirs: str, unit: str = "") -> tuple[str | None, str | None]:
 
 
 def _is_command(theirs: str) -> bool:
-    """Whether a name calls its column what was asked for, not what was measured."""
+    """Whether a name says that its column was commanded, not measured."""
     return theirs not in COLUMNS and _COMMANDED.search(_BRACKETED.sub("", theirs).lower()) is not None
 
 
@@ -183,13 +183,13 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
 
 
 def wrenches(names: Sequence[str], free: Sequence[int]) -> list[tuple[int, ...]]:
-    """Six columns next to each other whose names call them a wrench, raw ones first, for robots offer others beside.
+    """Six columns next to each other whose names call them a wrench; raw ones first, for robots offer others too.
 
     Args:
-        free: positions that may be meant.
+        free: positions that may be used.
     """
-    found = [six for six in sixes(names, free) if _WRENCH.search(names[six[0]].lower())]
-    measured = [six for six in found if not _is_command(names[six[0]])]
+    wrench = [six for six in sixes(names, free) if _WRENCH.search(names[six[0]].lower())]
+    measured = [six for six in wrench if not _is_command(names[six[0]])]
     return sorted(measured, key=lambda six: ("raw" not in names[six[0]].lower(), "wrench" not in names[six[0]].lower()))
 
 

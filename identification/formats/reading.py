@@ -1,6 +1,6 @@
-"""From a file to tables in memory: the case names the format, the file's first bytes tell Parquet.
+"""From a file to tables in memory: the case names the format; the first bytes say whether a file is Parquet.
 
-From files to the streams of a run: each file in its format, told apart by their columns, on one time axis.
+From files to the streams of a run: each file in its format, recognised by its columns, on one time axis.
 """
 
 import os
@@ -33,11 +33,11 @@ _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[ColumnTable]]] = 
 }
 
 
-def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[ColumnTable, ...]:
+def read_tables(file: Path, form: RecordingFormat, in_memory: int = 0) -> tuple[ColumnTable, ...]:
     """Reads a file: one table for each clock in it.
 
     Args:
-        held: numbers of the run's other files that are in memory already.
+        in_memory: count of the numbers of the run's other files, which are in memory already.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
@@ -45,12 +45,12 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
     reader = _reader(file, form)
     most = free_memory() // (2 * BYTES)
     batches: dict[tuple[str, ...], list[ColumnTable]] = {}
-    numbers = held
+    numbers = in_memory
     for table in reader(file, form):
         batches.setdefault(tuple(table.values), []).append(table)
         numbers += table.rows * len(table.values)
         if numbers > most:
-            others = " and the files before it" if held else ""
+            others = " and the files before it" if in_memory else ""
             size = sum(part.stat().st_size for part in _files(file))
             raise RecordingError(
                 f"{file}{others}",
@@ -83,7 +83,7 @@ def _files(place: Path) -> list[Path]:
 
 
 def free_memory() -> int:
-    """Memory that can be used without swapping [bytes]; where the system does not tell, as much as nobody has."""
+    """Memory that can be used without swapping [bytes]; 2^60 where the system does not report it."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
@@ -106,7 +106,7 @@ def whole(parts: Sequence[ColumnTable]) -> ColumnTable:
 
 
 def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
-    """Reads the files of one run, told apart by their columns.
+    """Reads the files of one run, recognised by their columns.
 
     Args:
         paths: paths in any order; at least one.
@@ -116,7 +116,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
         The streams of the run, that of the forces first; files whose samples coincide are joined.
 
     Raises:
-        RecordingError: anything that keeps the run from being used; several files of one kind; no common time.
+        RecordingError: anything that prevents the use of the run; several files of one kind; no common time.
     """
     if not paths:
         raise RecordingError("no recording is named; give the files of one run")
@@ -134,7 +134,7 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     streams = _joined(streams)
     _require_one_time(streams)
     main = next(s for s in streams if s.forces is not None)
-    if case.setup == "1a" and main.forces is not None:  # the frame stands where it stands
+    if case.setup == "1a" and main.forces is not None:  # the frame does not move
         main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
     if main.struts is None and main.poses is not None:
         main = _with_kinematics(main, main.poses, case)
@@ -146,7 +146,7 @@ _STORED = (".mcap", ".db3")  # of a bag
 
 def is_bag(path: Path) -> bool:
     """Whether a path is the folder of a bag."""
-    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False of names that no system takes
+    return os.path.isdir(path) and os.path.isfile(path / "metadata.yaml")  # False for names that no system takes
 
 
 def bag_of(path: Path) -> Path:

@@ -27,7 +27,7 @@ class Stream:
     trigger: NDArray[np.bool_] | None  # shape (n,)
     poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
     specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
-    override: Array | None = None  # override of the feed, shape (n,); 1 is none
+    override: Array | None = None  # override of the feed, shape (n,); 1 for 100 %
     temperature: Array | None = None  # of the sensor, shape (n,) [degC]
     lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
     # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none

@@ -31,11 +31,11 @@ class Lines:
     skipped: tuple[int, ...] = ()  # numbers of lines behind it that hold no row, ascending
     word: str = "line"  # what the file's rows are called
     every: int = 1  # distance of the samples among the file's rows
-    # rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken
+    # rows that stand in no line, counted from 0 and ascending, before only every n-th is taken
     inserted: tuple[int, ...] = ()
 
     def later(self, row: int, every: int = 1) -> "Lines":
-        """Of the rows from one on, counted from 0, or of each so-manyth of them."""
+        """Places of the rows from `row` on, counted from 0, or of every n-th of them, n = `every`."""
         start = row * self.every
         count = bisect_right(self.inserted, start)
         inserted = tuple(k - start for k in self.inserted[count:])
@@ -135,7 +135,7 @@ def require_file(file: Path) -> None:
 
 
 def unreadable(file: Path, error: Exception) -> RecordingError:
-    """The error for a file that the system does not give."""
+    """The error for a file that the system cannot read."""
     reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
     return RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
 
@@ -157,15 +157,15 @@ def listed(names: Iterable[str]) -> str:
 UNIFORMITY = 0.05
 GAP = 1.5  # steps between two samples, from which on others were lost between them
 HOST_GAP = 5.0  # the same where a host stamps what it receives: so far its stamps stray from equal steps
-_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # that tell a rate which has changed from a gap
-_SEEN = 15  # stamps of a host that tell a loss from one that is late
+_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # numbers of steps that distinguish a changed rate from a gap
+_SEEN = 15  # stamps of a host that distinguish a lost sample from a late one
 
 
 def lost_samples(t: Array | None, least: float = GAP, step: float | None = None) -> NDArray[np.int64]:
     """How many samples were lost between each one and the next, shape (n - 1,).
 
     Args:
-        t: time stamps, ascending, shape (n,) [s]; None: there is no clock, and nothing can be said.
+        t: time stamps, ascending, shape (n,) [s]; None: there is no clock, and no loss is known.
         least: steps between two samples, from which on others were lost.
         step: time between samples [s]; by default the usual one.
     """
@@ -248,7 +248,7 @@ def _numbers(t: Array, step: float) -> Array:
 
 
 def crowded(gaps: NDArray[np.bool_]) -> int | None:
-    """The first of so many gaps together that it is the rate that has changed; None where there are none such.
+    """The first of gaps so close together that the rate has changed; None where there are none.
 
     Args:
         gaps: whether samples were lost between each one and the next, shape (n - 1,).

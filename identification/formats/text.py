@@ -18,7 +18,7 @@ from identification.formats.table import ColumnTable, TextBlock, TextFormat, lin
 from identification.formats.text_errors import explain, not_text, unnamed
 
 SIZE = 1 << 22  # bytes read at a time
-# What is kept back for the end of the file, so that its trailing rows are never handed out: a hundred long lines.
+# Bytes that are returned at the end of the file only, without its trailing rows: a hundred long lines.
 _KEPT = 1 << 16
 _LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
@@ -160,7 +160,7 @@ def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str
     """Header lines as text.
 
     Raises:
-        RecordingError: a line is not text in the file's encoding, or ends in a way that nobody expects.
+        RecordingError: a line is not text in the file's encoding, or ends in an unexpected way.
     """
     texts = []
     for k, line in enumerate(lines, 1):

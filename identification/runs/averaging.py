@@ -42,7 +42,7 @@ from identification.symbolic import Kinematics
 
 Rows = NDArray[np.bool_]
 
-FINER = 6  # regressors are computed at so many times the instants that are kept: their harmonics must not fold back
+FINER = 6  # regressors are computed at so many times the evaluated instants: their harmonics must not fold back
 BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
 MODEL_ERROR = 1.5  # times the scatter of the periods, from which residuals are reported
 UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
@@ -65,7 +65,7 @@ class PeriodicRun:
     limited: bool  # whether the filter's cut-off bounded it
     window: tuple[Finding, ...] = ()
     nuisances: ClassVar[tuple[str, ...]] = ("delay",)  # estimated beside the model
-    consecutive: ClassVar[bool] = False  # averages; periods that a contact makes strange are left out before
+    consecutive: ClassVar[bool] = False  # averages; periods that a contact disturbs are left out before
     noise_correlation: ClassVar[float] = 0.0  # of white noise between evaluated instants: none
 
     @property
@@ -90,12 +90,12 @@ class PeriodicRun:
 
     @property
     def filtered(self) -> Filtered:
-        """What averaging did to white noise."""
+        """Effect of averaging on white noise."""
         return Filtered(self.points / self.samples, self.samples / self.points)
 
     @cached_property
     def forces(self) -> Array:
-        """At the evaluated instants, shape (2 H + 1, 6)."""
+        """Forces at the evaluated instants, shape (2 H + 1, 6)."""
         return self.forces_series.at(self.t)
 
     def _instants(self, count: int) -> Array:
@@ -157,12 +157,12 @@ class PeriodicRun:
         return Robust(np.asarray(half @ (meat + meat.T) / 2.0 @ half.T))
 
     def without(self, left_out: Rows) -> "PeriodicRun":
-        """As it is: whole periods are left out before, see `kept_periods`."""
+        """The run itself: whole periods were left out before, see `kept_periods`."""
         del left_out
         return self
 
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
-        """What repeats, how it was evaluated, and what the model leaves beyond what does not repeat."""
+        """Findings: what repeats, how it was evaluated, and residuals beyond what does not repeat."""
         p, series, scatter = self.part, self.struts, self.scatter
         t = self._clock[self.used]
         count = 1 if scatter is None else len(scatter.series)
@@ -224,7 +224,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Condition
     Args:
         case: machine; its filter's cut-off bounds the harmonics.
         wish: period and harmonics, where they are given.
-        found: samples that may not be used; longer stretches of them cost their periods.
+        found: samples that may not be used; periods with longer stretches of them are not used.
 
     Raises:
         RecordingError: no struts, no uniform clock, no period, none without damage, or too many harmonics.

@@ -1,15 +1,15 @@
 """A moving run, evaluated at any delay between forces and motion, and by how much more its forces are smoothed.
 
 Forces and struts of a moving run pass the same zero-phase low-pass, which also differentiates the struts: what a
-controller's blocks and the encoders' steps add above the cut-off then disturbs neither side. What is left is kept at
-the rate that it still needs.
+controller's blocks and the encoders' steps add above the cut-off then disturbs neither side. The filtered signals are
+evaluated at the rate that they still need.
 
 But they were not sampled alike. Where accelerations leap within a sampling step T, as those of controllers without
 limit of jerk do, forces sampled pointwise are those of a motion smoothed by -T^2/12 to T^2/24 more than the struts, by
 where in a step they are sampled; averaging over the step, or a low-pass before the sampling, adds half its variance. To
 first order f = A u + b d^2(A u)/dt^2: beside the delay, the first moment of the smoothing, b, half the second, is one
-more unknown, estimated where the run can tell. Left out, it draws the mass of a clean ten-second run by two of its
-standard deviations.
+more unknown, estimated where the run determines it. Without it, the mass of a clean ten-second run is biased by two of
+its standard deviations.
 
 The lowest structural mode of a machine makes forces grow with frequency beyond what the motion asks for. A platform
 behind a spring of circular frequency w has its accelerations amplified by 1 / (1 - (f/w)^2), to first order
@@ -39,7 +39,7 @@ from identification.symbolic import Kinematics, Machine
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
 PIECE = 6_000  # samples that go from struts to regressors together: what lies between stays in the cache
-FORGOTTEN = 100  # samples after which noise counts as new
+FORGOTTEN = 100  # samples after which noise counts as independent
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
 
 
@@ -72,14 +72,14 @@ class Run:
 
     @property
     def places(self) -> NDArray[np.int64]:
-        """Of the evaluated samples in a series of equal steps, shape (n,): sections and gaps are not neighbours."""
+        """Places of the evaluated samples in a series of equal steps, shape (n,); gaps and sections leave some out."""
         offsets = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
         rows = self.rows + offsets - offsets[0]
         return np.asarray(np.floor((rows - rows[0]) / self.filter.stride + 0.5), dtype=np.int64)
 
     @property
     def filtered(self) -> Filtered:
-        """What the filter did to white noise."""
+        """Effect of the filter on white noise."""
         return Filtered(self.filter.noise_gain, self.filter.stride)
 
     @property
@@ -89,7 +89,7 @@ class Run:
 
     @property
     def forces(self) -> Array:
-        """The same behind the filter, shape (n, 6) [N, or N and N m]."""
+        """Forces behind the filter at the evaluated samples, shape (n, 6) [N, or N and N m]."""
         return decimated(self.filter, self.recording.forces, self.rows, [(0, 0.0)])[0]
 
     def regressors(self, delay: float) -> Array:
@@ -125,7 +125,7 @@ class Run:
     def _motions(self, *delays: float) -> Iterator[tuple[slice, list[Kinematics]]]:
         """Motion of the platform at several delays, for one piece of the samples after the other.
 
-        From the second delay on poses are found from those at the first.
+        From the second delay on, poses are solved from those at the first.
 
         Raises:
             StrutsDoNotClose: with the place in the file.
@@ -152,7 +152,7 @@ class Run:
 
     @property
     def noise_correlation(self) -> float:
-        """Of white noise behind the filter, between evaluated samples."""
+        """Correlation of white noise behind the filter, between evaluated samples."""
         return self.filter.noise_correlation
 
     def residuals(self, matrices: Array, values: Array) -> Array:
@@ -179,7 +179,7 @@ class Run:
         return None if coloured is None else Robust(coloured)
 
     def _places_of(self, part: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Places of a part of the samples; its stretches follow each other, so far apart that noise forgets."""
+        """Places of a part of the samples; its stretches follow each other, so far apart that noise is independent."""
         places = self.places[part]
         breaks = np.flatnonzero(np.diff(part) > 1)
         shift = np.zeros(len(part), dtype=np.int64)
@@ -210,25 +210,25 @@ SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is reported
 
 
-def smoothing_finding(found: Uncertain) -> Finding:
-    """B, by which forces are smoothed more than the motion [s^2]; for people only where it is clear."""
+def smoothing_finding(smoothing: Uncertain) -> Finding:
+    """Finding about b, by which forces are smoothed more than the motion [s^2]; a sentence only where it is clear."""
     sentence = (
-        f"forces are {'smoothed' if found.value > 0.0 else 'sharpened'} against the motion by "
-        f"{found.value * 1e6:+.3g} +- {found.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
+        f"forces are {'smoothed' if smoothing.value > 0.0 else 'sharpened'} against the motion by "
+        f"{smoothing.value * 1e6:+.3g} +- {smoothing.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
         "averaging or a low-pass of the channels): estimated and compensated"
     )
-    clear = abs(found.value) >= CLEAR * found.std
-    return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=found._asdict())
+    clear = abs(smoothing.value) >= CLEAR * smoothing.std
+    return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=smoothing._asdict())
 
 
-def mode_finding(found: Uncertain, cutoff: float) -> Finding:
-    """The structural mode that sharpens forces by b, behind a low-pass [Hz]."""
-    entries = {"smoothing_s2": found._asdict()}
-    if -found.value < CLEAR * found.std:
+def mode_finding(smoothing: Uncertain, cutoff: float) -> Finding:
+    """Finding about the structural mode that sharpens forces by b, behind a low-pass [Hz]."""
+    entries = {"smoothing_s2": smoothing._asdict()}
+    if -smoothing.value < CLEAR * smoothing.std:
         sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
         return note(Kind.MODEL, sentence, **entries)
-    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-found.value)))
-    std = frequency * found.std / (2.0 * -found.value)
+    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-smoothing.value)))
+    std = frequency * smoothing.std / (2.0 * -smoothing.value)
     sentence = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
     sentence += f"compensated, behind a low-pass at {cutoff:.3g} Hz"
     return note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})
@@ -237,8 +237,8 @@ def mode_finding(found: Uncertain, cutoff: float) -> Finding:
 def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
 
-    It is where the run tells b more closely than sampling can make it; elsewhere leaving it out draws parameters by
-    less than estimating it would widen them. The value of b is not looked at, so that the choice draws nothing.
+    That is where the run determines b more closely than sampling can make it; elsewhere neglecting b biases parameters
+    by less than estimating it would widen them. The choice does not use the value of b, so that it adds no bias.
 
     Args:
         fit: fit of it; its values begin with u.
@@ -265,7 +265,7 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
 
 
 def smoothing_of(run: Run, fit: Fit) -> Uncertain:
-    """B of a fit of a run with its smoothing [s^2]."""
+    """The smoothing b by a fit of a run with that unknown [s^2]."""
     place = len(run.model.parameters) + run.nuisances.index("smoothing")
     std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
     return Uncertain(float(fit.values[place]), std)

@@ -2,10 +2,10 @@
 
 Errors e of the strut lengths reach the regressor almost only by their second derivative: behind the filter lengths and
 velocities err by less than a hundredth of what matters. A is affine in the accelerations, so that dA/dq'' is exact.
-With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is drawn by
+With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is biased by
 -((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
 Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
-or the platform vibrates; only the former draws the estimate, so that the reported bias is the largest there can be.
+or the platform vibrates; only the former biases the estimate, so that the reported bias is the largest there can be.
 
 How noise of the accelerations changes the regressor: exactly, for A is affine in them.
 
@@ -33,9 +33,9 @@ from identification.runs.averaging import FINER, PeriodicRun
 from identification.runs.evaluation import Run
 from identification.symbolic import Kinematics, Machine, over_samples
 
-MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
+MOST_LOST = 0.5  # of a run's apparent information on a parameter; beyond, the estimate of the bias is too uncertain
 EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic
-GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and only rounding is left
+GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and the rest is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +49,11 @@ class NoiseSources:
     acceleration_std: float | None
     # white noise of the recorded forces that leaves as large residuals as that of the accelerations, in units of s0;
     # None where none is stated. Errors of struts reach the accelerations mostly near the cut-off, where the motion
-    # tells nothing: they scatter the parameters far less than such white noise, which is what `std_robust` beside (28)
+    # has no information: they scatter the parameters far less than such white noise, as `std_robust` beside (28)
     # shows
     equivalent_force_noise: float | None
     # bias of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes up half
-    # of what the run tells of a parameter
+    # of the run's information on a parameter
     bias: Array | None
 
     @property
@@ -63,7 +63,7 @@ class NoiseSources:
 
     @property
     def findings(self) -> list[Finding]:
-        """What speaks against the statement of the case."""
+        """Findings against the noise that the case states."""
         sentences = []
         if self.accelerations is not None and self.bias is None:
             sentences.append(
@@ -90,7 +90,7 @@ class NoiseSources:
 
 
 def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
-    """Compares what a case states about its noise with what a Gauss-Markov fit left.
+    """Compares what a case states about its noise with the residuals of a Gauss-Markov fit.
 
     Args:
         run: run that was fitted.
@@ -118,7 +118,7 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
     if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
         bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
     true = estimated if bias is None else estimated - bias
-    # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
+    # The fit hides the part of dA u that biases it: u^T D u + u^T D b remains in the residuals.
     equivalent = float(true @ moment @ estimated) / (6 * samples * run.filtered.gain)
     return NoiseSources(
         force_share,
@@ -130,7 +130,7 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
 
 
 def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> tuple[Array, int, float]:
-    """What stated noise of struts and accelerations does to the regressors of a run.
+    """Effect of stated noise of struts and accelerations on the regressors of a run.
 
     D, the expected sum of dA^T W dA, shape (u, u), over so many samples, and the variance of the accelerations of a
     strut by noise of the struts [m^2/s^4].
@@ -160,9 +160,9 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
 
 
 def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, dict[str, float | None]]:
-    """By how much noise of the accelerations draws physical parameters; estimated, and not taken out of their values.
+    """Estimated bias of physical parameters by noise of the accelerations; their values are not corrected by it.
 
-    Of each the expected estimate less the true value [SI]; that over the value, None where it is zero; and over the
+    For each the expected estimate less the true value [SI]; that over the value, None where it is zero; and over the
     standard deviation that is reported, None for what is given.
 
     Args:
@@ -191,7 +191,7 @@ def acceleration_effects(machine: Machine, model: Model, motion: Kinematics) -> 
 
 
 def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
-    """What a step of the twist rate along each column of `directions`, shape (n, 6, 6), changes A by."""
+    """Change of A by a step of the twist rate along each column of `directions`, shape (n, 6, 6)."""
     matrices = regressors(model, motion)
     return [
         regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - matrices

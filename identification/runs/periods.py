@@ -1,6 +1,6 @@
 """What differs between the periods of a run that repeats itself: its noise, and periods that are not part of it.
 
-What of a repeating run is averaged: which rows, the periods that are like the others, the harmonics that tell.
+What of a repeating run is averaged: which rows, the periods that are like the others, the harmonics above the noise.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from identification.signals import stretches
 
 INDEPENDENT = 24  # complex values that a spectral matrix of six channels is averaged over
 STRANGE = 8.0  # standard deviations of the periods' scatter, anywhere in a period, that noise never reaches
-MAJORITY = 3  # periods that tell which of them is strange
+MAJORITY = 3  # periods that are needed to say which of them is strange
 
 
 class PeriodScatter(NamedTuple):
@@ -30,9 +30,9 @@ class PeriodScatter(NamedTuple):
     series: tuple[FourierSeries, ...]  # one of each period, all with the same phase
     rows: tuple[NDArray[np.int64], ...]  # samples of each
 
-    def only(self, kept: Sequence[int]) -> "PeriodScatter":
-        """Some of the periods."""
-        return PeriodScatter(tuple(self.series[k] for k in kept), tuple(self.rows[k] for k in kept))
+    def only(self, numbers: Sequence[int]) -> "PeriodScatter":
+        """The periods with these numbers."""
+        return PeriodScatter(tuple(self.series[k] for k in numbers), tuple(self.rows[k] for k in numbers))
 
     def smoothed(self, harmonics: int, points: int) -> NDArray[np.complex128]:
         """Spectral matrices of the noise of the mean period, averaged over neighbouring harmonics.
@@ -79,10 +79,10 @@ def each_period(t: Array, values: Array, part: RepeatingPart, harmonics: int) ->
 
 
 def strangers(periods: PeriodScatter) -> dict[int, float]:
-    """Periods that differ from the others by more than noise: contact, a start that has not died out.
+    """Periods that differ from the others by more than noise: contact, a transient of the start.
 
     Returns:
-        By number from 0 the largest difference to the median of all periods; empty where fewer than three tell.
+        By number from 0 the largest difference to the median of all periods; empty for fewer than three periods.
     """
     count = len(periods.series)
     if count < MAJORITY:
@@ -121,13 +121,13 @@ def longest_window(recording: Recording) -> NDArray[np.int64]:
 
 
 def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[Finding, ...]]:
-    """Numbers of the periods that are averaged, and what is to be said of the others.
+    """Numbers of the periods that are averaged, and findings about the others.
 
     Args:
         bad: samples that may not be used, shape (n of the recording,).
 
     Raises:
-        RecordingError: every period has some.
+        RecordingError: every period has some of these.
     """
     count = len(periods.rows)
     sound = [k for k in range(count) if not bad[periods.rows[k]].any()]

@@ -22,8 +22,8 @@ MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine coun
 STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
 SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
 MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
-MOST_LEFT_OUT = 0.5  # of the motion, by damage and the filter's reach around it
-# Bad samples in a row that a straight line replaces; the filter makes nothing of the difference.
+MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach around it
+# Bad samples in a row that a straight line replaces; behind the filter the difference is negligible.
 MOST_BRIDGED = MOST_PUT_BACK
 
 
@@ -53,11 +53,11 @@ def standstills(recording: Recording, case: Case, model: Model, found: Scan | No
 
 
 def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
-    """A moving run with its window found.
+    """A moving run with its window.
 
     Args:
         whole: evaluate all samples, not only the excitation.
-        found: samples that may not be used; what their values did to the filter is left out with them.
+        found: samples that may not be used; filtered samples that they disturb are left out too.
 
     Raises:
         RecordingError: no struts, no filter in the case, a filter that does not fit the rate, a trigger that is never
@@ -109,7 +109,7 @@ def stands_only(recording: Recording) -> bool:
 
 
 def delimited(trigger: NDArray[np.bool_] | None) -> bool:
-    """Whether a trigger, shape (n,), tells standstills apart: it comes on more than once."""
+    """Whether a trigger, shape (n,), marks standstills: it comes on more than once."""
     return trigger is not None and len(stretches(trigger)) > 1
 
 
@@ -145,7 +145,7 @@ def _other_clock(step: float, cutoff: float) -> str:
 
 
 def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter) -> NDArray[np.bool_]:
-    """Filtered samples disturbed by more than a short bridge of bad ones, or reach across a gap, shape (n - 2 margin,).
+    """Filtered samples that bad ones disturb, unless bridged, or that reach across a gap, shape (n - 2 margin,).
 
     Args:
         bad: samples that may not be used, shape (n,).

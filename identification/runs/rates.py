@@ -22,8 +22,8 @@ from identification.recording import Averaged, Recording
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
-HELD_CHANGES = 50  # that tell that struts are held
-HELD = 0.98  # of the changes, that keep the rhythm
+HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for
+HELD = 0.98  # of the changes, that must follow the rhythm
 FULL_RANGE = 0.999
 ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 
@@ -119,7 +119,7 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
     assert recording.t is not None
     t, forces = _measured(recording.t, recording.forces, recording.missing)
     half = interval / 2.0
-    # A sample more on either side for the curvature; whether the first reaches the edge is no matter of rounding.
+    # A sample more on either side for the curvature; rounding must not decide whether the first reaches the edge.
     room = half - ROUNDING * step
     inside = np.flatnonzero((motion.t - room >= t[0]) & (motion.t + room <= t[-1]))
     if len(inside) < 3:
@@ -150,7 +150,7 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
 
 
 def _measured(t: Array, values: Array, missing: NDArray[np.bool_] | None) -> tuple[Array, Array]:
-    """The samples without those that stand for nothing: a gap is left where they were."""
+    """The samples without those that were not measured, which make a gap."""
     return (t, values) if missing is None else (t[~missing], values[~missing])
 
 

@@ -1,4 +1,4 @@
-"""Whether and where a run repeats itself: its period, found or given, and the part that it holds for.
+"""Whether and where a run repeats itself: its period, estimated or given, and the part that it holds for.
 
 Each lag is rated by the longest stretch over which the struts are where they were that lag before, so that approach,
 return and rests do no harm; a lag is a period if the stretch is as long, and if less than the lag is not alike too.
@@ -146,7 +146,7 @@ def _alone(lags: list[int]) -> list[int]:
 
 
 def _finest(x: Array, lag: int, every: int, tolerance: float) -> int:
-    """The lag of all samples near a coarse one that the most rows keep."""
+    """The lag near a coarse one, in steps of one sample, at which the longest stretch repeats."""
     near = range(max(1, lag - every), min(lag + every, len(x) - 2) + 1)
     return max(near, key=lambda k: (np.subtract(*_longest(x, k, tolerance)[::-1]), -_away(x, k)))
 
@@ -169,7 +169,7 @@ def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motio
     if not len(deviations):
         ends = struts[rows[-1]] - struts[rows[0]]
         return RepeatingPart(period, int(rows[0]), int(rows[-1]) + 1, 1, float(np.sqrt(np.mean(ends**2))), motion)
-    # Rests before and after leave the motion slowly; what is out of the ordinary at the ends is none of it.
+    # The motion comes out of rest and to rest slowly; unusual differences at the ends do not belong to it.
     alike = np.flatnonzero(deviations <= max(USUAL * float(np.median(deviations)), LEAST * motion))
     rows = rows[alike[0] : alike[-1] + 1 + len(rows) - len(deviations)]
     periods = max(1, int((len(rows) + FEW) * step / period + WHOLE))

@@ -1,4 +1,4 @@
-"""What is wrong with a recording although every number in it could have been measured: found before any estimate.
+"""What is wrong with a recording although every number in it could have been measured: checked before any estimate.
 
 Samples that no estimate may use are marked and named with their place; what makes a run useless is an error.
 """
@@ -32,7 +32,7 @@ LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
 LONELY_WIDTH = 101  # samples around
 _AT_ONCE = 10_000  # windows in memory
-_TELLING = 200_000  # samples that tell a median
+_ENOUGH = 200_000  # samples that suffice for a median
 SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
@@ -44,7 +44,7 @@ LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for
 
 
 class Scan(NamedTuple):
-    """What was found in a recording."""
+    """Findings about a recording, and its bad samples."""
 
     findings: tuple[Finding, ...]
     bad: Rows  # samples that no estimate may use, shape (n,)
@@ -150,7 +150,7 @@ def missing_values(stream: Stream) -> list[Finding]:
 
 
 def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
-    """Behind which rows samples are missing, and how many.
+    """The sentence on rows behind which samples are missing, and on how many.
 
     Args:
         lines: places of the rows.
@@ -189,7 +189,7 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
         for steps in stretches(still):
             if steps.stop - steps.start < least:
                 continue
-            # The other channels tell a sensor that is stuck from forces that are constant.
+            # The other channels distinguish a stuck sensor from constant forces.
             span = slice(steps.start, steps.stop + 1)
             others = np.ptp(np.delete(recording.forces[span], k, axis=1), axis=0).max()
             moves = np.abs(np.diff(recording.struts[span], axis=0)).max(axis=1) > travel
@@ -202,7 +202,7 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
 
 
 def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
-    """Single samples that leave their neighbours: forces by chance never, struts by no drive."""
+    """Single samples too far from their neighbours: no noise moves forces so far, and no drive the struts."""
     if recording.t is None or len(recording.t) < LEAST_ROWS:
         return []
     problems = []
@@ -211,10 +211,10 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         force = recording.forces[:, k]
         jumps = np.abs(_from_neighbours(force))
         usual = 1.4826 * _median(jumps)
-        # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
+        # An acceleration that steps moves the force lastingly: the samples on both sides do not agree then.
         leaps = _peaks(jumps, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
         leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < jumps[leaps]]
-        # A jerk that changes its sign bends the force for good: slopes before and after do not agree then.
+        # A jerk that changes its sign bends the force lastingly: slopes before and after do not agree then.
         leaps = leaps[_bend(force, leaps + 1) < BENT * jumps[leaps]]
         leaps = leaps[~_shaken(recording, leaps + 1)]
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
@@ -262,7 +262,7 @@ def _bend(values: Array, rows: NDArray[np.int64]) -> Array:
 
 def _median(values: Array) -> float:
     """The median, of a long series by many of its values."""
-    return float(np.median(values[:: max(1, len(values) // _TELLING)]))
+    return float(np.median(values[:: max(1, len(values) // _ENOUGH)]))
 
 
 def _at(rows: NDArray[np.int64], count: int) -> Rows:

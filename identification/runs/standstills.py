@@ -1,4 +1,4 @@
-"""Standstills in a recorded run: found with or without a trigger, matched to the poses of a program, and averaged."""
+"""Standstills in a recorded run: detected with or without a trigger, matched to a program's poses, and averaged."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ SHORTEST = 0.1  # [s] of a standstill that is worth averaging
 SAME_POSITION = 2.0 * MM  # between a standstill and its pose of the program
 SAME_ANGLE = 0.5 * DEG
 _COUNTED = Lines(first=1, word="standstill")
-BATCHES = 10  # of a standstill, whose means tell how well its own mean is known, noise of any colour included
+BATCHES = 10  # of a standstill: the scatter of their means is the uncertainty of its mean for noise of any colour
 
 
 def find_standstills(recording: Recording, settle: float) -> list[slice]:
@@ -113,7 +113,7 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
         names: the recording, for messages.
 
     Raises:
-        StandstillMismatch: a pose of the program was not measured, or one that is none of its.
+        StandstillMismatch: a pose of the program was not measured, or a standstill is not one of its poses.
     """
     assert averages.struts is not None
     assert averages.weights is not None
@@ -177,7 +177,7 @@ def _moving(struts: Array, step: float) -> Flags:
 
 
 def _variance_of_mean(forces: Array) -> Array:
-    """Of each channel, from the scatter of batch means, which sees slow noise too, shape (6,)."""
+    """Variance of the mean of each channel, from the scatter of batch means, slow noise included, shape (6,)."""
     batches = min(BATCHES, len(forces))
     length = len(forces) // batches
     means = forces[: batches * length].reshape(batches, length, -1).mean(axis=1)

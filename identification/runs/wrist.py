@@ -2,7 +2,7 @@
 
 All streams pass the same low-pass at their own rates and are read at the instants of the forces. The accelerometer
 stands for the acceleration of the sensor's origin: its lever arm is neglected. How it is turned against the sensor by
-small angles is estimated with the parameters, as without that the delay is anything.
+small angles is estimated with the parameters, since without that the delay is arbitrary.
 """
 
 from dataclasses import dataclass, replace
@@ -54,7 +54,7 @@ class WristRun:
 
     @property
     def filtered(self) -> Filtered:
-        """What the filter did to white noise."""
+        """Effect of the filter on white noise."""
         return Filtered(self.filter.noise_gain, self.filter.stride)
 
     def regressors(self, delay: float) -> Array:
@@ -94,7 +94,7 @@ class WristRun:
 
     @property
     def noise_correlation(self) -> float:
-        """Of white noise behind the filter, between evaluated samples."""
+        """Correlation of white noise behind the filter, between evaluated samples."""
         return self.filter.noise_correlation
 
     def residuals(self, matrices: Array, values: Array) -> Array:
@@ -128,7 +128,7 @@ def wrist_run(
     cutoff: float | None = None,
     bad: Rows | None = None,
 ) -> WristRun:
-    """A moving run with its window found: from the first turn out of rest to rest again.
+    """A moving run with its window: from the first turn out of rest to rest again.
 
     Args:
         recording: recording with forces, rotation matrices and an accelerometer.
@@ -235,7 +235,7 @@ def delay_band(recording: Recording) -> float:
     """The band of a run's delay [Hz]: the widest that all its streams carry, whatever the parameters' filter is.
 
     At low frequencies a delay looks like a turn of the accelerometer about the axis of the motion, and what the
-    sensors err by with the orientation passes for it; what a machine shakes and jerks above has no such double.
+    sensors err by with the orientation passes for it; vibration and jerks of a machine at higher frequencies do not.
     """
     return widest_band(*recording.streams)
 

@@ -1,6 +1,6 @@
 """Motions along curves in closed form: polynomials piece by piece, rows of a table, periodic Fourier series.
 
-A Fourier series (34)-(36) is repeated, and at rest itself or led in and out of.
+A Fourier series (34)-(36) is repeated; it begins and ends at rest, by itself or by a run-in and a run-out.
 """
 
 from collections.abc import Iterator, Sequence
@@ -231,8 +231,8 @@ _TO_ACCELERATION = Polynomial([0.0, 0.0, 0.0, 0.5, -1.0, 0.5])
 def run_in(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
     """Quintic run-in: matrices from the state reached (way, rate, acceleration) to value, rate, acceleration and jerk.
 
-    A series of one harmonic never rests: its rate and acceleration have no common zero. It is led in and out of, and
-    so carries nothing but its own harmonic while it runs.
+    A series of one harmonic never rests: its rate and acceleration have no common zero. With run-in and run-out
+    it has no other harmonic than its own while it runs.
 
     Args:
         time: time after the start out of rest, shape (n,) [s], from 0 to duration.

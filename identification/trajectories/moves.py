@@ -3,7 +3,7 @@
 Straight moves lie in the coordinates; a circular one turns the origin in a coordinate plane, and the angles ride along
 linearly. Time laws have seven segments in closed form, with or without a limit of jerk; controllers compute theirs
 online: jerk-limited, in whole controller cycles, here by ruckig. It is called for one move from rest to rest at a time,
-of one coordinate. Its other features stay closed: intermediate waypoints are computed by a service in the network, and
+of one coordinate. Its other features are not used: intermediate waypoints are computed by a service in the network, and
 vectors of wrong length are read out of bounds; neither can be reached here.
 """
 
@@ -113,7 +113,7 @@ def fastest_profile(distance: float, velocity: float, acceleration: float, jerk:
     """
     jerk_time = float(min(acceleration / jerk, np.sqrt(velocity / jerk), np.cbrt(distance / (2 * jerk))))
     peak, hold_time = jerk * jerk_time, 0.0
-    if jerk_time == acceleration / jerk:  # only then does the acceleration reach its limit and can be held
+    if jerk_time == acceleration / jerk:  # only then the acceleration reaches its limit and can stay there
         by_velocity = velocity / acceleration - jerk_time
         by_distance = (-3 * jerk_time + np.sqrt(jerk_time**2 + 4 * distance / acceleration)) / 2
         peak, hold_time = acceleration, max(0.0, float(min(by_velocity, by_distance)))
@@ -123,7 +123,7 @@ def fastest_profile(distance: float, velocity: float, acceleration: float, jerk:
 
 
 def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
-    """What limits of each coordinate leave of share rates on a straight way.
+    """Limits of the share of a straight way, from those of each coordinate.
 
     Args:
         way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
@@ -327,7 +327,7 @@ def fastest_circle(
 ) -> CircularMove:
     """A fast arc within limits on each coordinate, shapes (6,): near the fastest seven-segment one, never beyond.
 
-    The time law is the seven-segment profile, slowed as a whole until the motion keeps every limit on a fine grid.
+    The time law is the seven-segment profile, slowed as a whole until the motion satisfies every limit on a fine grid.
 
     Args:
         start: pose, shape (6,) [m, rad].
@@ -361,6 +361,6 @@ def fastest_circle(
 
 
 def _arm(pose: Array, plane: Plane, centre: Array) -> Array:
-    """From the centre of an arc to a pose, along the plane's axes, shape (2,) [m]."""
+    """Vector from the centre of an arc to a pose, along the plane's axes, shape (2,) [m]."""
     first, second, _ = plane.axes
     return np.array([pose[first] - centre[0], pose[second] - centre[1]])

@@ -1,10 +1,10 @@
 """A path re-timed under limits of coordinates and struts, by toppra (time-optimal path parameterisation).
 
 The planned motion q(t) itself is the path, with s = t / duration in [0, 1] as its parameter. At rest dq/ds is zero, so
-that any pace keeps the limits there: the motion begins and ends at the planned pace, s' = 1 / duration, which keeps it
-smooth at its ends. Where the limits allow, the pace stays the planned one.
+that any pace satisfies the limits there: the motion begins and ends at the planned pace, s' = 1 / duration, so that it
+is smooth at its ends. Where the limits allow, the pace stays the planned one.
 
-There is no jerk limit in this method: accelerations step where the pace changes from one extreme to the other.
+This method has no jerk limit: accelerations step where the pace changes from one extreme to the other.
 """
 
 from dataclasses import dataclass
@@ -85,7 +85,7 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
         case: gives the limits.
 
     Raises:
-        UntimedMotion: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
+        UntimedMotion: the path does not begin and end at rest, is not finite, or no pace satisfies the limits.
         CaseError: the case has no machine or no limits.
     """
     try:
@@ -119,7 +119,7 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
 
 
 def keeps_pace(path: Trajectory, case: Case) -> bool:
-    """Whether a motion keeps the limits of rates and accelerations of coordinates and struts at its own pace.
+    """Whether a motion satisfies the limits of rates and accelerations of coordinates and struts at its own pace.
 
     Raises:
         CaseError: the case has no machine or no limits.
@@ -129,7 +129,7 @@ def keeps_pace(path: Trajectory, case: Case) -> bool:
 
 
 def _stretch(motion: RetimedMotion, case: Case) -> float:
-    """By how much longer the whole motion must take where it passes a limit between gridpoints, at least 1."""
+    """Factor by which the whole motion must last longer where it exceeds a limit between gridpoints, at least 1."""
     # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
     lasting = min(motion.duration, motion.path.duration)
     m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(lasting * CHECK_RATE)) + 1))
