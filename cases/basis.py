@@ -15,7 +15,7 @@ _BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
 _PLAN = (*_BOUND, "sensors", "nominal", "payloads")
 _RESULT = (*_MACHINE, "sensors", "recording")
 _OF_PLANS = ("sensors.pose_error_N", "sensors.pose_error_length_mm")  # results find them, and do without them
-_NOT_COMPUTED_WITH = ("recording.rate_Hz",)  # a plan keeps the rate that its predictions assume
+_NOT_COMPUTED_WITH = ("recording.rate_Hz",)  # a plan states the rate that its predictions assume
 _SHOWN = 60  # characters of a value
 
 

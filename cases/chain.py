@@ -55,7 +55,7 @@ class Joint(ChainFrame):
     kind: Literal["revolute", "continuous", "prismatic"]
     """Turns between ends (revolute), turns without ends (continuous), or slides (prismatic)."""
     axis: Vector
-    """In the joint's own frame; of any length."""
+    """Axis in the joint's own frame, of any length."""
     position_deg: Range | None = None
     """Lower and upper end of the joint."""
     position_mm: Range | None = None
@@ -65,9 +65,9 @@ class Joint(ChainFrame):
     home_mm: Real | None = None
     """The same of a joint that slides."""
     torque_Nm: Positive | None = None
-    """What the joint's drive can do; plans use 80 % of it at most, where every joint states its link."""
+    """Largest torque of the joint's drive; plans use 80 % of it at most, where every joint states its link."""
     force_N: Positive | None = None
-    """What the drive of a joint that slides can do."""
+    """Largest force of the drive of a joint that slides."""
     link: RigidBody | None = None
     """The link behind the joint, in the joint's moved frame; centre of gravity, and inertia about it."""
     bodies: tuple[Tool, ...] = ()
@@ -135,7 +135,7 @@ class Joint(ChainFrame):
 
     @property
     def effort(self) -> float:
-        """What its drive can do [N m or N]; infinite where the case does not say."""
+        """Largest torque or force of its drive [N m or N]; infinite where the case states none."""
         return (self.torque_Nm if self.turns else self.force_N) or math.inf
 
 
@@ -143,7 +143,7 @@ class Chain(Part):
     """Joints from the base to the sensor."""
 
     joints: tuple[Joint, ...]
-    """From the base to the sensor."""
+    """Joints from the base to the sensor."""
     sensor: ChainFrame = ChainFrame()
     """The sensor frame {P} in the last joint's moved frame."""
     base: tuple[Tool, ...] = ()
@@ -249,10 +249,10 @@ class JointLimit(Part):
 
 
 class JointMotionLimits(Part):
-    """The box that moving excitations keep: joints relative to home, and their time derivatives."""
+    """The box in which moving excitations stay: joints relative to home, and their time derivatives."""
 
     joints: tuple[JointLimit, ...]
-    """In the order of the chain."""
+    """Limits of the joints, in the order of the chain."""
 
     @field_validator("joints")
     @classmethod
@@ -303,7 +303,7 @@ class JointMotionLimits(Part):
         return bool(math.isfinite(max(self.jerk)))
 
     def without_jerk(self) -> "JointMotionLimits":
-        """What counts on a controller whose accelerations step: the jerk is unlimited."""
+        """The limits for a controller whose accelerations step: the jerk is unlimited."""
         free = [
             joint.model_copy(update={"jerk_rad_s3" if joint.turns else "jerk_m_s3": math.inf}) for joint in self.joints
         ]
@@ -324,7 +324,7 @@ class Limits(Part):
 
 
 def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
-    """What of the limits of motion does not fit the chain, in words that name the keys."""
+    """Limits of motion that do not fit the chain, in words that name the keys."""
     names = tuple(limit.name for limit in limits.joints)
     if names != chain.names:
         yield (

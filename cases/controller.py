@@ -28,7 +28,7 @@ class UrScript(Part):
     table: ClassVar = "urscript"
 
     program_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$")]
-    """Of the function that the program is: letters, digits and underscores."""
+    """Name of the function that the program is: letters, digits and underscores."""
     trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
     """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
 
@@ -39,11 +39,11 @@ class Setpoints(Part):
     table: ClassVar = "setpoints"
 
     cycle_ms: Positive
-    """Of the task that feeds them: a whole multiple of the drives' own cycle."""
+    """Cycle of the task that feeds them: a whole multiple of the drives' own cycle."""
     most_rows: Annotated[int, Field(strict=True, ge=10)]
     """What its memory holds."""
     controller_keeps: Promises
-    """A generator that copies setpoints to the drives usually keeps nothing: `[]`."""
+    """Limits that it enforces; a generator that copies setpoints to the drives usually enforces none: `[]`."""
 
     @property
     def cycle(self) -> float:
@@ -134,13 +134,13 @@ class Sinumerik(SinumerikAxes):
     moves: Literal["feed", "poly"] = "feed"
     """Point-to-point moves: G1 at a feed under the controller's own time law, or POLY blocks that hold the plan's."""
     poly_degree: Literal[3, 5]
-    """Of the polynomials that the controller takes."""
+    """Degree of the polynomials that the controller takes."""
     poly_axes: Annotated[int, Field(strict=True, ge=1, le=9)]
-    """How many axes one POLY block may hold; fewer than six cannot carry a hexapod's motion."""
+    """Most axes that one POLY block may hold; fewer than six cannot carry a hexapod's motion."""
     poly_block_ms: Positive
     """Longest POLY block. Shorter blocks leave the controller less to decide, and cost it more of them a second."""
     poly_tolerance_mm: Positive
-    """How far POLY blocks may be from a motion that no polynomial of their degree describes: positions."""
+    """Largest distance of POLY blocks from a motion that no polynomial of their degree describes: positions."""
     poly_tolerance_deg: Positive
     """The same for angles."""
     contour_tolerance_mm: Positive
@@ -156,7 +156,7 @@ class Sinumerik(SinumerikAxes):
 
     @property
     def poly_tolerance(self) -> tuple[float, float]:
-        """Of positions [m] and angles [rad]."""
+        """Tolerances of POLY blocks: positions [m] and angles [rad]."""
         return self.poly_tolerance_mm * MM, self.poly_tolerance_deg * DEG
 
 
@@ -241,8 +241,8 @@ class LinuxCnc(Part):
 
     acceleration_headroom: Positive
     """The controller's acceleration limits as a multiple of `[limits.motion]`. LinuxCNC has no look-ahead for paths
-    that turn: at 1 it stretches dense paths; far above 1 it keeps the program's time, and the program's proof is
-    what keeps the limits."""
+    that turn: at 1 it stretches dense paths; far above 1 it runs in the program's time, and only the program's proof
+    ensures the limits."""
 
 
 Settings = TypeVar("Settings", LinuxCnc, SinumerikAxes, TwinCatAxes, Setpoints, UrScript)
@@ -256,7 +256,7 @@ class Controller(Part):
     safe_feed_mm_min: Positive | None = None
     """Feed of the first move of a hexapod, from wherever the machine stands to home."""
     safe_speed_percent: Annotated[Positive, Field(le=100.0)] = 10.0
-    """Of the speeds and accelerations of `[limits.motion]`: the first move of a chain, from wherever it stands."""
+    """Share of the speeds and accelerations of `[limits.motion]` for a chain's first move, from wherever it stands."""
     settle_s: Positive
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
@@ -266,7 +266,7 @@ class Controller(Part):
     `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
-    1 they keep their time, and nobody but the program keeps the limits."""
+    1 they run in their own time, and only the program's proof ensures the limits."""
     sinumerik: AnySinumerik | None = None
     """Settings of SINUMERIK programs."""
     twincat: AnyTwinCat | None = None

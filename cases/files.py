@@ -22,7 +22,7 @@ class FolderKind:
     """A kind of folder that hexcite writes."""
 
     name: str  # what it is, for messages
-    contents: frozenset[str]  # names of everything that it may hold; a folder with anything else in it is somebody's
+    contents: frozenset[str]  # names of everything that it may hold; a folder with anything else in it is not ours
 
 
 PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"}))
@@ -47,7 +47,7 @@ COMMANDS = {  # what stands in a folder of each kind, and the commands that take
 
 
 def another_kind(folder: Path, wanted: str) -> str | None:
-    """What a folder is, and who takes it, where it is one of ours but not of the kind that holds the file `wanted`."""
+    """What a folder is, and which commands read it, where it is ours but not of the kind that holds `wanted`."""
     for file, (kind, takers) in COMMANDS.items():
         if file != wanted and (folder / file).is_file():
             return f"is {kind.name} (it holds {file}); give it to {takers}"
@@ -64,7 +64,7 @@ def _flush(path: Path) -> None:
 
 @contextmanager
 def _writing(path: Path) -> Iterator[None]:
-    """Turns what the system says against writing to a place into a FileProblem."""
+    """Raises FileProblem where the system refuses to write to a place."""
     try:
         yield
     except FileProblem:  # of something else that the block read or wrote
@@ -128,7 +128,7 @@ def _refuse_to_replace(path: Path, content: str) -> NoReturn:
 
 
 def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
-    """Says before the work starts what would keep its output file from being written.
+    """Refuses, before the work starts, an output file that could not be written.
 
     Args:
         suffixes: endings that it may have, in lower case; upper case in `path` is as good.
@@ -153,10 +153,10 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
 
 
 def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
-    """Says before the work starts what would keep its output folder from being written.
+    """Refuses, before the work starts, an output folder that could not be written.
 
     A folder that stands there is replaced only if it is empty, or of the same kind and `overwrite` is set, so that no
-    slip of `-o` wipes a folder of somebody else's, or another result of ours.
+    slip of `-o` wipes a folder that is not ours, or another result of ours.
 
     Args:
         inputs: what the work reads; none of it may be in the folder that is replaced.
@@ -188,7 +188,7 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
 
 
 def _require_place(path: Path) -> None:
-    """Tries to write beside `path`: what a file system really lets one do no permission bits tell."""
+    """Tries to write beside `path`, since permission bits do not say all that a file system allows."""
     above = next(p for p in path.absolute().parents if os.path.lexists(p))
     try:
         os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".try", dir=above))

@@ -20,21 +20,21 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     def __eq__(self, other: object) -> bool:
-        """Equal values; arrays that were derived from them and kept do not count."""
+        """Whether values are equal; arrays that were derived from them do not count."""
         return type(self) is type(other) and self.model_dump() == other.model_dump()
 
     __hash__ = None  # type: ignore[assignment]
 
 
 def kind_of(one: type[Part], other: type[Part]) -> Discriminator:
-    """What tells a table of one kind, which has keys of its own, from one of another.
+    """The rule that distinguishes a table of one kind, by its own keys, from one of another.
 
     Tags in angle brackets name the class that a table was read as; messages leave them out.
     """
-    telling = frozenset(one.model_fields) - frozenset(other.model_fields)
+    distinctive = frozenset(one.model_fields) - frozenset(other.model_fields)
 
     def tag(table: Any) -> str:
-        own = not telling.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
+        own = not distinctive.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
         return f"<{(one if own else other).__name__}>"
 
     return Discriminator(tag)
@@ -242,7 +242,7 @@ class Tool(Part):
     name: str
     """What it is; messages use it."""
     from_mm: Vector = (0.0, 0.0, 0.0)
-    """In {P}, one end of its axis, like `to_mm`."""
+    """One end of its axis in {P}, like `to_mm`."""
     to_mm: Vector
     """The other end of its axis in {P}."""
     radius_mm: NonNegative = 0.0
@@ -255,7 +255,7 @@ class Tool(Part):
 
 
 class StrutLengths(Part):
-    """What the struts of a machine may measure."""
+    """Lengths that the struts of a machine can have."""
 
     strut_length_mm: Range
     """Shortest and longest strut, from joint centre to joint centre; in `[limits.motion]` inside that of
@@ -283,7 +283,7 @@ class Workspace(StrutLengths):
     tool: tuple[Tool, ...] = ()
     """Bodies that the platform carries."""
     strut_radius_mm: NonNegative = 0.0
-    """Of the struts where they pass the boxes of `keep_out`; 0 takes them for lines from joint to joint."""
+    """Radius of the struts where they pass the boxes of `keep_out`; 0: they are lines from joint to joint."""
 
     @cached_property
     def plane(self) -> Array:
@@ -292,7 +292,7 @@ class Workspace(StrutLengths):
 
 
 class MotionLimits(StrutLengths):
-    """The box that moving excitations keep: pose relative to home, and its time derivatives, each coordinate."""
+    """The box in which moving excitations stay: pose relative to home, and its time derivatives, each coordinate."""
 
     x_mm: Range
     """Lower and upper limit relative to home."""
@@ -376,7 +376,7 @@ class MotionLimits(StrutLengths):
         return bool(np.isfinite(self.jerk).all())
 
     def without_jerk(self) -> "MotionLimits":
-        """What counts on a controller whose accelerations step: the jerk is unlimited."""
-        values = {name: getattr(self, name) for name in type(self).model_fields}  # not what was derived and kept
+        """The limits for a controller whose accelerations step: the jerk is unlimited."""
+        values = {name: getattr(self, name) for name in type(self).model_fields}  # not what was derived from them
         unlimited = (math.inf, math.inf, math.inf)
         return self.model_construct(**values | {"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})

@@ -20,7 +20,7 @@ from cases.units import DEG, MM, Array
 
 
 class JointPoses(Part):
-    """How long a chain is measured at each pose; which poses are possible, `[limits.motion]` and its bodies say."""
+    """How long a chain is measured at each pose; `[limits.motion]` and its bodies say which poses are possible."""
 
     settle_s: Positive
     """Waited at each pose before averaging begins."""

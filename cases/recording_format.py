@@ -86,7 +86,7 @@ class Clock(Part):
     """The time stamps of a file."""
 
     unit: Literal["s", "ms", "us", "ns", "filetime"] | None = None
-    """Of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
+    """Unit of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
     period_ms: Positive | None = None
     """Time between rows, for files without stamps."""
     offset_s: dict[StreamName, Number] = Field(default_factory=dict)
@@ -131,7 +131,7 @@ class Accelerometer(Part):
     """A three-axis accelerometer on the platform; it reads specific force, at rest minus gravity."""
 
     scale_m_s2: Positive
-    """What a reading of 1 means."""
+    """Acceleration at a reading of 1."""
     mounting: tuple[Vector, Vector, Vector]
     """Rotation, row by row: specific force in {P} = mounting times reading."""
 
@@ -145,7 +145,7 @@ class Accelerometer(Part):
 
     @cached_property
     def matrix(self) -> Array:
-        """From readings to specific force in {P}, shape (3, 3) [m/s^2]."""
+        """Matrix from readings to specific force in {P}, shape (3, 3) [m/s^2]."""
         return frozen(np.array(self.mounting) * self.scale_m_s2)
 
 
@@ -237,7 +237,7 @@ class RecordingFormat(TextFile):
         return self
 
     def file_name(self, ours: str) -> str:
-        """What files call one of our columns."""
+        """Name that files have for one of our columns."""
         return self.columns.get(ours, ours)
 
     def factor(self, ours: str) -> float:

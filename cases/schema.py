@@ -22,7 +22,7 @@ from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
-# 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
+# 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
 
@@ -129,7 +129,7 @@ class Case(Heading):
         return value
 
     def _kind(self) -> Iterator[str]:
-        """What a hexapod has and a chain lacks, and the other way round."""
+        """Problems of keys of a hexapod in a case with a chain, and the other way round."""
         motion = None if self.limits is None else self.limits.motion
         if (self.setup == "2x") != (self.sensor_frame.struts is not None):
             yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'

@@ -90,24 +90,24 @@ class Transducer(Part):
 
 
 class StrutSensors(Part):
-    """Six single-axis force sensors, one in each strut of the hexapod; struts are slender, of a tube and a rod."""
+    """Six single-axis force sensors, one in each strut of the hexapod; a strut is a slender tube and a slender rod."""
 
     at: Literal["drive", "platform"]
     """The end of the rod where its sensor sits: between drive and rod, or between rod and platform joint."""
     each: bool = False
     """Whether every strut has parameters of its own; else all struts are alike."""
     rod_mass_kg: NonNegative
-    """Of one rod, nominal like all that follows: predictions and simulated runs go by these values."""
+    """Mass of one rod, nominal like all that follows: predictions and simulated runs go by these values."""
     rod_first_moment_kg_m: NonNegative
-    """Of the rod's mass, from the platform joint towards the base joint."""
+    """First moment of the rod, from the platform joint towards the base joint."""
     tube_first_moment_kg_m: NonNegative
-    """Of the tube's mass, from the base joint towards the platform joint."""
+    """First moment of the tube, from the base joint towards the platform joint."""
     inertia_kg_m2: NonNegative
-    """Of the rod about the platform joint and of the tube about the base joint together."""
+    """Sum of the moments of inertia of the rod about the platform joint and of the tube about the base joint."""
     viscous_friction_Nms: tuple[NonNegative, NonNegative] | None = None
-    """In base and platform joints; part of the model where it is given."""
+    """Viscous friction in base and platform joints; part of the model where it is given."""
     coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
-    """The same, independent of the speed."""
+    """Friction in base and platform joints that does not depend on the speed."""
 
 
 class SensorFrame(Part):
@@ -163,12 +163,12 @@ class PoseField(NamedTuple):
 
     @property
     def keys(self) -> dict[str, float]:
-        """As `[sensors]` of a case states it."""
+        """Size and length by the keys of `[sensors]`."""
         return {"pose_error_N": float(f"{self.size:.3g}"), "pose_error_length_mm": float(f"{self.length / MM:.3g}")}
 
     @property
     def words(self) -> str:
-        """For people."""
+        """Size and length in words."""
         return f"{self.size:.3g} N over {self.length / MM:.3g} mm of strut lengths"
 
 
@@ -178,7 +178,7 @@ class Sensors(Part):
     range_N: Positive | None = None
     """Largest force that a sensor measures; plans use 80 % of it at most."""
     range_Nm: Positive | None = None
-    """Of the moments of a force/torque sensor; the number of `range_N` unless given."""
+    """Largest moment that a force/torque sensor measures; the number of `range_N` unless given."""
     weights: Literal["equal", "per_channel", "per_unit", "stated"]
     """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel; `per_unit`: from
     that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise);
@@ -219,7 +219,7 @@ class Sensors(Part):
 
     @property
     def strut_variance(self) -> float | None:
-        """Of white errors of a recorded strut length, a step q counting q^2 / 12 [m^2]; None where none is stated."""
+        """Variance of white errors of a recorded strut length, q^2 / 12 for a step q [m^2]; None: none is stated."""
         if self.encoder_resolution_um is None and self.strut_noise_um is None:
             return None
         return self.strut_step**2 / 12 + ((self.strut_noise_um or 0.0) * UM) ** 2
@@ -333,9 +333,9 @@ class Simulation(Part):
     force_noise_N: NonNegative
     """Standard deviation of white noise on a force sample."""
     moment_noise_Nm: NonNegative | None = None
-    """Of the moments of a force/torque sensor; the number of `force_noise_N` unless given."""
+    """Standard deviation on a moment of a force/torque sensor; the number of `force_noise_N` unless given."""
     force_delay_ms: NonNegative
-    """How much later than the motion the forces are recorded."""
+    """Time by which forces are recorded later than the motion."""
     force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)] = 0.0
     """Where between two samples of the struts the forces are sampled, as a share of the time between them."""
     encoder_rate_Hz: Positive
@@ -345,7 +345,7 @@ class Simulation(Part):
     angular_acceleration_noise_rad_s2: NonNegative = 0.0
     """The same of angular accelerations."""
     disturbances: Disturbances | None = None
-    """Of the structure; runs are simulated with them where that is asked for, as a validation does."""
+    """Disturbances of the structure; runs are simulated with them where that is asked for, as a validation does."""
 
     @property
     def encoder_resolution(self) -> float:
@@ -370,7 +370,7 @@ class Simulation(Part):
 
     @property
     def force_delay(self) -> float:
-        """How much later than the motion the forces are recorded [s]."""
+        """Time by which forces are recorded later than the motion [s]."""
         return self.force_delay_ms * MS
 
 
@@ -380,7 +380,7 @@ class Payloads(Part):
     source: str
     """Where the values come from."""
     weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
-    """In order of mounting; centres of gravity in {P}."""
+    """Weights in order of mounting; centres of gravity in {P}."""
 
 
 def payload_words(count: int) -> str:

@@ -104,7 +104,7 @@ class _Element:
 
 
 def _parsed(file: Path) -> _Element:
-    """The root element; expat itself, for it knows lines and lets a DOCTYPE be refused before anything expands."""
+    """The root element, read by expat, which gives line numbers and can refuse a DOCTYPE before anything expands."""
     parser = expat.ParserCreate()
     open_elements = [_Element("", {}, 0)]
 
