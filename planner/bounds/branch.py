@@ -16,11 +16,11 @@ from cases.units import Array, Indices
 from planner.bounds.features import PAIRS, Features
 
 BATCH = 8  # cells halved at once: calls into NumPy cost as much as the arithmetic of one cell
-REPORT = 0.5  # [s] between two words on progress
+REPORT = 0.5  # [s] between two reports of progress
 
 
 class Bounded(NamedTuple):
-    """What is known of cells, one row each."""
+    """Bounds of a function over cells, one row a cell."""
 
     upper: Array  # no point of the cell has a larger value, shape (n,)
     lower: Array  # value at the point below, shape (n,)
@@ -34,12 +34,12 @@ Bounding = Callable[[Array, Array], Bounded]
 
 @dataclass(frozen=True, slots=True)
 class Maximum:
-    """What branch and bound found."""
+    """Result of branch and bound."""
 
     upper: float  # proven: no value is larger
-    lower: float  # the largest value that was met
-    points: Array  # points with values above what was tolerable, the largest first, shape (k, dimensions)
-    cells: int  # bounded
+    lower: float  # the largest value that was found
+    points: Array  # points with values above `tolerable`, the largest first, shape (k, dimensions)
+    cells: int  # number of cells that were bounded
 
 
 def maximise(
@@ -53,7 +53,7 @@ def maximise(
 ) -> Maximum:
     """Halves cells until no upper bound is above `enough`, or until that has become too expensive.
 
-    Once a value above `tolerable` was met, the search ends where the largest upper bound is as near to the largest
+    Once a value above `tolerable` was found, the search ends where the largest upper bound is as near to the largest
     value as `enough` is to `tolerable`.
 
     Args:
@@ -129,9 +129,9 @@ class Enclosure(NamedTuple):
 
     tables: Array  # T of the features at the control points of the angles, shape (n, 27, 21, 15)
     products: Array  # products of the rates at their control points, shape (n, 27, 6)
-    gibbs_error: Array  # what the interpolated Gibbs vector misses, its length, shape (n,)
-    product_error: Array  # what each interpolated product of the angular velocity misses, shape (n,)
-    angle_error: Array  # what an angle itself misses when interpolated, shape (n, 3)
+    gibbs_error: Array  # largest length of the interpolation error of the Gibbs vector, shape (n,)
+    product_error: Array  # largest interpolation error of each product of the angular velocity, shape (n,)
+    angle_error: Array  # largest interpolation error of each angle itself, shape (n, 3)
 
 
 def enclose(features: Features, low: Array, high: Array) -> Enclosure:
@@ -155,7 +155,7 @@ def enclose(features: Features, low: Array, high: Array) -> Enclosure:
 
 
 def _to_control(values: Array, half: Array) -> Array:
-    """Values at -h, 0, h along axis 1 -> control points."""
+    """Control points of values at -h, 0, h along axis 1."""
     cosine = np.cos(half).reshape(-1, *[1] * (values.ndim - 2))
     control = values.copy()
     control[:, 1] += (values[:, 1] - (values[:, 0] + values[:, 2]) / 2) / cosine

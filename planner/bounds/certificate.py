@@ -62,9 +62,9 @@ class BoxDerivative:
         return gibbs, float(np.sqrt(np.maximum(np.diag(self.form)[PRODUCTS], 0.0)).sum())
 
     def error(self, gibbs_error: Array, product_error: Array) -> Array:
-        """Length in Q of what the enclosure misses, shape (n,)."""
+        """Length in Q of the enclosure's error, shape (n,)."""
         of_gibbs, of_products = self._error_norms
-        with np.errstate(invalid="ignore"):  # 0 * inf: a model without orientation misses nothing
+        with np.errstate(invalid="ignore"):  # 0 * inf: a model without orientation has no such error
             return np.asarray(np.nan_to_num(of_gibbs * gibbs_error, posinf=np.inf) + of_products * product_error)
 
     def __call__(self, low: Array, high: Array) -> Bounded:
@@ -114,14 +114,14 @@ def _shares(features: Features, values: Array) -> Array:
 
 
 def _split(excess: Array, error: float, width: Array) -> int:
-    """The coordinate to halve: where the bound exceeds the values most, or the widest angle if more is missed."""
+    """The coordinate to halve: where the bound exceeds the values most, or the widest angle if the error is larger."""
     if excess.max() <= 0.0 or not excess.max() >= error / 3:
         return int(width[:3].argmax())
     return int(excess.argmax())
 
 
 def _excess(values: Array, place: Array) -> Array:
-    """By how much a control point stands out of the ends of its line in each of six directions, shape (6,)."""
+    """By how much a control point exceeds the ends of its line in each of six directions, shape (6,)."""
     excess = np.zeros(6)
     for k in np.flatnonzero(place == 1):
         ends = [values[tuple(np.where(np.arange(6) == k, end, place))] for end in (0, 2)]
@@ -219,7 +219,7 @@ class TightDerivative:
         return place
 
     def _missed(self, control: Enclosure, square: Array, curvature: Array, reach: Array) -> Array:
-        """What the interpolation misses: (|y| + e)^2 - |y|^2 in the norm of Q, and the angles in q_i a_j."""
+        """Interpolation error: (|y| + e)^2 - |y|^2 in the norm of Q, and that of the angles in q_i a_j."""
         length = np.sqrt(np.maximum(square, 0.0).reshape(len(reach), -1).max(axis=1))
         diagonal = np.sqrt(np.maximum(np.diagonal(curvature, axis1=-2, axis2=-1), 0.0)).max(axis=1)
         length = length + (diagonal * reach).sum(axis=1)

@@ -36,12 +36,12 @@ class Design:
     weights: Array  # shape (n,), adding up to 1
     attained: float  # log det F, reference scaling; of a tight one the largest of all designs that were found
     logdet: float  # the same, or log det F of the dual point, from which the bound counts
-    dmax: float  # largest directional derivative (tight: Lagrangian) over the box: proven, or the largest that was met
-    proven: float  # no larger one is there; infinite where nothing is proven
+    dmax: float  # largest directional derivative (tight: Lagrangian) over the box: proven, or the largest found
+    proven: float  # proven upper bound of `dmax`; infinite where nothing is proven
     certified: bool  # whether `dmax` is proven to the wanted gap
 
     def bound(self, size: int) -> float:
-        """What log det of no design exceeds: log det F + u log(dmax / u), for u parameters."""
+        """Upper bound of log det of every design: log det F + u log(dmax / u), for u parameters."""
         return self.logdet + size * float(np.log(self.dmax / size))
 
 
@@ -128,7 +128,7 @@ def improved_weights(products: Array, weights: Array, size: int, gap: float, ste
         weights = weights * derivative / size
         if derivative.max() <= size * (1.0 + gap):
             break
-        if step % 100 == 99:  # what has no weight left costs time only
+        if step % 100 == 99:  # states without weight only cost time
             support = weights > NEGLIGIBLE * weights.max()
             if support.mean() < 0.8:
                 support_weights = improved_weights(products[support], weights[support], size, gap, steps - step - 1)
@@ -159,8 +159,8 @@ def searched_design(
 ) -> Design:
     """The design over the box of any machine's coordinates, with dmax by search: an estimate.
 
-    What `optimal_design` proves it proves for coordinates that are a pose. Here the largest directional derivative is
-    climbed to, coordinate by coordinate from many states, and nothing excludes a larger one. d is convex in the
+    `optimal_design` proves its answer for coordinates that are a pose. Here the largest directional derivative is
+    searched for, coordinate by coordinate from many states, and nothing excludes a larger one. d is convex in the
     accelerations, so that these are at their limits.
 
     Args:
@@ -203,8 +203,8 @@ class Way(NamedTuple):
 
     coordinate: int
     levels: tuple[float, ...]  # values that it takes, as shares of the half width
-    steps: tuple[float, ...]  # by which it goes up and down
-    quadratic: bool = False  # whether the function is quadratic in it: three values tell its vertex
+    steps: tuple[float, ...]  # steps up and down from these values
+    quadratic: bool = False  # whether the function is quadratic in it: three values determine its vertex
 
 
 def climb(function: Callable[[Array], Array], starts: Array, ways: Iterable[Way]) -> tuple[Array, Array]:

@@ -29,7 +29,7 @@ With a limit J on |a_i'|, a limit A on |a_i| and a limit V on |v_i|:
   for r, holds A for h and falls for r: mean square (h + 2 r / 3) / (h + 2 r) A^2 for h >= 0. For h < 0 the triangle
   has the height sqrt(2 V J) and a third of its square as mean: c = 2 V J / (3 A^2). Both cases agree at h = 0.
 
-The regressor depends on v only through products of the angular rates: a design stays as informative, and keeps the
+The regressor depends on v only through products of the angular rates: a design stays as informative, and satisfies the
 constraints that are even in v, when half of its weight moves to the states with -v. There the means that are odd in v
 (mean v, mean (q v + v q), mean (v a + a v)) vanish by themselves: these constraints exclude no information matrix.
 Rates of x, y, z enter nothing else. What the others demand of the rest, once those rates are eliminated, is
@@ -106,7 +106,7 @@ def box_features(case: Case, model: Model, scaling: Array) -> Features:
 
 
 def _coefficients(model: Model) -> Array:
-    """Coefficients of the features, found by evaluating A where single features are 1."""
+    """Coefficients of the features, computed by evaluating A where single features are 1."""
     vector = ca.SX.sym("features", 17)  # x, y, then five vectors, the angular velocity last
     x, y, orientation, gravity, specific, alpha, omega = ca.vertsplit(vector, [0, 1, 2, 5, 8, 11, 14, 17])
     matrix = model.at_state(State(x, y, orientation, gravity, specific, omega, alpha))
@@ -122,7 +122,7 @@ def _coefficients(model: Model) -> Array:
 
 
 def _table(model: Model, middle: Array, half: Array) -> ca.Function:
-    """T(angles), by differentiating the features by what they are affine in."""
+    """The function T(angles): derivatives of the features with respect to the quantities in which they are affine."""
     angles, corner, rates = ca.SX.sym("angles", 3), ca.SX.sym("corner", CORNERS), ca.SX.sym("rates", 3)
     x, y = (middle[k] + half[k] * corner[k] for k in (0, 1))
     pose = ca.vertcat(x, y, 0, angles)
@@ -162,8 +162,8 @@ class Moments:
     constant, in shares: equal to zero, or at most zero.
     """
 
-    equal: Array  # coefficients, shape (m, 6 + 36 + 9 + 6)
-    at_most: Array  # coefficients, shape (k, 6 + 36 + 9 + 6)
+    equal: Array  # coefficients of the equalities, shape (m, 6 + 36 + 9 + 6)
+    at_most: Array  # coefficients of the inequalities, shape (k, 6 + 36 + 9 + 6)
     constant: Array  # constant of `at_most`, shape (k,)
 
     @staticmethod
@@ -210,10 +210,10 @@ class Multipliers:
     """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion."""
 
     linear: Array  # coefficients of a_j, shape (6,)
-    mixed: Array  # of q_i a_j, shape (6, 6)
-    rates: Array  # rates of v_i v_j of the angles, shape (3, 3)
+    mixed: Array  # coefficients of q_i a_j, shape (6, 6)
+    rates: Array  # coefficients of v_i v_j of the angles, shape (3, 3)
     squares: Array  # coefficients of a_i^2, shape (6,)
-    constant: float  # added
+    constant: float  # constant that is added
 
     def of(self, shares: Array) -> Array:
         """The function at states given as shares, shape (n,)."""

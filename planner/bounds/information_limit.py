@@ -52,14 +52,14 @@ class Bound:
 
     logdet: float  # the bound, log det F + u log(dmax / u)
     # largest directional derivative over the box, of the tighter bound largest Lagrangian: proven, or the largest that
-    # was met
+    # was found
     dmax: float
     parameters: int  # u
     method: str  # how the design and dmax were found
     certified: bool  # whether the bound is proven; otherwise it is an estimate
     design_logdet: float  # log det F of the design that was found; the best lies between it and the bound
-    # what is proven in any case; `logdet` where certified, looser otherwise. None where nothing is: for machines whose
-    # coordinates are not a pose
+    # bound that is proven in any case; `logdet` where certified, looser otherwise. None where nothing is proven: for
+    # machines whose coordinates are not a pose
     proven_logdet: float | None
 
     def efficiency(self, logdet: float) -> float:
@@ -68,7 +68,7 @@ class Bound:
 
     @property
     def label(self) -> str:
-        """What kind of a bound it is, for people."""
+        """The kind of the bound, in words for people."""
         return "certified" if self.certified else "an estimate"
 
 
@@ -95,7 +95,7 @@ def box_bound(
 
 
 def require_time(time_limit: float) -> None:
-    """Raises HexciteError where a time limit is none."""
+    """Raises HexciteError where a time limit is not a positive duration."""
     if not (isfinite(time_limit) and time_limit > 0.0):
         raise HexciteError(f"--time-limit {time_limit:g} s is not a duration; give seconds above 0, such as 120")
 
@@ -109,11 +109,11 @@ def bound(
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
-    """The most information that a motion inside the limits of a case has, with its certificate.
+    """Upper bound of the information of a motion inside the limits of a case, with its certificate.
 
     Args:
         case: machine and limits.
-        model: number in Table 2; by default the one with all that a motion can tell.
+        model: number in Table 2; by default the largest that a motion can identify.
         tight: count on rest at both ends and limited jerk, which takes minutes; else on the motion box alone.
         time_limit: processor time after which the answer is an estimate [s].
         renew: compute a known bound again.
@@ -149,7 +149,7 @@ def tight_bound(
     """The bound under the moment constraints of motions from rest to rest; arguments and errors as in `box_bound`.
 
     It takes a minute or two, and more time makes it tighter: `renew` computes a certified one of the cache again too,
-    and the better of the new and the known one is kept.
+    and the better of the new and the known one goes into the cache.
 
     Raises:
         HexciteError: the convex optimisation failed.
@@ -165,7 +165,7 @@ def tight_bound(
 
 
 def known_tight_bound(case: Case, model: Model) -> Bound | None:
-    """What `tight_bound` has found before, or None."""
+    """The earlier answer of `tight_bound`, or None."""
     return _known(_file("tight", case, model), model)
 
 

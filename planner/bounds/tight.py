@@ -29,8 +29,8 @@ RANDOM = 8000  # states among which these are chosen
 SWEEPS = 4
 NEGLIGIBLE = 1e-7  # weights below are dropped
 ROUNDS = 60
-KEPT = 0.6  # share of the best dual point so far in the next one: without it the multipliers swing from round to round
-MOST_KEPT = 400  # states from round to round
+KEPT = 0.6  # share of the best dual point so far in the next one: without it the multipliers oscillate between rounds
+MOST_KEPT = 400  # states that go from one round into the next
 SEARCHING = 0.6  # share of the time; the rest is for the proof
 LEVELS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 STEPS = (0.15, 0.05, 0.015)
@@ -49,8 +49,8 @@ def tight_design(
     """Finds the design, its bound and, as far as time allows, the proof.
 
     Args:
-        gap: how far the proven maximum may lie above the largest value that was met, as a share, to count as proven.
-        deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
+        gap: how far the proven maximum may lie above the largest value that was found, as a share, to count as proven.
+        deadline: `time.process_time()` at which to stop [s]; the last part is for the proof.
         rounds: rounds of the exchange, at most; each makes the bound tighter.
         aim: the gap at which search and proof end before their time; by default `gap`.
     """
@@ -131,7 +131,7 @@ def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[
     problem = cp.Problem(cp.Maximize(cp.log_det((information + information.T) / 2)), [total, equal, at_most])
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of inaccuracy: every multiplier gives a bound, and the proof checks it
+            warnings.simplefilter("ignore")  # inaccurate multipliers give a bound too, and the proof checks it
             problem.solve(solver=cp.CLARABEL)
     except cp.SolverError as error:
         raise HexciteError(f"the tight information limit was not found (Clarabel: {error})") from error

@@ -22,12 +22,12 @@ class Layout:
 
     states: States  # states over which information is averaged, with their shares of the duration
     critical: States  # states at which non-linear limits (struts, joints) are constrained
-    # at which of these limits of poses, of velocities and of accelerations are used most, shape (B, S) each
+    # which of these states use the limits of poses, of velocities and of accelerations most, shape (B, S) each
     peaks: tuple[Flags, ...]
     rows: tuple[Rows, ...]  # limits of the coordinates, linear ones and those of the family
     lower: Array  # bound of each unknown, shape (n,)
     upper: Array  # bound of each unknown, shape (n,)
-    standing: States | None = None  # states besides, at which limits of poses are constrained
+    standing: States | None = None  # further states at which limits of poses are constrained
 
 
 class Family(Protocol):
@@ -49,23 +49,23 @@ class Family(Protocol):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What was chosen beforehand, for `plan.json`."""
+        """Settings that were chosen before the search, for `plan.json`."""
         ...
 
     def layout(self, case: Case, margin: float) -> Layout:
-        """The motion as functions of the unknowns; margin: share of each limit that is left free."""
+        """The motion as functions of the unknowns; margin: share of each limit that stays unused."""
         ...
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits, shape (n,).
 
         Args:
-            worst: largest share of any limit that is used, of unknowns.
+            worst: unknowns -> the largest share of any limit that they use.
         """
         ...
 
     def like(self, table: Array) -> Array | None:
-        """Unknowns like those of another machine's motion, limits apart; None where it does not fit."""
+        """Unknowns that resemble the motion of another machine, whatever the limits; None where it does not fit."""
         ...
 
     def motion(self, unknowns: Array) -> Trajectory:
@@ -73,16 +73,16 @@ class Family(Protocol):
         ...
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Unknowns of the same motion drawn towards the middle of the box: all ways times share, at equal times."""
+        """Unknowns of the motion shrunk towards the middle of the box: all distances times share, at equal times."""
         ...
 
     @property
     def once(self) -> Self:
-        """The family whose motions do once what these do again and again: limits need not be looked at more often."""
+        """The family of one period of these motions: limits need no check in the periods that repeat it."""
         ...
 
     def refined(self, unknowns: Array) -> Self:
-        """The family with choices made that were open: the first result is improved in it."""
+        """The family with its open choices made: the first result is improved in it."""
         ...
 
 
@@ -90,15 +90,15 @@ class Family(Protocol):
 class LinearMaps:
     """How coordinates depend on their own unknowns, all in the same way: matrices from q unknowns to half widths."""
 
-    samples: tuple[Array, ...]  # to value, rate and acceleration at the samples of information, (K, q) each
+    samples: tuple[Array, ...]  # maps to value, rate and acceleration at the samples of information, (K, q) each
     shares: Array  # share of the duration that each sample stands for, shape (K,); they add up to 1
     critical: tuple[Array, ...]  # the same three at the instants where non-linear limits are constrained, (C, q)
     peaks: tuple[Flags, ...]  # as `Layout.peaks`
     blocks: int  # number B of blocks of equally many successive samples that depend on few unknowns each
-    # to value, rate, acceleration and jerk: rows that keep the motion within its limits where they do, (L, q) each
+    # maps to value, rate, acceleration and jerk: where these rows satisfy the limits the motion does, (L, q) each
     limits: tuple[Array, ...]
     first: tuple[Flags, ...]  # which of these rows an optimisation begins with, shapes (L,)
-    slips: Array  # what values and rates may pass their rows by between two of them, in half widths, shape (2, n)
+    slips: Array  # by how much values and rates may exceed the limit between two rows, in half widths, shape (2, n)
     growth: float = np.inf  # a bound g with max|x'| <= g max|x| for every motion [1/s]
 
 
@@ -124,7 +124,7 @@ class LinearFamily(Protocol):
     def layout(self, case: Case, margin: float) -> Layout:
         """The motion as functions of the unknowns.
 
-        Limits of a derivative that others prove to be satisfied (`LinearMaps.growth`) are left out.
+        Limits of a derivative that other limits prove to be satisfied (`LinearMaps.growth`) are omitted.
         """
         from scipy.sparse import csr_array, kron, vstack
 
@@ -155,7 +155,7 @@ class LinearFamily(Protocol):
         )
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Smaller about the middle of the box."""
+        """Unknowns of the motion shrunk towards the middle of the box."""
         return unknowns * share
 
     @property

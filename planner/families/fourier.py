@@ -3,7 +3,7 @@
 x(t) = x0 + sum_l a_l/(l w) sin(l w t) - b_l/(l w) cos(l w t) for each coordinate. Rest at t = 0 (and so after every
 period) is linear in the coefficients: sum a_l = 0 (rate) and sum l b_l = 0 (acceleration; a motion that starts out of a
 standstill with bounded jerk starts without acceleration). The coefficients are therefore written as a basis of the null
-space of these two rows, and no constraint is left to a solver. Order 1 has nothing left then: it keeps all of its
+space of these two rows, and the solver needs no constraint. Order 1 would have no unknowns then: it has all of its
 coefficients, and a quintic leads from rest in the middle of its circle into it and back (`run_in`).
 """
 
@@ -23,7 +23,7 @@ FIRST = 2  # every second of them is constrained from the start, others where li
 
 
 def _null_space(matrix: Array) -> Array:
-    """Orthonormal columns; loaded here, because every command that reads a plan loads this module."""
+    """Orthonormal basis of the null space; SciPy is loaded here, for every command loads this module."""
     from scipy.linalg import null_space
 
     return np.asarray(null_space(matrix))
@@ -81,23 +81,23 @@ class FourierFamily(LinearFamily):
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
     def like(self, table: Array) -> Array | None:
-        """The same series of the same order."""
+        """Unknowns of the same series, of the same order."""
         fits = table.shape == (self.unknowns, len(self.middle)) and not (self.run_in or self.centred)
         return table.ravel() if fits else None
 
     @property
     def once(self) -> Self:
-        """One period, after the same run-in."""
+        """The family of one period, with the same run-in."""
         return replace(self, repeats=1)
 
     @property
     def unknowns(self) -> int:
-        """Unknowns of each coordinate."""
+        """Number of unknowns of each coordinate."""
         return 2 * self.order + (1 if self.run_in else -1) - self.centred
 
     @property
     def _basis(self) -> Array:
-        """Coefficients at rest, or all with a run-in; `centred` leaves out the one with nothing but x0."""
+        """Basis of the coefficients at rest, or of all with a run-in; `centred` omits the column that is x0 alone."""
         basis = np.eye(2 * self.order + 1) if self.run_in else resting_basis(self.order)
         if not self.centred:
             return basis
@@ -105,10 +105,10 @@ class FourierFamily(LinearFamily):
 
     @property
     def grid(self) -> Array:
-        """Instants at which the optimiser holds the limits, shape (K,) [s].
+        """Instants at which the optimiser constrains the limits, shape (K,) [s].
 
         They cover one period, and before and after it the run-in and the run-out. Between two of them a limit of the
-        series slips by at most 1 - cos(pi / 24), 0.9 %, which the final scaling takes back.
+        series is exceeded by at most 1 - cos(pi / 24), 0.9 %, which the final scaling corrects.
         """
         lead, series = self._led, self._period
         return np.concatenate([lead, self.run_in + series, self.run_in + self.period * self.repeats + lead])
@@ -129,7 +129,7 @@ class FourierFamily(LinearFamily):
         return np.asarray(np.arange(len(self.grid)) % FIRST == 0)
 
     def growth(self) -> float:
-        """N w: Bernstein's inequality for trigonometric polynomials of degree N [1/s].
+        """The bound N w by Bernstein's inequality for trigonometric polynomials of degree N [1/s].
 
         A limit on a derivative that N w times the limit before it cannot reach needs no rows of its own. A constant
         part does not move, so the bound holds for the oscillation, and the half width of the box bounds that. A run-in
@@ -151,9 +151,9 @@ class FourierFamily(LinearFamily):
         return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
 
     def maps(self) -> LinearMaps:
-        """Information at every second instant: enough for the mean of what has twice the highest frequency.
+        """Maps with the information at every second instant: enough for means at twice the highest frequency.
 
-        Nothing is left free between two rows: the final drawing back takes what slips.
+        There is no margin for excess between two rows: the final scaling corrects it.
         """
         limits, first = self.limit_maps(), self._first
         lead = np.full(len(self._led), self.run_in / max(len(self._led), 1))

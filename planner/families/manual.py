@@ -19,8 +19,8 @@ MARGIN = 1e-3  # of every limit, as for optimised motions
 SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all
 BISECTIONS = 12
 RATE = 2000.0  # [1/s]
-PLACES = 9  # looked at on the way of a step before it is timed
-STILL = 1e-9  # [m, rad] closer poses are the same
+PLACES = 9  # places on the way of a step that are checked before it is timed
+STILL = 1e-9  # [m, rad] distance below which poses are the same
 
 Build = Callable[[float], Trajectory]
 
@@ -29,7 +29,7 @@ def sequence_file(case: Case) -> Path:
     """The sequence that comes with a case.
 
     Raises:
-        HexciteError: there is none.
+        HexciteError: the case has no such file.
     """
     file = find_case(case.origin).parent / "manual.toml"
     if not file.is_file():
@@ -100,37 +100,37 @@ def _circle(case: Case, start: Array, plane: Plane, radius: float, speed: float)
 
 
 def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
-    """The step at full speed if it keeps every limit, else slowed until it does."""
+    """The step at full speed if it satisfies every limit, else slowed until it does."""
     way = build(1.0)
     _require_reach(way, case, place)
     if isinstance(way, Standstill):
         return way
 
-    def keeps(slower: float) -> bool:
+    def satisfies(slower: float) -> bool:
         return prove(build(slower), case, RATE).worst_ratio <= 1.0 - MARGIN / 2
 
-    if keeps(1.0):
+    if satisfies(1.0):
         return way
     shares = kinetic_shares(way, case, np.linspace(0.0, way.duration, math.ceil(way.duration * RATE)))
     most = max(float(share.max()) ** (1 / power) for power, share in enumerate(shares, start=1))
     high = max((1.0 - MARGIN) / most, SLOWEST)  # the same way in more time: shares shrink with powers of the speed
-    if keeps(high):
+    if satisfies(high):
         return build(high)
     low = SLOWEST  # forces of sensors do not shrink so
-    if not keeps(low):
+    if not satisfies(low):
         worst = prove(build(low), case, RATE).violations
         words = worst[0].sentence() if worst else "a limit is all but used up"
         raise InfeasiblePlan(f"{place}: {words}; choose another pose or a smaller circle")
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        low, high = (middle, high) if keeps(middle) else (low, middle)
+        low, high = (middle, high) if satisfies(middle) else (low, middle)
     return build(low)
 
 
 def _require_reach(way: Trajectory, case: Case, place: str) -> None:
-    """No pace helps where standing somewhere on the way passes a limit; and a way of miles need not be timed."""
+    """Raises InfeasiblePlan where standing somewhere on the way exceeds a limit: no pace helps, nor is it timed."""
     poses = way.at(np.linspace(0.0, way.duration, PLACES)).pose
-    for limited in (of_coordinates, of_mechanics):  # what is computed of the latter may overflow miles away
+    for limited in (of_coordinates, of_mechanics):  # values of the latter may overflow miles away
         report = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), limited=limited)
         if not report.kept:
             worst = report.violations[0].sentence(timed=False)

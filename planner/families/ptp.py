@@ -3,8 +3,8 @@
 Unknowns are the waypoints and three times of each move: of a segment with jerk, of constant acceleration, of constant
 velocity. With D the way of a coordinate and tj, th, tc these times its largest velocity is D / (2 tj + th + tc), its
 largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 3 n rows a move
-for n coordinates. For a controller that limits no jerk tj is 0, moves are trapezoids, and 2 n rows a move are left.
-The last move need not end where the first begins: a way back would cost moves that tell little.
+for n coordinates. For a controller that does not limit jerk tj is 0, moves are trapezoids with 2 n rows each.
+The last move need not end where the first begins: a way back would cost moves with little information.
 """
 
 from collections.abc import Callable
@@ -42,7 +42,7 @@ MOVES_A_SECOND = 10.0 / 3.0  # at most where jerk is limited
 
 
 def moves_in(box: Box, duration: float) -> float:
-    """How many moves a duration has room for.
+    """Number of moves for which a duration has room.
 
     A good move just reaches its limit of velocity, or crosses the box before that: where accelerations step in all
     coordinates; where jerk is limited in the quickest, and in 0.3 s at least.
@@ -111,7 +111,7 @@ class PointToPointFamily:
     # limits of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that knows none,
     # shape (2, n)
     limits: Array
-    # phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others last at least
+    # phases of constant acceleration and of constant velocity that are omitted, shape (moves, 2); others last at least
     # three controller cycles. None while that is open
     absent: Flags | None = None
 
@@ -144,12 +144,12 @@ class PointToPointFamily:
 
     @property
     def steps(self) -> bool:
-        """Whether accelerations step, for no limit of jerk counts."""
+        """Whether accelerations step: no limit of jerk counts."""
         return len(self.limits) == 2
 
     @property
     def coordinates(self) -> int:
-        """Their number n."""
+        """Number of coordinates n."""
         return len(self.middle)
 
     @property
@@ -208,7 +208,7 @@ class PointToPointFamily:
         )
 
     def _first_waypoint(self) -> LinearStates:
-        """It ends no move, so that no critical state is there."""
+        """State at the first waypoint: it ends no move, so that no critical state is there."""
         n = self.coordinates
         offset, slope = np.zeros((1, 1, state_size(n))), np.zeros((1, 1, state_size(n), n))
         offset[0, 0, :n] = self.middle
@@ -227,7 +227,7 @@ class PointToPointFamily:
         return lower, upper
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
-        """Random waypoints, drawn together until the fastest moves between them take the duration."""
+        """Unknowns of random waypoints, moved together until the fastest moves between them take the duration."""
         directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves + 1, self.coordinates))
         small, large = 0.0, 1.0
         for _ in range(BISECTIONS):
@@ -262,7 +262,7 @@ class PointToPointFamily:
         return times, steps
 
     def like(self, table: Array) -> Array | None:
-        """Moves by as many longest steps, within the box; beyond the last of them back again the same way."""
+        """Unknowns of moves by as many longest steps, within the box; after the last of them back the same way."""
         if table.shape[1] != self.coordinates + 3:
             return None
         count, (_, steps) = len(table) - 1, self.longest_steps()
@@ -290,7 +290,7 @@ class PointToPointFamily:
         return Joined(tuple(moves))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Waypoints drawn towards the middle at equal times, which add up: those of a stopped search need not."""
+        """Unknowns with waypoints nearer to the middle, at times that add up: those of a stopped search need not."""
         points, times = self.split(unknowns)
         longer = float((times @ [4.0, 2.0, 1.0]).sum()) / self.moves
         return np.concatenate([share * points.ravel(), times.ravel() / longer])
@@ -301,7 +301,7 @@ class PointToPointFamily:
         return self
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
-        """Phases that are too short for the controller are left out from now on, or last three cycles."""
+        """The family in which phases that are too short for the controller are omitted, or last three cycles."""
         phases = self.split(unknowns)[1][:, 1:] * self.unit
         absent = phases < SHORTEST_PHASE / 2 * self.cycle
         if self.steps:
@@ -316,7 +316,7 @@ def _plain_states(index: Indices) -> LinearStates:
 
 
 def _largest_way(limits: Array, duration: float) -> float:
-    """The way that one coordinate can go from rest to rest within a duration, by bisection."""
+    """The largest distance that a coordinate can go from rest to rest within a duration, by bisection."""
     small, large = 0.0, float(limits[0] * duration)
     for _ in range(50):
         way = (small + large) / 2
@@ -329,7 +329,7 @@ class Controlled(NamedTuple):
 
     case: Case  # case with the limits that count: those of jerk do not where the controller knows none
     controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
-    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
+    step_time: float = 0.0  # time within which its accelerations step; 0 where it limits the jerk [s]
 
     def reported(self, report: LimitReport) -> LimitReport:
         """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""

@@ -22,7 +22,7 @@ class LinearRows:
     order: Indices  # order of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,)
     chosen: Flags  # which of its rows count, shape (L,)
     bound: Array  # bound of each, shape (L,)
-    equal: float | None = None  # None, or what they are equal to
+    equal: float | None = None  # value that they are equal to; None where they have bounds
 
     @classmethod
     def equation(cls, matrix: "csr_array", value: float) -> "LinearRows":
@@ -55,11 +55,11 @@ class LinearRows:
         return np.asarray(self.matrix @ unknowns)
 
     def values(self, unknowns: Array) -> Array:
-        """Shape (R,)."""
+        """Values of the rows, shape (R,)."""
         return np.asarray(self._matrix @ unknowns)
 
     def jacobian(self, unknowns: Array) -> Array:
-        """The matrix."""
+        """Values of the matrix, which is constant."""
         return np.asarray(self._matrix.data)
 
 
@@ -74,12 +74,12 @@ class StateRows:
 
     @property
     def lower(self) -> Array:
-        """-bound."""
+        """Lower bound of each row, -bound."""
         return -self.upper
 
     @property
     def upper(self) -> Array:
-        """The bound."""
+        """Upper bound of each row, the bound."""
         return np.full(int(self.chosen.sum()), self.bound)
 
     @cached_property
@@ -89,7 +89,7 @@ class StateRows:
 
     @cached_property
     def pattern(self) -> tuple[Indices, Indices]:
-        """Each row depends on all unknowns of its block."""
+        """Row and column of each derivative: a row depends on all unknowns of its block."""
         block = np.nonzero(self.chosen)[0]
         width = self.states.index.shape[1]
         return np.repeat(np.arange(len(block)), width), self.states.index[block].ravel()

@@ -29,12 +29,12 @@ ROUNDING = 1e-9  # of a duration
 
 
 class FamilySettings:
-    """What requests and searches ask of a family; what stands here is true of most."""
+    """What requests and searches need of a family; the values here are those of most families."""
 
     __slots__ = ()
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
     name: ClassVar[str]
-    """In files, and on the command line."""
+    """Name in files and on the command line."""
     optimised: ClassVar[bool] = True
     """Whether there is anything to search."""
 
@@ -56,7 +56,7 @@ class FamilySettings:
         return ptp.Controlled(case)
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
-        """The sets of motions to search: several where a setting is left free, none where nothing is optimised."""
+        """The sets of motions to search: several where a setting is free, none where nothing is optimised."""
         return ()
 
     def motion(self, case: Case) -> tuple[Trajectory, Path] | None:
@@ -70,13 +70,13 @@ class FamilySettings:
     def idle(self, criterion: str) -> int:
         """Number of starts in a row without a gain after which more are not worth their time.
 
-        By D one start without a gain is enough: on twelve machines, waiting for another gained 3 % at most, and took
-        half of the time again.
+        For criterion D one start without a gain is enough: on twelve machines, waiting for another gained 3 % at most,
+        and took half of the time again.
         """
         return 1 if criterion == "D" else 2
 
     def lasting(self, share: float) -> Self:
-        """The same for a duration of so many times the former one, with as many moves or knots a second."""
+        """The same settings for a duration of `share` times the former one, with as many moves or knots a second."""
         return self
 
     def allowed_duration(self, duration: float) -> float:
@@ -132,7 +132,7 @@ class Fourier(FamilySettings):
         return duration / self.periods(duration) if self.period is None else self.period
 
     def check(self, duration: float) -> None:
-        """A duration is positive, and a whole number of a stated period."""
+        """Raises HexciteError unless the duration is positive, and a whole number of a stated period."""
         if self.free_period or self.period is None:
             super(Fourier, self).check(duration)  # of a dataclass with slots
             return
@@ -153,7 +153,7 @@ class Fourier(FamilySettings):
             )
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """The highest harmonic must pass the filter of the evaluation, or the run would teach nothing."""
+        """Raises HexciteError unless the filter of the evaluation passes the highest harmonic."""
         cutoff = case.recording.filter_cutoff_Hz
         for choice in self._choices(case, duration):
             period = choice.base_period(duration)
@@ -210,16 +210,16 @@ class Fourier(FamilySettings):
         return tuple(choices)
 
     def refinements(self, criterion: str) -> int:
-        """One by D: of nine machines, the second best was better in the end on one, by 0.5 %.
+        """One for criterion D: of nine machines, the second best was better in the end on one, by 0.5 %.
 
-        Of a setting that is left free two, and by the other criteria, which have more local optima, four.
+        Two where a setting is free, and four for the other criteria, which have more local optima.
         """
         if criterion != "D":
             return 4
         return 2 if self.free_order or self.free_period else 1
 
     def allowed_duration(self, duration: float) -> float:
-        """A whole number of a stated period."""
+        """The shortest whole number of a stated period."""
         if self.free_period or self.period is None:
             return max(duration, SHORTEST)
         return max(self._fewest, int(np.ceil(duration / self.period - 1e-9))) * self.period
@@ -247,7 +247,7 @@ class PointToPoint(FamilySettings):
             raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(CONTROLLERS)}")
 
     def controlled(self, case: Case) -> ptp.Controlled:
-        """With the time law of the controller that is named here, else of the one that the case plans for."""
+        """The case with the time law of the controller that is named here, else of the one that the case plans for."""
         name = self.controller
         if name is None and case.controller is not None:
             name = case.controller.plan_for
@@ -266,7 +266,7 @@ class PointToPoint(FamilySettings):
         return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """Every move has four phases of jerk, or two of acceleration where it steps, each three controller cycles.
+        """Raises HexciteError where moves are too short: four phases of jerk, or two of acceleration, of three cycles.
 
         A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
         would take minutes to make few moves of many, and find less than with few.
@@ -297,15 +297,15 @@ class PointToPoint(FamilySettings):
         return (ptp.PointToPointFamily.of(case, self.count(case, duration), duration),)
 
     def refinements(self, criterion: str) -> int:
-        """Annealed walks are refined at once."""
+        """0: annealed walks are refined at once."""
         return 0
 
     def idle(self, criterion: str) -> int:
-        """One by any criterion: of K and N four more starts than two found nothing better, in three times the time."""
+        """One for any criterion: for K and N six starts gave nothing better than two, in three times the time."""
         return 1
 
     def lasting(self, share: float) -> Self:
-        """As many moves a second."""
+        """The same settings with as many moves a second."""
         if self.moves is None:
             return self
         return replace(self, moves=int(np.clip(round(self.moves * share), ptp.FEWEST, ptp.MOST)))
@@ -330,11 +330,11 @@ class Spline(FamilySettings):
             )
 
     def intervals(self, duration: float) -> int:
-        """Intervals between knots."""
+        """Number of intervals between knots."""
         return self.knots if self.knots is not None else round(KNOTS_A_SECOND * duration)
 
     def check(self, duration: float) -> None:
-        """A duration leaves room for the fewest knots, and does not need more than the most."""
+        """Raises HexciteError where the duration has no room for the fewest knots, or needs more than the most."""
         if not duration >= SHORTEST:
             raise HexciteError(f"duration {duration:g} s is too short for a spline; choose at least {SHORTEST:g} s")
         if self.intervals(duration) > spline.MOST:
@@ -344,7 +344,7 @@ class Spline(FamilySettings):
             )
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """Controllers time splines in whole cycles."""
+        """Raises CaseError where the case states no controller cycle: controllers time splines in whole cycles."""
         _cycle(case)
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
@@ -352,17 +352,17 @@ class Spline(FamilySettings):
         return (spline.SplineFamily.of(case, self.intervals(duration), duration),)
 
     def idle(self, criterion: str) -> int:
-        """Starts of splines differ more than those of other families."""
+        """Number of starts without a gain: starts of splines differ more than those of other families."""
         return 2
 
     def lasting(self, share: float) -> Self:
-        """As many knots a second."""
+        """The same settings with as many knots a second."""
         if self.knots is None:
             return self
         return replace(self, knots=int(np.clip(round(self.knots * share), spline.FEWEST, spline.MOST)))
 
     def options_for(self, duration: float) -> str:
-        """So many seconds that ten knots in each would be too many need a stated number."""
+        """The option --knots where ten knots a second would be too many."""
         if self.knots is not None or duration * KNOTS_A_SECOND <= spline.MOST:
             return ""
         return f" --knots {spline.MOST}"
@@ -386,10 +386,10 @@ class Manual(FamilySettings):
         return sequence_file(case) if self.sequence is None else Path(self.sequence)
 
     def check(self, duration: float) -> None:
-        """The file and the limits make the duration."""
+        """Accepts every duration: the file and the limits determine it."""
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """The machine is one that such files are for, and the file can be read."""
+        """Raises HexciteError unless such files suit the machine and the file can be read."""
         limits = case.need_motion("a hand-made sequence")[1]
         file = self.file(case)
         if file.suffix.lower() == ".csv":

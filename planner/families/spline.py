@@ -32,10 +32,10 @@ GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
 
 
 def enough_intervals(case: Case, duration: float) -> int:
-    """With how many intervals a spline gains as much from accelerations as the limits of jerk let it; MOST at most.
+    """Number of intervals at which a spline uses accelerations as far as the limits of jerk allow; MOST at most.
 
     Between knots accelerations are straight lines: with knots further apart than it takes to go from one limit of
-    acceleration to the other at the limit of jerk, it is the knots that keep a motion from full acceleration.
+    acceleration to the other at the limit of jerk, the motion cannot reach full acceleration.
 
     Raises:
         CaseError: the case has no machine or limits.
@@ -60,7 +60,7 @@ class SplineFamily(LinearFamily):
     duration: float  # duration of the excitation [s]
     middle: Array  # middle of the box of coordinates, shape (n,) [m or rad]
     half: Array  # half of its width, shape (n,) [m or rad]
-    slip: Array  # what positions and rates may pass their rows by between two of them, in half widths, shape (2, n)
+    slip: Array  # by how much positions and rates may exceed the limit between two rows, in half widths, shape (2, n)
 
     @classmethod
     def of(cls, case: Case, intervals: int, duration: float) -> "SplineFamily":
@@ -82,7 +82,7 @@ class SplineFamily(LinearFamily):
 
     @property
     def unknowns(self) -> int:
-        """Unknowns of each coordinate."""
+        """Number of unknowns of each coordinate."""
         return self.intervals + DEGREE - 4
 
     def _basis(self) -> "BSpline":
@@ -101,7 +101,7 @@ class SplineFamily(LinearFamily):
         return np.asarray(places.ravel() * self.duration / self.intervals)
 
     def maps(self) -> LinearMaps:
-        """Information at two instants an interval, which integrate cubic polynomials exactly.
+        """Maps with the information at two instants an interval, which integrate cubic polynomials exactly.
 
         Positions and rates are limited at four instants an interval, accelerations at the knots, jerks in the
         intervals. Non-linear limits of accelerations have their peaks at the knots, those of rates between them, those
@@ -136,7 +136,7 @@ class SplineFamily(LinearFamily):
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
     def like(self, table: Array) -> Array | None:
-        """The same curve over as many intervals as there are."""
+        """Unknowns of the same curve over the intervals of this family."""
         if table.shape[1] != len(self.middle):
             return None
         old, new = np.linspace(0.0, 1.0, len(table)), np.linspace(0.0, 1.0, self.unknowns)
@@ -153,8 +153,8 @@ def in_pieces(spline: "BSpline", begins: Array, step: float) -> PolynomialMotion
     """A cubic spline of coordinates over equal intervals as polynomials.
 
     Args:
-        begins: of the intervals, shape (k,) [s].
-        step: of these [s].
+        begins: starts of the intervals, shape (k,) [s].
+        step: length of an interval [s].
     """
     # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
     places = [begins] * DEGREE + [begins + step / 2]

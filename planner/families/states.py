@@ -1,7 +1,7 @@
 """States of a motion as functions of its unknowns, block by block: each block depends on few of them.
 
 A state is (coordinates, rates, accelerations, share of the duration): d = 3 n + 1 numbers for n coordinates.
-Derivatives are kept as small dense matrices, one a block, and only gathered by those who need them.
+Derivatives are small dense matrices, one a block, and only gathered where they are needed.
 """
 
 from collections.abc import Sequence
@@ -82,7 +82,7 @@ SHARE = -1  # component of a state
 
 
 def state_size(coordinates: int) -> int:
-    """Numbers of a state of a machine with n coordinates."""
+    """Length d of a state of a machine with n coordinates."""
     return 3 * coordinates + 1
 
 
@@ -99,11 +99,11 @@ class LinearStates:
         return np.asarray(self.offset + np.einsum("bsdm,bm->bsd", self.slope, unknowns[self.index], optimize=True))
 
     def slopes(self, unknowns: Array) -> Array:
-        """Constant."""
+        """Slopes of the states, which are constant."""
         return self.slope
 
     def curvature(self, unknowns: Array, weights: Array) -> None:
-        """Zero."""
+        """None: the second derivative is zero."""
         return
 
 

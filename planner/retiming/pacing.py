@@ -34,7 +34,7 @@ INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is inte
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A path and what its limits are made of, at the points at which they are constraints."""
+    """A path and the terms of its limits, at the points at which they are constraints."""
 
     s: Array  # places on the path, its own time, shape (n,) [s]
     weights: Array  # weights of the integral over s, shape (n,) [s]
@@ -51,7 +51,7 @@ class Course:
 
         Args:
             path: path from rest to rest.
-            margin: share of every limit that is left free.
+            margin: share of every limit that stays unused.
 
         Raises:
             CaseError: the case has no machine or no limits.
@@ -74,7 +74,7 @@ class Course:
 
     @property
     def own_pace(self) -> float:
-        """The largest share of the path's own pace that keeps all limits if it is kept all along."""
+        """The largest share of the path's own pace, the same all along, that satisfies all limits."""
         shares = [
             float((np.abs(values) / limit).max()) ** (1.0 / (order + 1))
             for order, (values, limit) in enumerate(
@@ -101,7 +101,7 @@ class PacedMotion:
 
     path: Trajectory
     pace: "BSpline"  # p over the planned time
-    solver: str = field(default="", compare=False)  # what the optimiser said
+    solver: str = field(default="", compare=False)  # status of the optimiser
 
     @cached_property
     def _clock(self) -> tuple[Array, Array]:
@@ -118,7 +118,7 @@ class PacedMotion:
         return float(self._clock[0][-1])
 
     def places(self, t: ArrayLike) -> Array:
-        """Where on the path the motion is at times t: planned times, shape (n,) [s]."""
+        """Places on the path at times t: planned times, shape (n,) [s]."""
         from scipy.interpolate import CubicHermiteSpline
 
         times, s = self._clock
@@ -145,7 +145,7 @@ def paced(path: Trajectory, course: Course, most: float, free: tuple[Array, Arra
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
-        most: times the planned pace, at most.
+        most: largest pace, as a multiple of the planned one.
         free: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
             shape (n,), above 0 and at most 1.
     """

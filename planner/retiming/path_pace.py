@@ -1,8 +1,8 @@
-"""A path re-timed inside every limit, jerk too, as a cubic spline: what plans, programs and controllers can carry.
+"""A path re-timed inside every limit, jerk too, as a cubic spline: the form that plans, programs and controllers take.
 
 The pace is that of `planner.retiming.pacing`; the spline is the nearest to the motion at that pace. Where the spline
 exceeds a limit between the points at which the pace was constrained, the limits there are tightened and the pace is
-sought again; what is left after some rounds is taken out by one slower pace for all. The spline is not the path:
+sought again; the excess after some rounds is removed by one slower pace for all. The spline is not the path:
 `off_path` says how far it strays.
 """
 
@@ -20,10 +20,10 @@ from planner.families.spline import in_pieces
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
 from planner.search.feasibility import MARGIN, remedy
 
-STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers tell a cubic spline by its points
+STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers recognise a cubic spline
 ROUNDS = 4
-WATCHED = 2000.0  # [1/s] at which a round looks where limits are exceeded
-SETTLED = 1e-3  # of the duration: rounds that gain less are the last
+WATCHED = 2000.0  # [1/s] rate at which a round checks where limits are exceeded
+SETTLED = 1e-3  # share of the duration: a round that gains less is the last
 FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
 LONGEST = 120.0  # [s] of a path: beyond that the search takes minutes
 SLOWER = 1.02  # steps in which a motion is stretched whose sensor forces are too large
@@ -41,10 +41,10 @@ def retimed_path(
 
     Returns:
         The motion, proven inside all limits with a margin, or the path itself where its own pace is as good as any
-        found; its largest distance from the path, of the position [m] and of an angle [rad]; the solver's words.
+        found; its largest distance from the path, of the position [m] and of an angle [rad]; the solver's status.
 
     Raises:
-        InfeasiblePlan: no pace keeps all limits; the message names the one in the way.
+        InfeasiblePlan: no pace satisfies all limits; the message names the one that is exceeded.
         CaseError: the case has no machine or no limits.
     """
     if path.duration > LONGEST:
@@ -97,7 +97,7 @@ def _search(
 
 
 def _excess(shares: Array, places: Array, course: Course) -> Array:
-    """By how much a limit is exceeded near each point of the course, at least 1."""
+    """Share of the worst limit near each point of the course, at least 1."""
     from scipy.ndimage import maximum_filter1d
 
     step = course.s[1] - course.s[0]
@@ -108,7 +108,7 @@ def _excess(shares: Array, places: Array, course: Course) -> Array:
 
 
 def _inside(spline: PolynomialMotion, slower: float, case: Case) -> PolynomialMotion:
-    """The spline as much slower as the proof at 10 kHz and the sensors' forces need.
+    """The spline at the slower pace that the proof at 10 kHz and the sensors' forces need.
 
     Raises:
         InfeasiblePlan: a limit is exceeded that no pace helps against.
@@ -120,14 +120,14 @@ def _inside(spline: PolynomialMotion, slower: float, case: Case) -> PolynomialMo
             return motion
         worst = max(report.checks, key=lambda c: c.ratio)
         if not worst.kind.kinetic:
-            if report.kept:  # inside, with less than the margin: the path itself leaves no more
+            if report.kept:  # inside, with less than the margin: the path itself has no more
                 return motion
             break
         slower *= SLOWER if worst.kind in _FORCES else 1.0 + 2e-4
     raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst, case)}")
 
 
-SAMPLES = 8  # of each interval, by whose poses the spline is fitted
+SAMPLES = 8  # poses of each interval to which the spline is fitted
 
 
 def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
@@ -137,7 +137,7 @@ def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
     interval.
 
     Args:
-        step: step of the intervals, at most [s].
+        step: largest length of an interval [s].
     """
     from scipy.interpolate import BSpline
     from scipy.sparse.linalg import spsolve

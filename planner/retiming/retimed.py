@@ -1,7 +1,7 @@
 """A planned motion at the pace that controllers or limits allow: criteria and limits before and after.
 
 Point-to-point moves get the jerk-limited law that a controller computes online, in whole cycles (ruckig). Other paths
-keep the limits of rates, accelerations and jerks of coordinates and struts at another pace (ipopt, see
+satisfy the limits of rates, accelerations and jerks of coordinates and struts at another pace (ipopt, see
 `planner.retiming.path_pace`).
 """
 
@@ -41,25 +41,25 @@ METHODS = ("ruckig", "ipopt")
 
 @dataclass(frozen=True, slots=True)
 class PaceRating:
-    """What a motion is worth, and the proof of its limits."""
+    """Criteria of a motion, and the proof of its limits."""
 
     duration: float  # [s]
-    criteria: dict[str, float]  # A, D, K, N in reference scaling, better the larger they are
+    criteria: dict[str, float]  # A, D, K, N in reference scaling; larger is better
     d_efficiency: float  # against the box bound; may be above 1 for a motion that leaves the box
     limits: LimitReport  # proof at 10 kHz
 
 
 @dataclass(frozen=True, slots=True)
 class Retimed:
-    """A motion before and after."""
+    """A motion before and after re-timing."""
 
     method: str  # one of `METHODS`
     motion: Trajectory
     before: PaceRating
     after: PaceRating
-    remarks: tuple[str, ...]  # what the method says of it
+    remarks: tuple[str, ...]  # remarks of the method
     off_path: tuple[float, float]  # largest distance from the planned path, of position [m] and of an angle [rad]
-    seconds: float  # spent [s]
+    seconds: float  # computing time [s]
 
 
 def retimed(
@@ -78,7 +78,7 @@ def retimed(
 
     Raises:
         InfeasiblePlan: the motion cannot be re-timed that way; the message says why.
-        IdentificationError: it does not excite all parameters of the model.
+        IdentificationError: the motion does not excite all parameters of the model.
         CaseError: the case has no machine, limits or controller.
     """
     start, off_path = perf_counter(), (0.0, 0.0)
@@ -105,7 +105,7 @@ def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceR
     return PaceRating(motion.duration, criteria, bound.efficiency(criteria["D"]), prove(motion, case))
 
 
-SLOWINGS = 5  # of a move whose struts are too fast
+SLOWINGS = 5  # times at most that a move whose struts are too fast is slowed
 
 
 def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
@@ -203,7 +203,7 @@ def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
         plan: the plan that it comes from.
 
     Raises:
-        InfeasiblePlan: it exceeds a limit; the message names the limit.
+        InfeasiblePlan: the motion exceeds a limit; the message names the limit.
         IdentificationError: the motion does not excite all parameters of the model.
         HexciteError: a plan of poses.
     """

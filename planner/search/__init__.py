@@ -1,26 +1,26 @@
-"""The search for a motion: the non-linear program, its solvers, and starts in parallel; what a plan keeps of it."""
+"""The search for a motion: the non-linear program, its solvers, and starts in parallel; the record of it in a plan."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """One start of a search, as a plan keeps it."""
+    """One start of a search, as a plan records it."""
 
-    seed: int  # of the random start
+    seed: int  # seed of the random start
     refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
     start_logdet: float | None  # log det F where it began, reference scaling; None where F was singular
-    logdet: float  # log det F of the motion within the limits, W as identification will have it
-    criterion_value: float  # of the same motion, by the criterion asked for, to be maximised
+    logdet: float  # log det F of the motion within the limits, W as in the identification
+    criterion_value: float  # value of the requested criterion for the same motion, to be maximised
     solver: str  # the solver's last status
     converged: bool  # whether its last stage converged
-    iterations: int  # of the solver, all stages
+    iterations: int  # iterations of the solver, all stages
     seconds: float  # time spent
 
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """A start that led nowhere."""
+    """A start without a feasible motion."""
 
-    seed: int  # of the random start
+    seed: int  # seed of the random start
     reason: str  # why, in one line

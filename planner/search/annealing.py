@@ -1,9 +1,9 @@
 """Starts of point-to-point motions by simulated annealing over walks of equal moves.
 
 Optimised moves come out nearly equal: each lasts as long as the limits of velocity, acceleration and jerk just allow
-together, and in each of them every coordinate goes a full step up, a full step down, or stands. Which, is a
-combinatorial choice that derivatives do not see. So walks of such moves are annealed first (Metropolis, D criterion); a
-solver then moves waypoints and times.
+together, and in each of them every coordinate goes a full step up, a full step down, or stands. This
+choice is combinatorial: derivatives do not show it. So walks of such moves are annealed first (Metropolis, criterion
+D); a solver then moves waypoints and times.
 
 Proposals are made and rated many at a time. log det is concave: log det(F + dF) <= log det F + trace(F^-1 dF) rules
 most of them out before anything else is computed.
@@ -26,7 +26,7 @@ from planner.search.problem import near_limits
 
 HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
 WARM = 0.006  # for a walk that is good already
-EXCESS = 2.0  # of log det F for each whole limit of a rate or acceleration that a move exceeds: the solver mends these
+EXCESS = 2.0  # loss of log det F for each whole limit of a rate or acceleration by which a move exceeds it
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 TEMPERATURES = 40
 FEWEST, MOST = 16, 256  # proposals at a time
@@ -35,7 +35,7 @@ FAR = 0.1  # share of shifts of any number of waypoints; the others shift few
 FEW = 0.35  # parameter of the geometric distribution of that few
 SHIFTS = np.array([-2.0, -1.0, 1.0, 2.0])  # steps by which waypoints are shifted
 LOOSE = 0.15  # share of shifts by no whole number of steps
-WIDE = 0.3  # [half widths] of these, at most
+WIDE = 0.3  # [half widths] largest length of these shifts
 TWO = 0.4  # share of shifts of two coordinates
 STILL = 0.1  # share of coordinates that stand in a move chosen anew
 INWARD = 0.9  # share of its steps out of the box that go the other way instead
@@ -109,9 +109,9 @@ class Walk:
     """A walk of equal moves that is being annealed.
 
     Args:
-        moves: what each move may be.
+        moves: the moves of the walk.
         points: waypoints in half widths, shape (moves + 1, n).
-        draw: the source of chance.
+        draw: random generator.
     """
 
     def __init__(self, moves: EqualMoves, points: Array, draw: np.random.Generator) -> None:
@@ -124,7 +124,7 @@ class Walk:
         self.best, self.best_points = self.value, self.points
 
     def _take(self) -> None:
-        """What follows from the present moves."""
+        """Computes the information and its factors from the present moves."""
         size = self.moves.size
         flat = self.rows.reshape(-1, size)
         self.total = flat.T @ flat / self.count + RIDGE * np.eye(size)
@@ -178,7 +178,7 @@ class Walk:
         return count, False
 
     def _shifted(self, count: int) -> Proposals:
-        """Runs of waypoints shifted in one or two coordinates."""
+        """Proposals with runs of waypoints shifted in one or two coordinates."""
         draw, places = self.draw, self.count + 1
         length = np.where(draw.random(count) < FAR, draw.integers(1, places, count), draw.geometric(FEW, count))
         length = np.minimum(length, places)
@@ -197,7 +197,7 @@ class Walk:
         return self._proposals(points, np.tile(at, (count, 1)), run)
 
     def _next_to(self, places: Array) -> Array:
-        """Places a move away: most coordinates go a full step, into the box rather than out of it."""
+        """Places one move from others: most coordinates go a full step, into the box rather than out of it."""
         draw, steps = self.draw, self.moves.steps
         sign = np.where(draw.random(places.shape) < 0.5, -1.0, 1.0)
         sign[draw.random(places.shape) < STILL] = 0.0
@@ -206,7 +206,7 @@ class Walk:
         return np.clip(places + sign * steps, -1.0, 1.0)
 
     def _with_new_waypoint(self, count: int) -> Proposals:
-        """One waypoint chosen anew."""
+        """Proposals with one waypoint chosen anew."""
         index, at = np.arange(count), np.arange(self.count + 1)
         place = self.draw.integers(self.count + 1, size=count)
         points = np.repeat(self.points[None], count, axis=0)
@@ -214,7 +214,7 @@ class Walk:
         return self._proposals(points, np.tile(at, (count, 1)), at == place[:, None])
 
     def _with_moved_excursion(self, count: int) -> Proposals:
-        """Two waypoints left out and, elsewhere, a new place visited and left again."""
+        """Proposals without two waypoints and with an excursion to a new place elsewhere."""
         index, at = np.arange(count), np.arange(self.count + 1)
         out = self.draw.integers(self.count, size=count)[:, None]
         place = self.draw.integers(self.count - 1, size=count)[:, None]
@@ -231,7 +231,7 @@ class Walk:
 
 
 def _inside(moves: EqualMoves, points: Array) -> Array:
-    """Waypoints a step away at most, drawn together until all of them keep the limits of poses."""
+    """Waypoints at most a step apart, moved together until all of them satisfy the limits of poses."""
     points = points.copy()
     for before, point in pairwise(points):
         np.clip(point, before - moves.steps, before + moves.steps, out=point)
@@ -263,8 +263,8 @@ def annealed_start(
 
     Args:
         moves: the family's own, as `EqualMoves.of` gives them.
-        proposals: how many; the temperature falls geometrically meanwhile.
-        watch: called with -log det F / u now and then; true ends the annealing.
+        proposals: number of proposals; the temperature falls geometrically meanwhile.
+        watch: called with -log det F / u now and then; a true answer ends the annealing.
         begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
     points = np.tile(draw.uniform(-0.5, 0.5, len(moves.steps)), (family.moves + 1, 1)) if begin is None else begin

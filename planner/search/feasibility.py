@@ -1,6 +1,6 @@
-"""Feasible motions: a motion drawn inside every limit, and the keys to change where none is.
+"""Feasible motions: a motion shrunk inside every limit, and the keys to change where there is none.
 
-What a motion is worth and whether it is feasible is computed anew, whatever a solver says.
+The criterion of a motion and whether it is feasible are computed anew, whatever a solver reports.
 """
 
 from collections.abc import Mapping
@@ -20,15 +20,15 @@ from identification.symbolic import over_samples
 from planner.families import Family
 from planner.noise import PoseErrors, information_of
 
-MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
-CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
-SMALLEST = 1e-6  # share of all ways below which nothing moves
+MARGIN = 1e-3  # unused share of every limit, for the rounding of program words and the encoders' view of the motion
+CLOSE_ENOUGH = 3e-4  # gap of the bisection that shrinks a motion
+SMALLEST = 1e-6  # share of all distances below which nothing moves
 
 
 def rate(
     model: Model, scaling: Array, family: Family, unknowns: Array, criterion: str, errors: PoseErrors | None = None
 ) -> float:
-    """A criterion of a motion, to be maximised, in reference scaling and from its samples at 1 kHz.
+    """Value of a criterion for a motion, to be maximised, in reference scaling and from its samples at 1 kHz.
 
     Minus infinity where the motion does not determine all parameters.
     """
@@ -45,17 +45,17 @@ class Feasible(NamedTuple):
 
     unknowns: Array  # unknowns of the motion
     report: LimitReport  # report of its limits
-    share: float  # share of all ways that are left
+    share: float  # distances of the motion over those before it was shrunk
 
 
 def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Feasible:
-    """Draws a motion towards the middle of the box until it satisfies every limit, less a margin, on a grid of `rate`.
+    """Shrinks a motion towards the box's middle until it satisfies every limit, less a margin, on a grid of `rate`.
 
-    From small steps to large ones: lengths of struts need not fall on the way, so that a smaller motion is not always
+    The steps grow from small to large: strut lengths need not fall with them, so that a smaller motion is not always
     further inside.
 
     Raises:
-        InfeasiblePlan: it exceeds a limit even where all but nothing moves; the message names the limit.
+        InfeasiblePlan: the motion exceeds a limit even where hardly anything moves; the message names the limit.
     """
 
     def attempt(share: float) -> tuple[Feasible | None, LimitReport]:
@@ -118,7 +118,7 @@ _OF_JOINTS = {
 
 
 def remedy(check: LimitCheck, case: Case) -> str:
-    """What to change where a limit of a case lets nothing move."""
+    """The remedy where a limit of a case allows no motion."""
     match check.kind:
         case LimitKind.DISTANCE_FROM_BOX:
             return f"make that box of {'workspace' if machine_of(case).of_pose else 'machine.chain'}.keep_out smaller"
@@ -137,10 +137,10 @@ def remedy(check: LimitCheck, case: Case) -> str:
 
 
 def require_rest(case: Case) -> None:
-    """Standing still in the middle of the box must be possible: every family can shrink to that.
+    """Raises where the machine cannot stand still in the middle of the box, to which every family can shrink.
 
     Raises:
-        InfeasiblePlan: it is not; the message names the limit.
+        InfeasiblePlan: standing there exceeds a limit; the message names the limit.
     """
     report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
     if not report.kept:
@@ -148,15 +148,15 @@ def require_rest(case: Case) -> None:
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence(timed=False)}; {remedy(worst, case)} or move home")
 
 
-STATES, SEED = 400, 0  # of the box, at which the regressor is looked at
-HIDDEN = 1e-9  # of a column, below which a direction counts as unseen
+STATES, SEED = 400, 0  # states of the box at which the regressor is evaluated, and their seed
+HIDDEN = 1e-9  # share of a column below which a direction counts as undetermined
 
 
 def require_identifiable(case: Case, model: Model) -> None:
     """Refuses a machine that cannot move its load in all the ways that a model needs, whatever the motion.
 
     Raises:
-        IdentificationError: the message names the parameters that stay unknown, and what of them is known together.
+        IdentificationError: the message names the parameters that stay unknown, and their sums that can be identified.
     """
     matrices = over_samples(model.coordinate_regressor, *uniform_states(case, STATES, SEED))[0]
     columns = matrices.reshape(-1, len(model.parameters))

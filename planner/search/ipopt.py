@@ -21,30 +21,30 @@ from planner.search.program import NonlinearProgram
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """Where a solver ended."""
+    """Result of a solver."""
 
     unknowns: Array  # shape (n,)
-    status: str  # its return status, in words
-    converged: bool  # whether it converged, or gains no more
+    status: str  # return status of the solver, in words
+    converged: bool  # whether it converged, or its gain fell below `GAIN`
     iterations: int  # number of iterations
 
 
 Watch = Callable[[float], bool]
-"""Is iterates the objective of every iteration; true stops the solver."""
+"""Function of the objective, called at every iteration; a true answer stops the solver."""
 
-INSIDE = 1e-4  # of a limit, by which an iterate may exceed it and still count
+INSIDE = 1e-4  # share of a limit by which an iterate may exceed it and still count
 GAIN, PATIENCE = 2e-4, 8  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time
 SETTLED = "no more gained"
 
 
 class NumpyFunction(ca.Callback):  # type: ignore[misc]
-    """A NumPy function as CasADi's; the program keeps it alive as long as the solver runs.
+    """A NumPy function as CasADi's; it must live as long as the solver runs.
 
     Args:
         inputs: name and number of elements of each.
         outputs: name and sparsity of each.
-        function: takes arrays of these lengths, returns the non-zeros of each output.
-        jacobian: of a function that stands in an expression; takes inputs and outputs.
+        function: arrays of these lengths -> the non-zeros of each output.
+        jacobian: derivative of a function that stands in an expression; takes inputs and outputs.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
         return self.outputs[k][0]
 
     def get_sparsity_in(self, k: int) -> ca.Sparsity:
-        """Dense."""
+        """The dense pattern of an input."""
         return ca.Sparsity.dense(self.inputs[k][1], 1 if self.inputs[k][1] else 0)
 
     def get_sparsity_out(self, k: int) -> ca.Sparsity:
@@ -84,19 +84,19 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
         return self.outputs[k][1]
 
     def has_jacobian(self) -> bool:
-        """Whether it was given."""
+        """Whether a Jacobian was given."""
         return self.own_jacobian is not None
 
     def get_jacobian(self, *_: Any) -> ca.Function:
-        """As given."""
+        """The given Jacobian."""
         return self.own_jacobian
 
     def has_eval_buffer(self) -> bool:
-        """Memory is passed on as it is."""
+        """True: memory is passed on as it is."""
         return True
 
     def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview | None]) -> int:
-        """Into CasADi's own memory: conversions would take longer than the functions themselves."""
+        """Writes the results into CasADi's own memory: conversions would take longer than the functions themselves."""
         try:
             values = self.function(
                 *(
@@ -191,9 +191,9 @@ _IPOPT = {
 
 
 class _Iterates:
-    """Is iterates each iterate: remembers the best inside the bounds, and stops where no more is gained.
+    """Callback for each iterate: remembers the best inside the bounds, and stops where the gain is small.
 
-    An exception in it would be swallowed by IPOPT.
+    IPOPT would swallow an exception in it.
     """
 
     def __init__(self, size: int, bounds: tuple[Array, Array], watch: Watch) -> None:
@@ -212,7 +212,7 @@ class _Iterates:
 
 
 def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram, Array]:
-    """The program with components of states as unknowns behind its own, where all of its own move every state.
+    """The program with components of states as further unknowns, where its own unknowns all move every state.
 
     Args:
         program: as it is where blocks of its states depend on few unknowns each.

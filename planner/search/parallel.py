@@ -27,7 +27,7 @@ from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import Start, Task, run_safely
 
-MOST = 40  # starts, by default; with `--seconds` there is no such end
+MOST = 40  # starts at most by default; `--seconds` has no such limit
 FAILURES = 3  # in a row from the first on
 WORTHWHILE = 0.005  # of an efficiency
 EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their best are refined afterwards
@@ -191,7 +191,7 @@ def first_ctrl_c() -> Iterator[Event]:
 
 @contextmanager
 def ctrl_c_waits() -> Iterator[None]:
-    """Inside, Ctrl-C is held back where the system can; processes that are started inside never hear of it."""
+    """Inside, Ctrl-C is delayed where the system can; processes that are started inside do not receive it."""
     if not hasattr(signal, "pthread_sigmask"):  # of POSIX only
         yield
         return
@@ -204,7 +204,7 @@ def ctrl_c_waits() -> Iterator[None]:
 
 @contextmanager
 def workers(pressed: Event) -> Iterator[Runner]:
-    """Processes, one a core, that run rounds of starts until the context is left.
+    """Processes, one a core, that run rounds of starts until the context ends.
 
     Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of the time.
 

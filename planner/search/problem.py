@@ -28,16 +28,16 @@ from planner.noise import PoseErrors
 from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 
-SLIP_RATE = 1000.0  # [1/s] at which a motion is looked at between the constrained instants
+SLIP_RATE = 1000.0  # [1/s] rate at which a motion is checked between the constrained instants
 
 
 class LimitGroup(NamedTuple):
     """Limits of one kind."""
 
     kind: LimitKind
-    order: int  # of the derivative of the coordinates with which they grow most: 0 poses, 1 velocities, 2 accelerations
+    order: int  # order of the derivative with which they grow most: 0 poses, 1 velocities, 2 accelerations
     kernel: Kernel  # state -> shares of the limits
-    most: float = np.inf  # largest share in the motion box; infinity where that was not asked for
+    most: float = np.inf  # largest share in the motion box; infinity where it was not computed
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,11 @@ class Problem:
     half: Array  # half of its width, shape (n,) [m or rad]
 
     def worst(self, unknowns: Array) -> float:
-        """The largest share of any limit that unknowns use, at all critical states, those without rows as well."""
+        """The largest share of a limit that unknowns use, at all critical states, those without rows included."""
         return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.program.rows if not _equation(part))
 
     def with_rows_above(self, unknowns: Array, share: float) -> "Problem":
-        """The same with rows for all that use more than a share of a limit, besides those that it has."""
+        """The problem with further rows for all that use more than a share of a limit."""
         rows: list[Rows] = []
         for part in self.program.rows:
             if not _equation(part):
@@ -65,7 +65,7 @@ class Problem:
         return replace(self, program=replace(self.program, rows=tuple(rows)))
 
     def within(self, layout: Layout) -> "Problem":
-        """The same within the bounds of unknowns of another layout of the same family."""
+        """The problem within the bounds of unknowns of another layout of the same family."""
         return replace(self, program=replace(self.program, lower=layout.lower, upper=layout.upper))
 
     def outside(self, unknowns: Array) -> float:
@@ -86,7 +86,7 @@ class Problem:
         return tuple(float(np.abs(share).max()) for share in shares)
 
     def tightened(self, slips: Sequence[float], bound: float) -> "Problem":
-        """The same with bounds lowered by what `slips` exceed one that all should satisfy."""
+        """The problem with bounds lowered by as much as `slips` exceed a bound that all should satisfy."""
         factors = [bound / max(bound, slip) for slip in slips]  # a jerk that nothing limits slips by 0
         before = len(self.program.rows) - len(self.limits)
         rows: list[Rows] = []
@@ -110,7 +110,7 @@ def build_problem(
 
     Args:
         scaling: reference scaling, shape (u,).
-        margin: share of each limit that is left free.
+        margin: share of each limit that stays unused.
         errors: errors of the pose, which the information counts.
     """
     layout, limits = family.layout(case, margin), near_limits(case)
@@ -143,9 +143,9 @@ def build_problem(
 
 
 RIGID_BODY = 6  # the smallest model with mass, first moments and inertia
-CANDIDATES = 4000  # states of the box that tell which limits can bind
-NEAR = 0.9  # largest share in the box of a limit that is none of the optimiser's business: the proof sees to it
-BINDS = 1.05  # from which a limit is constrained from the start; others are where they come close
+CANDIDATES = 4000  # states of the box that show which limits can bind
+NEAR = 0.9  # largest share in the box below which the optimiser need not constrain a limit: the proof checks it
+BINDS = 1.05  # share from which a limit is constrained from the start; others are where they come close
 SEED = 7
 
 
@@ -170,7 +170,7 @@ def near_limits(case: Case) -> tuple[LimitGroup, ...]:
     """The non-linear limits that come close somewhere in the motion box, judged by seeded states of it.
 
     Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of several payloads those
-    count with which the sensors carry most in at least one of the states.
+    count with which the sensor forces are largest in at least one of the states.
     """
     states = _extreme_states(case)
     loads: tuple[int, ...] = ()

@@ -39,12 +39,12 @@ class NonlinearProgram:
 
     states: States  # states over which the information is averaged, with their shares of the duration
     regressor: Kernel  # regressor of one state, see `regressor_kernel`
-    rows: tuple[Rows, ...]  # limits
+    rows: tuple[Rows, ...]  # rows of the limits
     lower: Array  # lower limit of each unknown, shape (n,)
     upper: Array  # upper limit of each unknown, shape (n,)
     letter: str = "D"  # letter of the criterion, Table 4
     halvings: int = 0  # see `planner.search.objective`
-    # whether second derivatives leave out what bends the information itself. That part is negative nearly everywhere:
+    # whether second derivatives omit the curvature of the information itself. That part is negative nearly everywhere:
     # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
     # more of them
     convex: bool = False
@@ -53,12 +53,12 @@ class NonlinearProgram:
 
     @property
     def unknowns(self) -> int:
-        """Their number n."""
+        """Number of unknowns n."""
         return len(self.lower)
 
     @cached_property
     def informative(self) -> int:
-        """How many unknowns, the first ones, move the information."""
+        """Number of unknowns, the first ones, that change the information."""
         return int(self.states.index.max()) + 1
 
     @property
@@ -86,7 +86,7 @@ class NonlinearProgram:
         return np.concatenate(rows), np.concatenate(columns)
 
     def information(self, unknowns: Array) -> Array:
-        """Mean of H A^T A H over the motion, or what errors of the pose leave of it, shape (u, u)."""
+        """Mean of H A^T A H over the motion, less what errors of the pose cost, shape (u, u)."""
         states = _flat(self.states.at(unknowns))
         regressors = self.regressor.values(states)
         if self.errors is not None:
@@ -94,7 +94,7 @@ class NonlinearProgram:
         return weighted_square(states, regressors, self.size)
 
     def value(self, unknowns: Array) -> float:
-        """The criterion."""
+        """Value of the criterion."""
         return criterion_at(self.letter, self.information(unknowns), self.halvings).value
 
     def row_values(self, unknowns: Array) -> Array:
@@ -106,7 +106,7 @@ class NonlinearProgram:
         return np.concatenate([part.jacobian(unknowns) for part in self.rows])
 
     def _point(self, unknowns: Array) -> InformationOfStates:
-        """The information with its derivatives; the last one is remembered: solvers ask for both in turn."""
+        """The information with its derivatives; the last answer is remembered: solvers need both in turn."""
         last: list[tuple[Array, InformationOfStates]] = self.__dict__.setdefault("_last", [])
         if last and np.array_equal(last[0][0], unknowns):
             return last[0][1]
@@ -187,7 +187,7 @@ class NonlinearProgram:
     def _bent(self, unknowns: Array, factor: float, total: Array) -> Array | None:
         """Second derivative of the criterion: adds the part through F to total, returns that along the states' blocks.
 
-        Shape (B, m, m); None where that part is left out.
+        Shape (B, m, m); None where that part is omitted.
         """
         point, size = self._point(unknowns), self.size
         local = criterion_at(self.letter, point.information, self.halvings)
@@ -216,7 +216,7 @@ class NonlinearProgram:
     def _add_through(
         self, unknowns: Array, factor: float, local: Local, point: InformationOfStates, total: Array
     ) -> None:
-        """Adds to a second derivative what a criterion has through its information."""
+        """Adds the second derivative of the criterion through the information."""
         size, index, slopes, states = self.size, self.states.index, self.states.slopes(unknowns), point.states
         blocks, width = index.shape
         # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.

@@ -1,7 +1,7 @@
 """Solves an excitation problem from one start.
 
 Criterion and limits of every result are computed anew, whatever the solver reports (`planner.search.feasibility`). A
-motion that exceeds a limit between the instants at which it was constrained is solved for again, more tightly.
+motion that exceeds a limit between the instants at which it was constrained is optimised again with tighter limits.
 """
 
 import time
@@ -27,27 +27,27 @@ from planner.search.ipopt import Watch, solve
 from planner.search.problem import build_problem
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
-PROPOSALS = 60  # of the annealing that finds starts of point-to-point motions, for each pair of moves
+PROPOSALS = 60  # proposals of the annealing that finds starts of point-to-point motions, for each pair of moves
 WARM = 5  # the same for one that has a walk to begin with
-CLOSE = 1.02  # share of limits up to which such a walk is left as it is
-SLIPPED = 5e-4  # share of each limit that rows leave free besides: for what slips between constrained instants
-FINER = 1e-4  # of that, for what slips between the instants of the quick look
-TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by what is left
+CLOSE = 1.02  # share of limits up to which such a walk is not annealed again
+SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
+FINER = 1e-4  # part of that share for excess between the instants of the quick check
+TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by the remaining excess
 NEAR = 0.8  # share of a limit from which its instants are then constrained
-DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
-REFINE, GLANCE = 25, 25  # iterations at most of refinements, and of a glance at another family than moves
+DRAWN_BACK = 0.98  # share: a motion that had to shrink to less is searched for once more, from inside
+REFINE, GLANCE = 25, 25  # iterations at most of refinements, and of a short search in another family than moves
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What became of one start."""
+    """Result of one start."""
 
     tried: Tried
-    unknowns: Array  # the motion within the limits
-    family: Family  # what the unknowns mean
-    shrunk: float  # share to which the motion was drawn towards the middle of the box at last
-    begin: Array  # where a refinement goes on: the motion before that
+    unknowns: Array  # unknowns of the motion within the limits
+    family: Family  # family of the unknowns
+    shrunk: float  # share to which the motion was shrunk towards the middle of the box at last
+    begin: Array  # unknowns before that, from which a refinement goes on
     promise: float  # the criterion there, by which it is chosen for a refinement
 
 
@@ -61,13 +61,13 @@ class Step(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What a worker process needs to run one start."""
+    """Task of a worker process: one start."""
 
     case: Case  # machine and limits
     model: int  # number of the identification model
     family: Family  # the motions to choose from
     criterion: str  # letter of Table 4
-    seed: int  # of the random start
+    seed: int  # seed of the random start
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
     step: Step = Step.EXPLORE  # what to do
     # where to begin, in place of a random start; the result of an exploration that is to be refined
@@ -85,7 +85,7 @@ class _Stage(NamedTuple):
     letter: str  # letter of the criterion
     halvings: int  # see `planner.search.objective`
     convex: bool  # see `planner.search.program.NonlinearProgram`
-    iterations: int  # at most
+    iterations: int  # largest number of iterations
     options: dict[str, object]  # options of the solver
 
 
@@ -98,7 +98,7 @@ _AT_HAND: dict[str, object] = {"mu_init": 1e-5}
 
 
 def _stages(task: Task, close: bool) -> Iterator[_Stage]:
-    """First by D, which is smooth everywhere, then, when refining, by the criterion asked for.
+    """Stages of a start: first criterion D, which is smooth everywhere, then, when refining, the requested one.
 
     `close`: whether the start is a good motion within the limits, which is refined at once.
     """
@@ -192,11 +192,11 @@ class _Run:
         return self.stopped
 
     def rate(self, unknowns: Array, letter: str | None = None) -> float:
-        """What a motion is worth by the criterion asked for, or another; see `planner.search.feasibility.rate`."""
+        """Value of the requested criterion, or of another; see `planner.search.feasibility.rate`."""
         return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
 
     def begin(self) -> Array:
-        """Where the solver begins."""
+        """Unknowns at which the solver begins."""
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.problem.worst(begin)
@@ -231,8 +231,8 @@ class _Run:
         again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
             slips = self.problem.slips(self.family.once.motion(unknowns))
-            kept = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
-            if self.stopped or kept:
+            satisfied = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
+            if self.stopped or satisfied:
                 break
             self.problem = self.problem.with_rows_above(unknowns, NEAR)
             if number > 0 or self.close or self.task.step is Step.REFINE:
@@ -241,14 +241,14 @@ class _Run:
         return unknowns
 
     def feasible(self, unknowns: Array) -> Feasible:
-        """A motion drawn inside every limit."""
+        """The motion shrunk inside every limit."""
         return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
 
     def best_feasible(self, unknowns: Array, stage: _Stage) -> Feasible:
-        """A motion drawn inside every limit; where much is lost by that, the best of further searches.
+        """The motion shrunk inside every limit; where much is lost by that, the best of further searches.
 
         First from the motion itself, with limits lowered by what it exceeds them; then from inside, from the better of
-        the motions until then and of the one at which the search began, drawn inside as well.
+        the motions until then and of the one at which the search began, shrunk inside as well.
         """
 
         def worth(candidate: Feasible) -> float:
@@ -269,7 +269,7 @@ class _Run:
 
 
 def run_safely(task: Task, watch: Watch) -> Start | Failed:
-    """Runs a start; what keeps it from a feasible motion is an answer, so that others go on."""
+    """Runs a start; the reason why it found no feasible motion is an answer, so that others go on."""
     try:
         return run_start(task, watch)
     except HexciteError as error:
