@@ -26,7 +26,7 @@ OF_PATHS = ("acceleration", *ACCEPTED)
 
 
 Done = Callable[[Plan | Program | RunOutcome | Result], None]
-"""Called with what a step made."""
+"""Function that is called with the value that a step made."""
 
 
 def accepted(plan: Plan) -> tuple[str, ...]:
@@ -36,7 +36,7 @@ def accepted(plan: Plan) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """What came of each step."""
+    """Results of the steps."""
 
     plan: Plan
     program: Program  # program for LinuxCNC, or as a table of set points, proven
@@ -70,7 +70,7 @@ def demo(
         done: called with the value of each step: plan, program, outcome of the run, result.
 
     Raises:
-        HexciteError: a step cannot be done.
+        HexciteError: a step failed.
     """
     place = Path(folder)
     case.need_simulation("the demo")

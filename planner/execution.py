@@ -31,7 +31,7 @@ from postprocessors.proving.homing import motions, planned_excitation
 CONTROLLERS = ("virtual", "linuxcnc")
 _ACCELERATIONS = LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION
 SLOWER = 4.0  # speed-up of a second session
-NOTICEABLE = 0.01  # of a run
+NOTICEABLE = 0.01  # share of a run from which a remark says so
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +39,9 @@ class RunOutcome:
     """A run with its recording."""
 
     run: ExecutedRun
-    recording: Recording  # what was measured, simulated
+    recording: Recording  # simulated measurements
     planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
-    guarantees: Guarantees  # what the controller that it was written for answers for
+    guarantees: Guarantees  # guarantees of the controller that it was written for
     around: Circumstances
     peaks: Mapping[LimitKind, float]  # largest share of each kinetic limit, approach and return included
 
@@ -128,7 +128,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     log = run_linuxcnc(read, case)
     remark = ""
     if path_time := slowest_path(read.reading, log):
-        # Blocks that come too slowly from a busy computer make the motion wait for them; a slower session tells.
+        # On a busy computer the motion may wait for blocks; a slower session shows whether it did.
         slower = run_linuxcnc(read, case, speedup=SLOWER)
         again = slowest_path(read.reading, slower)
         agree = again is not None and abs(again[2] - path_time[2]) <= TIME_TOLERANCE * path_time[1]
@@ -136,7 +136,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
         remark = f"{path_words(*(path_time if agree or again is None else again))}; {reason}"
         log = slower
     if log.left_out > NOTICEABLE * len(log.lines):
-        surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
+        surplus = f"{log.left_out * log.period:.2f} s of standstill removed, which only this computer's clock caused"
         remark = f"{remark}; {surplus}" if remark else surplus
     execution = Execution.of_log(machine_of(case), log.period, log.drives)
     on = windows(log.trigger, log.period)
@@ -145,7 +145,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
 
 
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> dict[str, Any]:
-    """What `recording.json` says of how a moving excitation was executed."""
+    """Entries of `recording.json` on how a moving excitation was executed."""
     model = identification_model(case, full_model(case))
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     cutoff = case.recording.filter_cutoff_Hz
@@ -196,7 +196,7 @@ def run(
 
 
 def _record(program: Program, case: Case, run: ExecutedRun, around: Circumstances) -> dict[str, Any]:
-    """What `recording.json` says of program, controller and machine."""
+    """Entries of `recording.json` on program, controller and machine."""
     disturbances = around.disturbances
     other = written_for_another(program.content, case)
     return {

@@ -15,15 +15,15 @@ from identification.limit_proof import prove
 from identification.motion import Array, StandingPoses
 from planner.reach import StaticLimits, corners_and_middles
 
-MARGIN = 1e-3  # share of a limit that the box leaves, or half of what home leaves: sampling cannot find every pose
-STARTS = 4  # boxes from which the search begins, for it ends at the next local optimum
-ROUNDS = 12  # of adding the worst poses of the box that was found, and searching on
+MARGIN = 1e-3  # unused share of a limit, or half of that at home: sampling cannot find every pose
+STARTS = 4  # boxes from which the search begins: it ends at the next local optimum
+ROUNDS = 12  # rounds: each adds the worst poses of the box and searches on
 PROVEN = 20_000  # random poses of the proof, half of the coordinates at an end of the box
-SAMPLED = 2_000  # of them in each round
+SAMPLED = 2_000  # random poses in each round
 NARROWEST = 1e-3  # share of the stated way from home to a side
-WHOLE = 1.0 - 1e-5  # of a stated side: less is rounding of the search
-SHRINKING, SHRINKS = 0.98, 40  # of the box, where the proof fails
-STEP = 1e-7  # of differences, share of the stated box
+WHOLE = 1.0 - 1e-5  # share from which a stated side counts as whole: the rest is rounding of the search
+SHRINKING, SHRINKS = 0.98, 40  # factor by which the box shrinks where the proof fails, and how often at most
+STEP = 1e-7  # step of differences, share of the stated box
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class MotionBox:
         return "\n".join(f"{key} = [{low!r}, {high!r}]" for key, (low, high) in self.sides.items())
 
     def to_json(self) -> dict[str, Any]:
-        """Sides by the keys of `[limits.motion]`, and what is known of the box."""
+        """Sides by the keys of `[limits.motion]`, and the other figures of the box."""
         return {
             "limits_motion": {key: list(side) for key, side in self.sides.items()},
             "share": self.share,
@@ -60,7 +60,7 @@ class MotionBox:
 
 
 def largest_box(case: Case, seed: int = 0) -> MotionBox:
-    """The largest box around home, inside `[limits.motion]`, all of whose poses keep the limits of poses at rest.
+    """The largest box around home, inside `[limits.motion]`, all of whose poses satisfy the limits at rest.
 
     "Largest" means the largest product of the widths, each relative to that of the stated box. The sides are found
     by sequential quadratic programming (SLSQP) from several starts, under the limits at the worst poses of the boxes
@@ -125,7 +125,7 @@ class _Search:
         )
 
     def _shrunk(self, sides: Array) -> Array:
-        """The largest box of the same shape that keeps the limits at the poses known so far."""
+        """The largest box of the same shape that satisfies the limits at the poses known so far."""
         low, high = 0.0, 1.0
         for _ in range(12):
             middle = (low + high) / 2
@@ -133,7 +133,7 @@ class _Search:
         return np.maximum(low * sides, NARROWEST)
 
     def _grown(self, start: Array) -> Array:
-        """The local optimum that is reached from a box, or what of both keeps the limits where the search fails."""
+        """The local optimum that is reached from a box, or a box between them that satisfies the limits."""
         from scipy.optimize import minimize  # most of a second to import
 
         sides = start
@@ -163,7 +163,7 @@ class _Search:
         return self.limits.poses(self.limits.box * sides.reshape(2, -1), self.fractions)
 
     def _room(self, sides: Array) -> Array:
-        """What is left of the limits at the poses, shape (n,)."""
+        """Distances to the limits at the poses, shape (n,)."""
         shares = self.limits.shares(self._poses(sides))
         return np.asarray(self.most[self.columns] - shares[np.arange(len(shares)), self.columns])
 

@@ -1,6 +1,6 @@
-"""The noise that a run will have, as the case states it, and what it makes of the information of a motion.
+"""The expected noise of a run, as the case states it, and its effect on the information of a motion.
 
-Force sensors err alike whatever moves; noise of accelerations acts on the body that is moved, so that payloads
+Errors of force sensors do not depend on motion; noise of accelerations acts on the body that is moved, so that payloads
 change it. A motion is planned for the weights that its identification will use, and its standard deviations are
 predicted for these weights and this noise, whether the weights are right for it or not.
 """
@@ -19,7 +19,7 @@ from identification.motion import Array, Trajectory
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
 
-DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
+DEFAULT_NOISE = 1.0  # [N] noise where the case states none of its sensors
 UNITS = (slice(0, 3), slice(3, 6))  # forces and moments of a force/torque sensor
 
 
@@ -29,7 +29,7 @@ class ExpectedNoise:
 
     sensors: float  # standard deviation of a force sensor alone [N]
     channels: Array  # covariance of the channels with noise of the accelerations, shape (6, 6) [N^2, ..]
-    weights: str  # how identification will weigh, as in `cases.sensors`
+    weights: str  # weights of the identification, as in `cases.sensors`
     shaken: bool  # whether the case states noise of the accelerations
 
     @property
@@ -70,7 +70,7 @@ def sensor_noise(case: Case) -> float:
 
 
 def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | None = None) -> ExpectedNoise:
-    """What a case says about the noise of a run.
+    """The noise of a run, as a case states it.
 
     Args:
         payload: number of the case's payloads that are mounted on the nominal body.
@@ -80,7 +80,7 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
         CaseError: noise of accelerations without a nominal body, or fewer payloads.
     """
     weights = weights or case.sensors.weights
-    if case.sensors.force_noise is None:  # nothing is known to weigh by
+    if case.sensors.force_noise is None:  # no noise for weights is stated
         one = sensor_noise(case)
         return ExpectedNoise(one, one**2 * np.eye(6), "equal", False)
     noise = StatedNoise.of(model, case.sensors)
@@ -108,14 +108,14 @@ def seen_through(model: Model, root: Array | None) -> Model:
 
 
 MOST_SAMPLES = 3000  # of a motion, between which errors are compared: a hexapod then moves less than a length each
-BLOCK = 500  # samples whose correlations with all others are held at once
+BLOCK = 500  # samples whose correlations with all others are in memory at once
 
 
 @dataclass(frozen=True, slots=True)
 class PoseErrors:
     """Errors that depend on the pose beside white noise.
 
-    Errors of encoders, joints and frame are the same wherever a motion comes back to a place: they do not average out
+    Errors of encoders, joints and frame are the same whenever a motion returns to a place: they do not average out
     there. Identification weighs samples alike all the same: weights that count on such errors would rest on small
     differences at one place, which vibration falsifies (on the built-in hexapod it would bias the mass by 1 %). Its
     estimate then scatters by F^-1 M F^-1, where M = F + sum_ij A_i^T C_ij A_j and C is the covariance of the errors in
@@ -123,15 +123,15 @@ class PoseErrors:
     information of the best estimate, in which the errors are marginalised, sum_ij A_i^T ((1 + C)^-1)_ij A_j.
     """
 
-    hexapod: Hexapod  # whose strut lengths tell one place from another
+    hexapod: Hexapod  # its strut lengths distinguish places
     field: PoseField
     rate: float  # variance of a channel's error over that of its noise, times samples a second [1/s]
-    # R R^T, R the root of W that the regressors are multiplied with; None for W = 1, shape (6, 6)
+    # R R^T, with R the root of W by which the regressors are multiplied; None for W = 1, shape (6, 6)
     mixing: Array | None = None
 
     @classmethod
     def of(cls, case: Case, noise: ExpectedNoise) -> "PoseErrors | None":
-        """What a case states, for a run at its rate with the weights of `noise`; None where it states none."""
+        """The pose errors of a case, for a run at its rate with the weights of `noise`; None where it states none."""
         field = case.sensors.pose_field
         if field is None:
             return None
@@ -148,8 +148,8 @@ class PoseErrors:
 
         Args:
             regressors: regressors of the samples, shape (n, 6, u).
-            struts: their lengths, shape (n, 6) [m].
-            duration: duration for which they stand [s].
+            struts: strut lengths of the samples, shape (n, 6) [m].
+            duration: duration that the samples represent [s].
         """
         rows = regressors if self.mixing is None else self.mixing @ regressors
         flat, count = rows.reshape(len(rows), -1), len(rows)
@@ -161,7 +161,7 @@ class PoseErrors:
         return np.asarray(self.rate * duration / count**2 * (total + total.T) / 2.0)
 
     def scatter_of(self, model: Model, scaling: Array, motion: Trajectory) -> Array:
-        """The same of a motion, shape (u, u).
+        """The scatter for a motion, shape (u, u).
 
         Args:
             model: gives A, multiplied with the root of W.
@@ -189,11 +189,11 @@ def of_estimate(information: Array, scatter: Array) -> Array:
 def counted_information(
     information: Callable[[Array | None], Array], noise: ExpectedNoise, by_pose: Array | None
 ) -> Array:
-    """The information of an estimate by the weights of a noise: S where these are not right for it, shape (u, u).
+    """The information of an estimate with given weights: S where the weights do not suit the noise, shape (u, u).
 
     Args:
         information: root R of weights, shape (6, 6), None for 1 -> mean of H A^T R^T R A H.
-        by_pose: what errors of the pose add to the scatter of the score, shape (u, u); None for nothing.
+        by_pose: part of errors of the pose in the scatter of the score, shape (u, u); None for no such errors.
     """
     weighted = information(noise.whitening)
     scattered = None if noise.scatter is None else information(noise.scatter)
@@ -203,7 +203,7 @@ def counted_information(
 
 
 def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
-    """What of the mean information errors of the pose leave; all of it where there are none, shape (u, u)."""
+    """Mean information, reduced by errors of the pose; all of it where there are none, shape (u, u)."""
     plain = mean_information(model, scaling, trajectory)
     if errors is None:
         return plain

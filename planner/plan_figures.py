@@ -1,4 +1,4 @@
-"""What a plan is worth: predicted standard deviations of one run, figures of the information, and how it was found.
+"""Figures of a plan: predicted standard deviations of one run, information, and the record of its search.
 
 Fields of `Worth` and `PoseWorth` have the names of their entries in `plan.json`.
 """
@@ -34,7 +34,7 @@ from planner.search import Failed, Tried
 
 @dataclass(frozen=True, slots=True)
 class Rival:
-    """What a motion of another family reached in seconds."""
+    """Result of a short search in another family of motions."""
 
     family: str
     d_efficiency: float
@@ -42,33 +42,33 @@ class Rival:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """How a motion was found."""
+    """Record of the search for a motion."""
 
-    starts: tuple[Tried, ...]  # those that led somewhere, the best first
+    starts: tuple[Tried, ...]  # starts with a feasible motion, the best first
     failed_starts: tuple[Failed, ...]  # the others, with the reason
     interrupted: bool  # whether Ctrl-C ended the search early
-    solve_s: float  # spent on it [s]
-    rival: Rival | None  # what another family reached in seconds
+    solve_s: float  # computing time [s]
+    rival: Rival | None  # result of a short search in another family
 
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """What a planned motion is worth."""
+    """Figures of a planned motion."""
 
-    settings: Mapping[str, Any]  # settings of the family, as found
+    settings: Mapping[str, Any]  # settings of the family after the search
     search: Search
     criterion_value: float  # the criterion of Table 4, to be maximised, in reference scaling
     logdet: float  # log det of the mean information, reference scaling, W = 1
     condition: float  # mu_1 / mu_u, reference scaling
     bound: Bound
-    bound_tight: Bound | None  # what no motion from rest to rest with limited jerk can exceed, where that is known
+    bound_tight: Bound | None  # bound for motions from rest to rest with limited jerk, where it is known
     # standard deviation of a sample of each channel behind the predictions [N, or N and N m]
     assumed_noise_of_channels: tuple[float, ...]
-    noise_of_accelerations: bool  # whether noise of the accelerations is part of it
+    noise_of_accelerations: bool  # whether noise of the accelerations is included
     weights: str  # weights of the identification that predictions assume
     weaknesses: tuple[str, ...]  # why another plan would carry more information
-    notes: tuple[str, ...]  # what the user should know before running it
-    # what the time law costs on a machine with a structural mode, as `planner.vibration` tells it
+    notes: tuple[str, ...]  # notes for the user before running it
+    # errors by the time law on a machine with a structural mode, from `planner.vibration`
     vibration: Mapping[str, Any] | None = None
 
     @property
@@ -102,10 +102,10 @@ class Worth:
 
 @dataclass(frozen=True, slots=True)
 class PoseWorth:
-    """What a set of poses is worth."""
+    """Figures of a set of poses."""
 
-    settings: Mapping[str, Any]  # where the candidates come from, and for how long is measured
-    remark: str  # how the choice ended
+    settings: Mapping[str, Any]  # origin of the candidates, and measuring time
+    remark: str  # result of the choice, in words
     candidates: int  # number of valid poses to choose from
     travel_s: float  # time of the moves [s]
     travel_in_order_of_choice_s: float  # the same in the order of choice [s]
@@ -113,7 +113,7 @@ class PoseWorth:
     condition: float  # mu_1 / mu_u, reference scaling
     efficiency: float  # lower bound of the D-efficiency against every design over the candidates; certified
     efficiency_space: float  # D-efficiency against the design over the whole pose space; an estimate
-    fewest_poses: int  # poses that Algorithm 1 keeps of these before rank is lost
+    fewest_poses: int  # size of the smallest subset with full rank by Algorithm 1
     predicted_std_of_all_candidates: Mapping[str, float]  # predicted standard deviations from all candidates [SI]
     select_s: float  # time spent on choosing [s]
     solve_s: float  # time spent on everything [s]
@@ -132,11 +132,11 @@ class PoseWorth:
         return TypeAdapter(cls).validate_python(data)
 
 
-BINDING = 0.99  # share of a limit from which it shapes the motion
+BINDING = 0.99  # share of a limit from which it determines the motion
 
 
 def bound_by(limits: LimitReport) -> list[str]:
-    """The limits that shape a motion."""
+    """The limits that determine a motion."""
     return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]
 
 
@@ -145,13 +145,13 @@ def predicted_std(
 ) -> dict[str, float]:
     """Standard deviations of the physical parameters for one run at the rate of the case.
 
-    Expected is the nominal body with a number of payloads.
+    The body is the nominal one with a number of payloads.
 
     Args:
         scaling: diagonal of H, shape (u,).
         information: mean of H A^T W A H, or that `of_estimate` where W is not right for the noise, shape (u, u).
-        duration: [s].
-        noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
+        duration: duration of the motion [s].
+        noise: standard deviation of a force sample [N]; W is in units of noise^-2.
 
     Raises:
         CaseError: the case has no nominal body.
@@ -218,7 +218,7 @@ def worst_std(
 ) -> dict[str, tuple[float, int]]:
     """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
 
-    Each run has the noise and weights of what is mounted; the fewest payloads count where several are alike.
+    Each run has the noise and weights of what is mounted; of equal deviations the fewest payloads count.
 
     Args:
         scaling: scaling of its columns, shape (u,).
@@ -238,10 +238,10 @@ def worst_std(
 def figures_of(
     case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: str
 ) -> tuple[dict[str, float], ExpectedNoise, dict[str, tuple[float, int]]]:
-    """What a motion is worth, with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
+    """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
 
-    The criterion is of the information that the search maximised: by the weights of the case, and what errors of the
-    pose leave.
+    The criterion is of the information that the search maximised: with the weights of the case, and reduced by errors
+    of the pose.
 
     Raises:
         IdentificationError: the motion does not excite all parameters of the model.

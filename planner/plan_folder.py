@@ -1,4 +1,4 @@
-"""A plan as a folder, and back: its motion as JSON, with SI units in the keys, and the checks of what is read."""
+"""A plan as a folder, and back: its motion as JSON, with SI units in the keys, and the checks on reading."""
 
 import hashlib
 from collections.abc import Iterator
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 SCHEMA_VERSION = 1
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
-RATE_OF_0_1 = 1000.0  # [1/s], which plans of the first version assumed without saying so
-DIGITS = 16  # of a fingerprint
+RATE_OF_0_1 = 1000.0  # [1/s] rate that plans of the first version assumed without stating it
+DIGITS = 16  # digits of a fingerprint
 
 
 class Saved(NamedTuple):
@@ -42,7 +42,7 @@ class Saved(NamedTuple):
 
     folder: Path  # folder of the plan
     fingerprint: str  # fingerprint of its plan.json, by which programs and recordings name it
-    # what has changed in its case since, where the user went on; written into what is made of the plan
+    # changes of its case since, where the user went on; written into what is made of the plan
     stale: tuple[str, ...] = ()
 
 
@@ -61,12 +61,12 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
 
     Args:
         kind: the type of plans.
-        case: stands for the case that the plan names, which may have been moved.
-        stale: read it although what it was computed from has changed in its case.
+        case: replaces the case that the plan names, which may have been moved.
+        stale: whether to read it although its case has changed.
 
     Raises:
-        FileProblem: no plan there, damaged, changed by hand, or its case has changed since.
-        CaseError: its case is gone or no longer valid.
+        FileProblem: the folder has no plan, it is damaged or changed by hand, or its case has changed since.
+        CaseError: its case does not exist any more or is not valid.
     """
     file = folder / "plan.json"
     data = read_json(file, "hexcite plan")
@@ -99,7 +99,7 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
 
 
 class Entries(BaseModel, strict=True, frozen=True):
-    """Entries that every plan.json has, whatever its motion; what has a value here may be absent."""
+    """Entries that every plan.json has, whatever its motion; those with a default may be absent."""
 
     case_file: str
     case_hash: str
@@ -115,7 +115,7 @@ class Entries(BaseModel, strict=True, frozen=True):
 
 @contextmanager
 def _refusing(file: Path) -> Iterator[None]:
-    """Inside, an entry that something fails for is refused by its name."""
+    """Inside, an error about an entry becomes a FileProblem that names it."""
     try:
         yield
     except FileProblem:
@@ -129,12 +129,12 @@ def _refusing(file: Path) -> Iterator[None]:
         raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
 
 
-ALIKE = 1e-3  # of figures that are computed anew: another computer rounds otherwise, nobody reads further
-CLOCK = 1e-6  # [s] of durations, which add up alike everywhere
+ALIKE = 1e-3  # tolerance of figures that are computed anew: another computer rounds otherwise
+CLOCK = 1e-6  # [s] tolerance of durations, which add up alike everywhere
 
 
 def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None:
-    """Raises FileProblem where an entry of plan.json is not what it is by the motion beside it."""
+    """Raises FileProblem where an entry of plan.json does not agree with the motion in it."""
     size = 1.0  # an efficiency to a thousandth is a log det to a thousandth of the parameters
     if isinstance(plan.worth, PoseWorth):
         model, poses, noise = standing_model(plan.case, plan.model), plan.poses, plan.assumed_noise
@@ -171,7 +171,7 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
     """Entries of `plan.json` that hold a motion.
 
     Raises:
-        TypeError: no motion of a family.
+        TypeError: the motion is not one of a family.
     """
     if isinstance(motion, FourierMotion):
         return {
@@ -226,9 +226,9 @@ def motion_of_entries(data: dict[str, Any]) -> Trajectory:
     """The motion of `plan.json`.
 
     Raises:
-        KeyError: no motion there, or an entry is missing.
-        TypeError: an entry of the wrong kind.
-        ValueError: an entry that describes no motion.
+        KeyError: the motion or an entry is missing.
+        TypeError: an entry has the wrong type.
+        ValueError: an entry does not describe a motion.
     """
     if "fourier" in data:
         return _fourier(data["fourier"])

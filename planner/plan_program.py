@@ -23,7 +23,7 @@ from postprocessors.writing import proven_program
 
 USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can
 USUAL_OF_PATHS = ("setpoints", "ros2")
-LONGER = 1.001  # times its duration, from which a program that takes longer than its plan says so
+LONGER = 1.001  # ratio of durations from which a program that takes longer than its plan says so
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
@@ -39,8 +39,8 @@ def write(
 
     Args:
         plan: a motion or poses.
-        dialect: the controller's language: one of `DIALECTS`; by default what the suffix of
-            `file` says, else that of the controller that the plan was made for, else the first that the case can.
+        dialect: the controller's language: one of `DIALECTS`; by default that of the suffix of
+            `file`, else that of the controller that the plan was made for, else the first with settings in the case.
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.
         file: name of the program, for messages; its suffix says how a table of set points is written.
@@ -48,7 +48,7 @@ def write(
     Raises:
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
             enforces and that is not accepted.
-        HexciteError: an unknown dialect, or a speed that cannot be.
+        HexciteError: the dialect is unknown, or the speed is out of range.
     """
     language = language_of(plan, dialect, file)
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
@@ -92,7 +92,7 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
 
 
 def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: bool = False) -> str:
-    """The language of the controller that a plan was made for, else the first that the case has what it takes for.
+    """The language of the controller that a plan was made for, else the first whose settings the case has.
 
     Args:
         path: whether the motion is one path, of which controllers of a chain know tables of points alone.
@@ -106,7 +106,7 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
 
 
 def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:
-    """What to know about moves that the controller of a dialect times by another law than they were planned with.
+    """Remarks on moves that the controller of a dialect times by another law than they were planned with.
 
     Raises:
         HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.
@@ -116,7 +116,7 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     if has_steps(motion) and not steps:
         raise HexciteError(
             f"{plan}: was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
-            f"keep the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
+            f"satisfy the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
             f"hexcite retime {plan} -o NEW"
         )
     if steps and not has_steps(motion):
@@ -134,18 +134,18 @@ _OF_THE_CASE = re.compile(rb"case (\w+), hash ([0-9a-f]{%d}), controller setting
 
 
 def plan_of_program(content: bytes) -> str | None:
-    """The fingerprint in a program; None where it names none, or several."""
+    """The fingerprint of the plan that a program names; None where it names none, or several."""
     hashes = set(_IN_PROGRAM.findall(content))
     return hashes.pop().decode() if len(hashes) == 1 else None
 
 
 def case_line(case: Case) -> str:
-    """What a program says of its case."""
+    """The header line of a program that names its case."""
     return f"case {case.name}, hash {motion_hash(case)}, controller settings {case.controller_hash}"
 
 
 def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
-    """Reads a program; where it cannot be read because it is for another state of the case, that is said too.
+    """Reads a program; the error says where a program that cannot be read is for another state of the case.
 
     Raises:
         ProgramError: it cannot be read or understood.
@@ -158,7 +158,7 @@ def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
 
 
 def of_another(error: HexciteError, file: Path, content: bytes, case: Case) -> HexciteError:
-    """What is wrong with a program, with the case that its header names in front where that is another one."""
+    """The error of a program, preceded by the case that its header names where that is another one."""
     other = written_for_another(content, case)
     if other is None:
         return error
@@ -170,7 +170,7 @@ def of_another(error: HexciteError, file: Path, content: bytes, case: Case) -> H
 
 
 def written_for_another(content: bytes, case: Case) -> str | None:
-    """What to know about a program whose header names another state of the case; None where it names this or none."""
+    """Remark on a program whose header names another state of the case; None where it names this one or none."""
     headers = set(_OF_THE_CASE.findall(content))
     if len(headers) != 1:
         return None

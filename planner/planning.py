@@ -40,12 +40,12 @@ from planner.search.solving import Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
-KEPT = 3  # of several orders and periods, the best get more starts
-ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time
+KEPT = 3  # number of the best orders and periods that get more starts
+ROUND = max(2, min(8, os.cpu_count() or 1))  # starts in parallel
 
 
 def shipped_start(family: Family, case: Case) -> Array | None:
-    """Unknowns of a family from which a search begins, limits of the machine apart; None where nothing fits it.
+    """Unknowns of a family from which a search begins, whatever the machine's limits; None where no motion fits it.
 
     Good motions of different machines are alike: in half widths of their boxes (Fourier series, splines), in longest
     steps (point-to-point). A search that begins from one ends higher than from random starts, and sooner; random starts
@@ -58,19 +58,19 @@ def shipped_start(family: Family, case: Case) -> Array | None:
 
 @cache
 def _shipped() -> dict[str, Array]:
-    """Names of families -> their tables, shape (n, columns)."""
+    """Tables of the shipped motions, shape (n, columns), by names of families."""
     tables = json.loads(SHIPPED.read_text(encoding="utf-8"))
     return {name: np.array(tables[name]["table"]) for name in tables}
 
 
 def require_plannable(request: Request, case: Case) -> None:
-    """Refuses what no search can mend.
+    """Refuses requests that no search can meet.
 
     Raises:
         CaseError: the case has no machine, limits, controller or payload of this number.
         IdentificationError: an unknown model, or one that no motion of the machine determines.
         HexciteError: targets that cannot be read, a duration too short for the machine.
-        InfeasiblePlan: standing still in the middle of the motion box passes a limit.
+        InfeasiblePlan: standing still in the middle of the motion box exceeds a limit.
         FileProblem: the sequence cannot be used.
     """
     case.need_motion("planning")
@@ -82,8 +82,8 @@ def require_plannable(request: Request, case: Case) -> None:
 
 
 def _rival(request: Request, case: Case) -> list[Task]:
-    """One start of another family that takes seconds, to compare with; none where nothing is to be compared."""
-    if request.starts == 1 or request.criterion != "D":  # one start was asked for, or what D does not measure
+    """One short start of another family for comparison; empty where nothing is to be compared."""
+    if request.starts == 1 or request.criterion != "D":  # one start was requested, or another criterion than D
         return []
     rival = request.family.rival
     try:
@@ -96,7 +96,7 @@ def _rival(request: Request, case: Case) -> list[Task]:
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
-    """Explores from start after start until more of them stop paying, refines the best, proves the winner.
+    """Explores starts until further ones gain too little, refines the best ones, proves the winner.
 
     Raises:
         InfeasiblePlan: every start failed; the message is that of the first.
@@ -111,7 +111,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     results, interrupted = _explored(request, controlled.case, listener, run, explored_until, at_once)
     explored = _own(results, request)
     score = max((s.tried.criterion_value for s in explored if s.tried.refined), default=-np.inf)
-    # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
+    # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
     promising = sorted((s for s in explored if not s.tried.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
         Task(controlled.case, request.model, s.family, request.criterion, s.tried.seed, request.payload, Step.REFINE,
@@ -158,9 +158,9 @@ def _own(results: Sequence[Start | Failed], request: Request) -> list[Start]:
 def _by_errors(
     request: Request, case: Case, result: PlannedMotion, listener: Listener, run: Runner
 ) -> tuple[Request, PlannedMotion]:
-    """A smooth motion in place of moves whose accelerations step, where it is worth more, and its request.
+    """A smooth motion in place of moves whose accelerations step, where its errors are smaller, and its request.
 
-    What they are worth are the errors to be expected on a machine with a structural mode, where the case states one.
+    The errors are those expected on a machine with a structural mode, where the case states one.
     """
     laws = None if result.interrupted else both_laws(case, request.model, result.motion, request.payload)
     if laws is None or not laws.steps or laws.better != LIMITED_JERK:
@@ -169,7 +169,7 @@ def _by_errors(
     try:
         require_plannable(other, case)
         smooth = search(other, case, listener, run)
-    except HexciteError:  # so short or long that none can be had
+    except HexciteError:  # no spline can be so short or so long
         return request, result._replace(laws=laws)
     worth = vibration(case, request.model, smooth.motion, request.payload, smooth.motion.duration)
     assert worth is not None  # the case states a mode
@@ -178,7 +178,7 @@ def _by_errors(
     sentence += (
         f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
     )
-    sentence += "acceleration, of a controller that follows paths smoothly; --family ptp keeps these"
+    sentence += "acceleration, of a controller that follows paths smoothly; --family ptp plans these moves"
     return (other, smooth._replace(law_remark=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
 
 
@@ -187,7 +187,7 @@ def _explored(
 ) -> Outcome:
     """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
 
-    Of several orders and periods each is looked at once; the starts that follow go to the best of them.
+    Each of several orders and periods has one start first; the starts that follow go to the best of them.
 
     Args:
         case: case with the limits that its controller enforces.
@@ -232,10 +232,10 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
 
     Raises:
-        InfeasiblePlan: no motion keeps the limits.
+        InfeasiblePlan: no motion satisfies the limits.
         IdentificationError: the motion does not excite all parameters of the model.
         CaseError: the case has no machine or no limits.
-        HexciteError: what no search can mend; see `require_plannable`.
+        HexciteError: a request that no search can meet; see `require_plannable`.
         Interrupted: Ctrl-C before any start was done.
     """
     require_plannable(request, case)
@@ -256,7 +256,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
 
 
 def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
-    """`make`, in the main thread; the first Ctrl-C keeps what a search has found, be it in its proof or its rating."""
+    """`make`, in the main thread; after the first Ctrl-C the best motion so far is proven and rated."""
     if not request.family.optimised:
         return make(request, case, listener, run_here)
     with first_ctrl_c() as pressed, workers(pressed) as run:

@@ -1,4 +1,4 @@
-"""A plan: the chosen motion or set of poses, what it promises, and the proof of its limits."""
+"""A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -29,14 +29,14 @@ class Plan:
     """A planned excitation: a motion from rest to rest, or poses to stand at.
 
     Args:
-        case: what it was planned for.
-        request: what was asked for.
+        case: case that it was planned for.
+        request: request that it answers.
         motion: the excitation; of poses from home through all of them and back home.
-        limits: the proof.
+        limits: proof of its limits.
         predicted_std: standard deviation of each physical parameter for one run [SI].
         assumed_noise: assumed noise of a force sample behind it, of poses of an averaged force [N].
         assumed_rate: samples of a recording a second behind it [1/s].
-        worth: figures of the motion or of the poses, and how they were found.
+        worth: figures of the motion or of the poses, and the record of their search.
         saved: folder from which it was loaded; None for a new plan.
     """
 
@@ -67,7 +67,7 @@ class Plan:
 
     @property
     def poses(self) -> Array:
-        """Where it stands still to measure, in the order of visit, shape (n, k) [m or rad]; a motion has none."""
+        """Poses at which it measures standing still, in order of visit, shape (n, k) [m or rad]; empty for motions."""
         parts = self.motion.parts if isinstance(self.motion, Joined) else ()
         poses = [part.pose for part in parts if isinstance(part, Measurement)]
         return np.array(poses) if poses else np.zeros((0, 6))
@@ -79,7 +79,7 @@ class Plan:
 
     @property
     def stale(self) -> tuple[str, ...]:
-        """What has changed in the case since it was planned."""
+        """Changes of the case since it was planned."""
         return () if self.saved is None else self.saved.stale
 
     @property
@@ -99,7 +99,7 @@ class Plan:
         return isinstance(self.worth, Worth) and self.worth.search.interrupted
 
     def ended_early(self) -> "Plan":
-        """The same as the plan of a search that Ctrl-C ended."""
+        """The plan, marked as that of a search that Ctrl-C ended."""
         worth = self.of_motion[1]
         return replace(self, worth=replace(worth, search=replace(worth.search, interrupted=True)))
 
@@ -119,7 +119,7 @@ class Plan:
             self.write(part)
 
     def write(self, folder: Path) -> None:
-        """Writes the same files into a folder that is there."""
+        """Writes the same files into an existing folder."""
         (folder / "plan.json").write_text(json_text(self.to_json()), encoding="utf-8")
         if isinstance(self.request, PoseRequest):
             columns = ",".join(("pose", *self.case.need_motion("a plan")[1].columns))
@@ -176,7 +176,7 @@ class Plan:
         }
 
     def __str__(self) -> str:
-        """Ten lines: what it is, what it is worth, what it predicts, and its limits."""
+        """Summary in ten lines: the excitation, its figures, its predicted standard deviations, and its limits."""
         worth = self.worth
         subject = f"{len(self.poses)} poses" if isinstance(worth, PoseWorth) else f"{self.family} motion"
         lines = [

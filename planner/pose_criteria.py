@@ -18,13 +18,13 @@ from identification.symbolic import over_samples
 
 
 def pose_regressors(model: Model, poses: Array) -> Array:
-    """A of (21) standing still at each pose, shape (n, 6, u).
+    """Regressors A of (21) for standing still at each pose, shape (n, 6, u).
 
     Args:
         poses: coordinates of the machine, shape (n, k) [m or rad].
 
     Raises:
-        IdentificationError: the model has parameters that no standstill can excite.
+        IdentificationError: the model has parameters that standstills cannot excite.
     """
     if model.needs_motion:
         raise IdentificationError(
@@ -36,7 +36,7 @@ def pose_regressors(model: Model, poses: Array) -> Array:
 def candidate_scaling(regressors: Array) -> Array:
     """Reference scaling of pose sets: one over the RMS of each column over the candidates, shape (u,).
 
-    A column of zeros keeps the scale 1.
+    A column of zeros has the scale 1.
     """
     mean_square = np.mean(np.sum(regressors**2, axis=1), axis=0)
     return np.asarray(np.where(mean_square > 0.0, 1.0 / np.sqrt(np.where(mean_square > 0.0, mean_square, 1.0)), 1.0))
@@ -73,7 +73,7 @@ Index = NDArray[np.int64]
 Screen = tuple[Callable[[Array], Array], Callable[[Array, Index, Array], None]]
 """Upper bounds of a criterion after the removal of each of n poses, valid while poses are removed.
 
-The first function gives the bound of each pose, shape (n,), at an information, shape (u, u). The second takes note of
+The first function gives the bound of each pose, shape (n,), at an information, shape (u, u). The second records
 exact values, shape (rows,), of some poses at an information; most bounds do not sharpen by them.
 """
 
@@ -82,11 +82,11 @@ exact values, shape (rows,), of some poses at an information; most bounds do not
 class PoseCriterion:
     """A criterion of pose sets."""
 
-    letter: str  # in Table 4
+    letter: str  # letter in Table 4
     value: Callable[[Array], Array]  # of one or more informations, shape (..., u, u) -> (...); -inf where singular
     # information and regressors, shape (k, 6, u) -> value without each pose, F - A_j^T A_j, shape (k,)
     after_removal: Callable[[Array, Array], Array]
-    # regressors of n poses and information -> a fresh screen: nearly exact for this, valid for what removals leave
+    # regressors of n poses and information -> a new screen: nearly exact for these, valid for all subsets
     screen: Callable[[Array, Array], Screen]
 
 
@@ -99,7 +99,7 @@ def _products(regressors: Array) -> Array:
 
 
 def _eigenvalues(information: Array) -> Array:
-    """Ascending; what rounding makes negative is 0."""
+    """Eigenvalues, ascending; those that are negative by rounding are 0."""
     return np.asarray(np.maximum(np.linalg.eigvalsh(information), 0.0))
 
 
@@ -122,7 +122,7 @@ def _log_det_after(information: Array, regressors: Array) -> Array:
 
 
 def _log_det_screen(regressors: Array, information: Array) -> Screen:
-    """Losses only grow while poses are removed: an old loss bounds the present one."""
+    """Screen of criterion D: losses only grow while poses are removed, so that an old loss bounds the present one."""
     gains = _log_det_after(information, regressors) - _log_det(information)
 
     def learn(information: Array, rows: Index, values: Array) -> None:
@@ -151,7 +151,7 @@ def _minus_trace_after(information: Array, regressors: Array) -> Array:
 
 
 def _minus_trace_screen(regressors: Array, information: Array) -> Screen:
-    """Trace M^-1 >= 2 trace X - trace X M X for every symmetric X; X is the inverse when the screen was made."""
+    """Screen of criterion A: trace M^-1 >= 2 trace X - trace X M X for symmetric X, here the inverse at its start."""
     inverse: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
     rows = (regressors.reshape(-1, len(inverse)) @ inverse).reshape(len(regressors), -1)
     seen = np.einsum("nk,nk->n", rows, rows)
@@ -171,7 +171,7 @@ def _of_extremes(letter: str, of: Callable[[Array, Array], Array]) -> PoseCriter
         return of(values[..., 0], values[..., -1])
 
     def screen(regressors: Array, information: Array) -> Screen:
-        """Ritz values in the two lowest and the two highest eigenvectors when the screen was made."""
+        """Screen by Ritz values in the two lowest and the two highest eigenvectors at its start."""
         directions = np.linalg.eigh(information)[1][:, [0, 1, -2, -1]]
         seen = (regressors.reshape(-1, len(directions)) @ directions).reshape(len(regressors), 6, 4)
         products = np.einsum("nki,nkj->ijn", seen, seen)

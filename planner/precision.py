@@ -25,8 +25,8 @@ _OF_STRUTS = {
     "tB": "Coulomb friction of a base joint",
     "tP": "Coulomb friction of a platform joint",
 }
-MOST_TIMES = 10.0  # a limit, up to which a share is shown
-MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
+MOST_TIMES = 10.0  # multiple of a limit up to which a share is shown
+MOST_PLACES = 9  # decimals beyond which a fixed notation is not legible
 
 
 def places(std: float) -> int | None:
@@ -38,7 +38,7 @@ def places(std: float) -> int | None:
 
 
 def value_text(value: float, std: float) -> str:
-    """`value` to the digits that its standard deviation `std`, in the same unit, leaves it."""
+    """`value` with the digits that are significant for its standard deviation `std`, in the same unit."""
     decimals = places(std)
     return f"{value:.6g}" if decimals is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
 
@@ -50,17 +50,17 @@ def std_text(std: float) -> str:
 
 
 def with_deviation(value: float, std: float) -> str:
-    """A value with its standard deviation, to two digits of that."""
+    """A value with its standard deviation, both rounded to two digits of the deviation."""
     return f"{value_text(value, std)} ± {std_text(std)}"
 
 
 def legible(unit: str) -> tuple[float, str]:
-    """Factor from an SI unit to the one in which people read it, and that one: lengths in mm, all else as it is."""
+    """Factor from an SI unit to the one for people, and that unit: mm for lengths, all else unchanged."""
     return (1e3, "mm") if unit == "m" else (1.0, unit)
 
 
 def share_text(ratio: float, decimals: int = 2) -> str:
-    """Share of a limit in %; two decimals tell 99.99 from 100, and above ten times the limit no number tells more."""
+    """Share of a limit in %, with two decimals, as 99.99 is not 100; above ten times the limit in words."""
     return f"{100 * ratio:.{decimals}f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
@@ -82,7 +82,7 @@ def parameter_words(name: str, rods: bool = False) -> str:
     """A parameter in words with its letter in brackets, such as `mass (m)`; letters that have no words stay alone.
 
     Args:
-        rods: whether those of the body are of the platform with rods, see `carries_rods`.
+        rods: whether parameters of the body are those of the platform with rods, see `carries_rods`.
     """
     words = _WORDS.get(name)
     if words is not None and rods:

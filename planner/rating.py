@@ -1,4 +1,4 @@
-"""The plan of a motion that a search led to: its figures, and what a user should know of it."""
+"""The plan of the motion from a search: its figures, and notes for the user."""
 
 from typing import Any, NamedTuple
 
@@ -23,14 +23,14 @@ from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
 from planner.vibration import BothLaws, both_laws, mean_ratio
 
-RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is reported
+RIVALS = 1.02  # ratio to the D-efficiency of a plan from which another family is reported
 FULL = 0.9  # share of a limit that a good motion uses of at least one
-FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
-AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
+FEW_KNOTS = 0.9  # share of the knots that a spline can use within the jerk limits: below it more are worth their blocks
+AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] rounding of a standstill
 
 
 class PlannedMotion(NamedTuple):
-    """The motion that a search led to, and what is known of the search."""
+    """The motion from a search, and the record of the search."""
 
     motion: Trajectory  # the best one, proven
     settings: dict[str, Any]  # settings of its family
@@ -40,8 +40,8 @@ class PlannedMotion(NamedTuple):
     interrupted: bool = False  # whether Ctrl-C ended the search early
     rival: Start | None = None  # start of another family, for comparison
     white: Start | None = None  # start for white noise alone, where a case states errors of the pose
-    laws: BothLaws | None = None  # what the time law of moves costs on a machine that is not stiff
-    law_remark: str = ""  # why another family stands for moves with steps of acceleration
+    laws: BothLaws | None = None  # errors by both time laws of the moves on a machine that is not stiff
+    law_remark: str = ""  # why another family replaces moves with steps of acceleration
 
     def of_rival(self, parameters: int) -> float:
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
@@ -98,7 +98,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
 def _noise_remarks(
     case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
 ) -> tuple[str, ...]:
-    """What noise of the accelerations does to a plan."""
+    """Remarks on the effect of noise of the accelerations on a plan."""
     if not noise.shaken:
         return ()
     mounted, bare = (float(np.sqrt(np.mean(n.std[:3] ** 2))) for n in (noise, expected_noise(case, model)))
@@ -120,7 +120,7 @@ def _noise_remarks(
 def _pose_error_remarks(
     case: Case, model: Model, scaling: Array, planned: PlannedMotion, request: Request, predicted: dict[str, float]
 ) -> tuple[str, ...]:
-    """What errors that depend on the pose cost a plan, and what it gave up for them."""
+    """Remarks on the cost of errors that depend on the pose, and on the information that the plan gave up for them."""
     field = case.sensors.pose_field
     if field is None:
         return ()
@@ -144,7 +144,7 @@ def _pose_error_remarks(
 
 
 def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str, ...]:
-    """Why another plan would carry more information, each with what to do; the first thing that a user reads."""
+    """Reasons why another plan would carry more information, each with a remedy; the first thing that a user reads."""
     words = []
     times = planned.of_rival(parameters)
     if planned.rival is not None and times > RIVALS:
@@ -161,7 +161,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
-            f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
+            f"the motion had to shrink to {100 * share:.0f} % of its size to satisfy every limit: plan with "
             f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
         )
     checks = [c for c in planned.limits.checks if c.binding and c.kind.kinetic]
@@ -174,7 +174,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
 
 
 def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str, tuple[float, int]]) -> tuple[str, ...]:
-    """What the user should know before running it.
+    """Notes for the user before the plan is run.
 
     Args:
         worst: predicted standard deviation of each parameter, and the number of payloads with which it is so large.
@@ -213,7 +213,7 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
         enough = enough_intervals(case, motion.duration)
         if knots < FEW_KNOTS * enough:
             words.append(
-                f"{knots} knots, not the machine, keep accelerations from their limits: --knots {enough} carries "
+                f"{knots} knots are too few for accelerations to reach their limits: --knots {enough} carries "
                 "more information"
             )
     if len(request.payloads) > 1:

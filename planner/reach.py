@@ -18,13 +18,13 @@ from identification.limited_chain import joint_ranges
 from identification.limited_quantities import limited_struts, rotation_motion
 from identification.motion import Array, StandingPoses
 
-POSES = 20_000  # drawn in the box: a standard error of at most 0.35 % of its volume
-STEPS = 400  # along each coordinate from home to the end of the box: what is out of reach for less is not seen
-HALVINGS = 40  # of such a step: far below any encoder
-CLIMBS = 30  # steps of the search for the worst pose, halved where none of them leads higher
+POSES = 20_000  # random poses of the box: the standard error of its volume is at most 0.35 %
+STEPS = 400  # steps along each coordinate from home to the end of the box: narrower gaps are not found
+HALVINGS = 40  # halvings of such a step: far below any encoder's resolution
+CLIMBS = 30  # steps of the search for the worst pose, halved where none of them is worse
 NEAR = 0.8  # share of a limit at the worst of many poses, below which no pose next to it exceeds the limit
 GRID = np.array(list(product((0.0, 0.5, 1.0), repeat=6)))  # corners and middles of a box, shape (729, 6)
-MOST_COORDINATES = 6  # whose corners and middles are all looked at
+MOST_COORDINATES = 6  # largest number of coordinates whose corners and middles are all checked
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Reach:
     share: float  # share of the box's volume that is reachable, from random poses
     share_std: float  # its standard error
     poses: int  # number of these poses
-    worst: float  # largest share of a limit that was found anywhere in the box, by search too; above 1 out of reach
+    worst: float  # largest share of a limit found in the box, also by search; above 1 out of reach
     worst_limit: str  # name of that limit
     exceeded: dict[str, float]  # limit -> share of the poses that exceed it
     stated: Array  # the box, lower and upper end relative to home, shape (2, n) [m or rad]
@@ -74,7 +74,7 @@ def reach(case: Case, count: int = POSES) -> Reach:
     """The reachable part of the motion box of a case, by limits of poses at rest.
 
     Of a hexapod these are strut lengths, joint angles, the way to a singularity, and boxes that platform, struts and
-    tools keep out of; of a chain distances of its bodies, torques and sensor forces. A pose counts as reachable by
+    tools must not enter; of a chain distances of its bodies, torques and sensor forces. A pose counts as reachable by
     itself, whether or not a way leads there from home.
 
     Args:
@@ -140,7 +140,7 @@ def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None,
 
 
 class StaticLimits:
-    """What a case limits of poses at rest, over many poses at once, by the proof of limits.
+    """The limits of a case for poses at rest, over many poses at once, by the proof of limits.
 
     Raises:
         CaseError: the case has no machine or no limits.
@@ -166,7 +166,7 @@ class StaticLimits:
         return np.asarray(np.nan_to_num(np.vstack([np.zeros((0, len(self.names))), *rows]), nan=np.inf))
 
     def _columns(self, poses: Array) -> Iterator[tuple[Limit, tuple[str, ...], Array]]:
-        """Each limit, what of the machine it limits, and the shares, shape (n, columns)."""
+        """Each limit, the parts of the machine that it limits, and the shares, shape (n, columns)."""
         still = StandingPoses(poses).at(np.arange(float(len(poses))))
         if self.case.chain is None:
             machine, workspace, limits = self.case.need_machine("the reach of the motion box")

@@ -1,4 +1,4 @@
-"""What to plan: settings as a user states them, refused before any work where they cannot be met."""
+"""Requests: settings of a plan as a user states them, refused before any work where they cannot be met."""
 
 import re
 from collections.abc import Mapping
@@ -19,8 +19,8 @@ from identification.parameters import physical_form
 from planner.families.settings import FamilySettings, PointToPoint, family_class
 from planner.pose_criteria import POSE_CRITERIA
 
-LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
-MOST_SECONDS = 86_400.0  # of a search
+LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
+MOST_SECONDS = 86_400.0  # [s] longest search
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,13 +32,13 @@ class Request:
     criterion: str = "D"  # letter of Table 4
     model: int = 9  # number in Table 2
     payload: int = 0  # number of the case's payloads that are mounted, at most
-    # at least; None for just as many. Predicted standard deviations are the largest of the range
+    # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
     payload_from: int | None = None
-    # standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
+    # targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
     targets: tuple[str, ...] = ()
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
-    seed: int = 0  # of the starts
+    seed: int = 0  # seed of the starts
     # whether a spline may take the place of moves whose steps of acceleration do more harm than good
     may_be_smooth: bool = False
 
@@ -71,7 +71,7 @@ class Request:
 
     @property
     def mounted(self) -> str:
-        """What is mounted, in words."""
+        """The mounted payloads in words."""
         first = "" if len(self.payloads) == 1 else f"{self.payloads[0]} to "
         return first + payload_words(self.payload)
 
@@ -224,12 +224,12 @@ class PoseRequest:
     method: str = PoseMethod.REFINE  # one of METHODS
     model: int = 5  # number in Table 2, 0 to 5
     candidates: int | None = None  # quasi-random candidates; None: the grid of the case
-    seed: int = 0  # of these
+    seed: int = 0  # seed of these candidates
     # standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise
     noise: float | None = None
 
     name: ClassVar[str] = "poses"
-    """In place of a family."""
+    """Name in place of that of a family."""
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
@@ -258,7 +258,7 @@ class PoseRequest:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
 
     def wanted(self, available: int, parameters: int) -> int:
-        """Poses to choose from `available` ones for a model with `parameters`.
+        """Number of poses to choose from `available` ones for a model with `parameters`.
 
         Raises:
             HexciteError: more than there are, or fewer than can determine the model.

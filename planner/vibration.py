@@ -1,7 +1,7 @@
-"""What a structural mode makes of a planned motion: forces that no identification model contains, and their errors.
+"""Effect of a structural mode on a planned motion: forces that no identification model contains, and their errors.
 
-A run is evaluated behind a low-pass, with its delay estimated, and its smoothing where the run determines it; what the
-vibration adds to the forces passes the same least squares. Steps of acceleration excite a mode more than ramps do, but
+A run is evaluated behind a low-pass, with its delay estimated, and its smoothing where the run determines it; the
+forces of the vibration pass the same least squares. Steps of acceleration excite a mode more than ramps do, but
 carry more information: which of the two is better follows from the errors to be expected of both.
 """
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from identification.signals import Filter
 
 STEPS, LIMITED_JERK = "steps of acceleration", "limited jerk"  # time laws of moves
-LARGE = 1.5  # times the predicted standard deviations: errors that are worth another evaluation
-REST = 0.3  # [s] of standing still before and after, longer than the filter and most of the ringing
+LARGE = 1.5  # ratio to the predicted standard deviations from which errors are worth another evaluation
+REST = 0.3  # [s] standstill before and after, longer than the filter and most of the ringing
 
 
 @dataclass(frozen=True, slots=True)
 class Vibration:
-    """What a motion is worth on a machine with a structural mode."""
+    """Errors to be expected of a motion on a machine with a structural mode."""
 
     frequency: float  # frequency of the mode with what is mounted [Hz]
-    # errors to be expected of each physical parameter: predicted standard deviation and the error that the mode leaves,
+    # errors to be expected of each physical parameter: predicted standard deviation and the error that the mode causes,
     # root of the sum of squares, by name [SI]
     errors: dict[str, float]
     times: float  # errors over predicted standard deviations, geometric mean
@@ -47,7 +47,7 @@ class Vibration:
 
 
 def least_shaken(motions: Sequence[tuple[str, Vibration]]) -> tuple[str, ...]:
-    """Which of some motions errs least on a machine with a structural mode, in a sentence; or nothing."""
+    """A sentence that names the motion with the smallest errors on a machine with a structural mode; or nothing."""
     if len(motions) < 2 or len({frozenset(v.errors) for _, v in motions}) > 1:
         return ()
     best, least = min(motions, key=lambda pair: pair[1].over(motions[0][1]))
@@ -76,7 +76,7 @@ def with_other_law(motion: Joined, case: Case) -> Joined:
 
 
 def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds: float) -> Vibration | None:
-    """What a motion is worth on the simulated machine of a case; None where the case states no mode or no filter.
+    """Errors of a motion on the simulated machine of a case; None where the case states no mode or no filter.
 
     Args:
         payload: number of payloads that are mounted.
@@ -134,7 +134,7 @@ def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") ->
 
 
 def _shift(columns: Array, added: Array, noise: float, low_pass: "Filter") -> tuple[Array, float]:
-    """What added forces move each unknown by, and the residual of a force sample beside its noise [N]."""
+    """Shift of each unknown by added forces, and the residual of a force sample beside its noise [N]."""
     size = np.linalg.norm(columns, axis=0)
     answer, *_ = np.linalg.lstsq(columns / size, added, rcond=None)
     residuals = added - (columns / size) @ answer
@@ -178,7 +178,7 @@ class BothLaws:
 
     @property
     def sentence(self) -> str:
-        """For people."""
+        """The comparison in a sentence for people."""
         law, other = (LIMITED_JERK, STEPS)[:: -1 if self.steps else 1]
         text = (
             f"on a machine with a mode at {self.own.frequency:.3g} Hz (simulation.disturbances), errors to be expected "
@@ -191,7 +191,7 @@ class BothLaws:
         return text + ("; identify --flexible estimates the mode" if self.own.times > LARGE else "")
 
     def to_json(self) -> dict[str, Any]:
-        """For `plan.json`."""
+        """Entries of `plan.json`."""
         return {
             "mode_Hz": self.own.frequency,
             "steps": self.steps,
@@ -205,7 +205,7 @@ class BothLaws:
 
 
 def both_laws(case: Case, number: int, motion: Trajectory, payload: int) -> BothLaws | None:
-    """What the time law of point-to-point moves costs on a machine that is not stiff.
+    """Errors by both time laws of point-to-point moves on a machine that is not stiff.
 
     None for other motions, and where the case states no mode.
     """

@@ -1,8 +1,8 @@
-"""Candidate poses, and what no choice among them or anywhere in the pose space can exceed.
+"""Candidate poses, and bounds for every choice among them or anywhere in the pose space.
 
 Candidates are the grid of the case, or quasi-random points of the space that the grid spans. The approximate design
 over them is certified. That over the continuous pose space is an estimate and says so: the largest directional
-derivative is searched from many starts; limits of the machine inside the space are left out, which can only raise it.
+derivative is searched from many starts; limits of the machine inside the space are omitted, which can only raise it.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from planner.pose_criteria import pose_regressors
 from planner.poses.space import REASONS, ROUNDING, JointSpace, margins_of, space_of, valid_poses
 
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never had more information
-JOINT_CANDIDATES = 2048  # of a chain, where no other number is asked for
+JOINT_CANDIDATES = 2048  # default number for a chain
 # What one candidate costs at most, measured on 20 000: for the estimate in the refusal only.
 BYTES_EACH = 12_000
 SECONDS_SQUARED = 5e-8
@@ -32,7 +32,7 @@ class Candidates:
     """Valid poses to choose from."""
 
     poses: Array  # shape (n, 6), R = Rz(yaw) Ry(pitch) Rx(roll) [m, rad]
-    considered: int  # poses that were looked at, valid or not
+    considered: int  # number of poses that were checked, valid or not
     origin: str  # one phrase that says where they come from
 
 
@@ -56,7 +56,7 @@ def grid_candidates(case: Case) -> Candidates:
 
     Raises:
         HexciteError: the grid is too fine; the message says what it would need.
-        InfeasiblePlan: no pose is valid; the message says what stands in the way.
+        InfeasiblePlan: no pose is valid; the message names the limits that are exceeded.
         CaseError: the case lacks machine or poses.
     """
     if case.chain is not None:
@@ -82,7 +82,7 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     little information, the space does not.
 
     Args:
-        count: points that are looked at.
+        count: number of points that are checked.
 
     Raises:
         HexciteError: too many, too few, or a negative seed.
@@ -146,12 +146,12 @@ def _too_many(count: int, name: str) -> str:
     )
 
 
-GAP = 5e-4  # dmax <= u (1 + GAP): the bound is then known to 0.05 % of efficiency
+GAP = 5e-4  # dmax <= u (1 + GAP): the bound is then accurate to 0.05 % of efficiency
 SPACE_GAP = 1e-3
 FIRST = 2000  # candidates that a design begins with, at most
-STARTS = 60  # poses from which the largest derivative is climbed to
-SWEEPS = 3  # over all coordinates
-CLIMBS = (0.15, 0.03)  # shares of the half width of a coordinate
+STARTS = 60  # poses from which the largest derivative is searched for
+SWEEPS = 3  # sweeps over all coordinates
+CLIMBS = (0.15, 0.03)  # steps as shares of the half width of a coordinate
 
 
 def candidate_design(regressors: Array) -> Design:
@@ -177,7 +177,7 @@ def continuous_design(case: Case, model: Model, scaling: Array, seeds: Array) ->
 
     Args:
         scaling: scaling of the columns, shape (u,).
-        seeds: poses to start from, better many, together of full rank, shape (n, 6) [m, rad].
+        seeds: poses to start from, many if possible, together of full rank, shape (n, 6) [m, rad].
     """
     space, home = space_of(case), case.need_motion("a plan of poses")[0]
     pool = space.project(space.shares(seeds))

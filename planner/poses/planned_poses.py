@@ -45,12 +45,12 @@ def poses_planned(
     """Chooses poses, orders, times and proves them.
 
     Args:
-        given: poses of one's own, for the method of this name, shape (n, k) [m or rad].
+        given: poses of the user, for the method `given`, shape (n, k) [m or rad].
         done: called with the number of poses after each step of the choice.
 
     Raises:
-        HexciteError: a request that cannot be met; the message says what to change.
-        InfeasiblePlan: no valid pose, or no way between the chosen ones.
+        HexciteError: the request cannot be met; the message says what to change.
+        InfeasiblePlan: there is no valid pose, or no way between the chosen ones.
         IdentificationError: poses cannot determine the model.
         CaseError: the case lacks machine, limits or poses.
     """
@@ -108,10 +108,10 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
     """The poses to choose from.
 
     Args:
-        given: poses of one's own, of the method of this name, shape (n, k) [m or rad].
+        given: poses of the user, for the method `given`, shape (n, k) [m or rad].
 
     Raises:
-        HexciteError: that method without poses.
+        HexciteError: the method `given` without poses.
         InfeasiblePlan: the machine cannot stand at one of them.
     """
     if request.method == PoseMethod.GIVEN:
@@ -162,7 +162,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 
 
 def noise_of_average(case: Case) -> float:
-    """Of a force that is averaged, if its noise is white [N]."""
+    """Standard deviation of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
     averaged = case.need_standing("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))
@@ -177,11 +177,11 @@ def _choose(
     scaling: Array,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], of some and their scaled regressors, and how the choice ended, one phrase.
+    """Chosen poses, shape (n, 6) [m, rad], their scaled regressors, and the result of the choice in one phrase.
 
     Raises:
         HexciteError: too many candidates for the method.
-        InfeasiblePlan: so few poses do not determine the model.
+        InfeasiblePlan: the poses are too few to determine the model.
     """
     count = request.wanted(len(poses), regressors.shape[2])
     require_full_rank(regressors, model)

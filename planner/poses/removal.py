@@ -1,4 +1,4 @@
-"""Algorithm 1: from many poses to few, each time without the pose that the criterion misses least.
+"""Algorithm 1: from many poses to few; each step removes the pose that costs the criterion least.
 
 As printed, the last line removes for A and K, which are minimised, the most useful pose; the sign is corrected. For K
 the text can be read in two ways, both of which are here: the best value after the removal (`reduce_best`), or the
@@ -24,7 +24,7 @@ from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
 
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
-CHUNK = 16  # poses that are evaluated together at first
+CHUNK = 16  # number of poses that are evaluated together at first
 REFRESH = 48  # evaluations in one step after which new bounds are cheaper
 EXACT = 500  # removals after which the information is summed anew: differences accumulate rounding
 FEW = 60  # poses from which on the information is summed anew and the rank is watched at every step
@@ -33,11 +33,11 @@ MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it ev
 
 @dataclass(frozen=True, slots=True)
 class Reduction:
-    """What Algorithm 1 did."""
+    """Result of Algorithm 1."""
 
     removed: Index  # indices of the poses in the order of their removal, shape (n - r,)
     values: Array  # values of the criterion after each removal, shape (n - r,)
-    kept: Index  # indices of the poses that are left, ascending, shape (r,)
+    kept: Index  # indices of the remaining poses, ascending, shape (r,)
 
 
 def full_rank(regressors: Array) -> bool:
@@ -52,15 +52,15 @@ def full_rank(regressors: Array) -> bool:
 def reduce_best(
     regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
 ) -> Reduction:
-    """Removes, again and again, the pose without which the criterion is best; exactly, but only looks where it must.
+    """Removes poses one by one, each time the one without which the criterion is best; evaluates as few as possible.
 
     Stops early where every further removal would lose rank: `kept` then is the smallest set that the algorithm finds.
 
     Args:
-        regressors: scaled, of all poses, shape (n, 6, u); together of full rank.
-        done: called with the number of poses that are left, after each removal.
+        regressors: scaled regressors of all poses, shape (n, 6, u); together of full rank.
+        done: called with the number of remaining poses after each removal.
     """
-    members: Index = np.arange(len(regressors))  # of the screen; `alive` are those that are not yet removed
+    members: Index = np.arange(len(regressors))  # poses of the screen; `alive` are those that are not yet removed
     alive = np.ones(len(members), dtype=bool)
     information = total_information(regressors)
     present, screen = regressors, criterion.screen(regressors, information)
@@ -69,7 +69,7 @@ def reduce_best(
         removal = None
         if size > FEW:
             removal = _best_removal(present, criterion, screen, information, alive, REFRESH)
-        if removal is None:  # the bounds have become loose, or the sum wants to be exact
+        if removal is None:  # the bounds have become loose, or the sum must be exact
             members = members[alive]
             present, alive = regressors[members], np.ones(size, dtype=bool)
             if size <= FEW or size < len(regressors) - summed:
@@ -127,7 +127,7 @@ def _tied(best: float) -> float:
 def reduce_smallest_change(
     regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
 ) -> Reduction:
-    """Removes, again and again, the pose whose removal changes the criterion least, for the better or the worse.
+    """Removes poses one by one, each time the one whose removal changes the criterion least, for better or worse.
 
     Args: see `reduce_best`; at most `MOST_EXHAUSTIVE` poses, since all are evaluated at every step.
     """
@@ -151,14 +151,14 @@ def reduce_smallest_change(
 
 
 STEPS = 300
-HALVINGS = 2  # of the p-norm that smooths extreme eigenvalues, p = 8
-INSIDE = 1e-7  # kept from every edge, so that rounding of the solver cannot leave the space
+HALVINGS = 2  # halvings of the p-norm that smooths extreme eigenvalues, p = 8
+INSIDE = 1e-7  # distance from every edge, so that rounding of the solver cannot leave the space
 
 
 def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> tuple[Array, str]:
-    """Poses refined by IPOPT, or the start where nothing better was found, and what the solver said.
+    """Poses refined by IPOPT, or the start where nothing better was found, and the solver's status.
 
-    K and N by a smooth p-norm of the eigenvalues, rated by their exact values.
+    K and N are optimised by a smooth p-norm of the eigenvalues and rated by their exact values.
 
     Args:
         scaling: scaling of the columns, shape (u,).
@@ -202,7 +202,7 @@ def _value(model: Model, scaling: Array, criterion: PoseCriterion, poses: Array)
 def _pose_functions(
     model: Model, scaling: Array, space: PoseSpace | JointSpace, coordinates: int
 ) -> tuple[ca.Function, ca.Function]:
-    """Of one pose: lower triangle of its information; what must not be below 0."""
+    """Functions of one pose: lower triangle of its information, and margins, which must not be negative."""
     share, like, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(coordinates)
     matrix = model.coordinate_regressor(space.pose(share, like), none, none) @ ca.diag(ca.DM(scaling))
     triangle = ca.densify(matrix.T @ matrix)[ca.Sparsity.lower(len(scaling)).find()]
@@ -213,7 +213,7 @@ def _pose_functions(
 
 
 def _objective(letter: str, size: int) -> NumpyFunction:
-    """Lower triangle of the mean information -> what is minimised, smooth and of the order of 1."""
+    """Objective as a function of the lower triangle of the mean information, smooth and of the order of 1."""
     lower = ca.Sparsity.lower(size)
     rows, columns = np.array(lower.row()), np.array(lower.get_col())
 

@@ -114,7 +114,7 @@ class PoseSpace:
         return ca.vertcat(ca.DM(self.home[:2]) + self.radius * share[:2], like[2], rpy(tilted @ about_z))
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
-        """What must not be below 0 at such a pose: edges, machine."""
+        """Margins at such a pose, which must not be negative: edges of the space, machine."""
         inside = validity_margins(self.case)(self.pose(share, like))
         return ca.vertcat(1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4]), inside)
 
@@ -128,7 +128,7 @@ class JointSpace:
     """The joints' part of the motion box among which refinement searches; a `PoseSpace` of chains."""
 
     case: Case  # case with a chain
-    middle: Array  # of the box, shape (n,) [m or rad]
+    middle: Array  # middle of the box, shape (n,) [m or rad]
     half: Array  # half of its sides, shape (n,) [m or rad]
 
     @classmethod
@@ -165,7 +165,7 @@ class JointSpace:
         return ca.DM(self.middle) + ca.DM(self.half) * share
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
-        """What must not be below 0: clearances, torques and sensor forces at rest."""
+        """Margins, which must not be negative: clearances, torques and sensor forces at rest."""
         return 1 - ca.fabs(standing_limits(self.case)(self.pose(share, like)))
 
     def valid(self, poses: Array) -> NDArray[np.bool_]:
@@ -230,7 +230,7 @@ def margins_of(case: Case, poses: Array) -> Array:
 
 
 def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
-    """Whether the machine can stand at each pose, clear of every keep-out box, shape (n,)."""
+    """Whether the machine can stand at each pose, outside every keep-out box, shape (n,)."""
     machine, workspace, _ = case.need_machine("the validity of poses")
     valid = np.all(margins_of(case, poses) >= -ROUNDING, axis=1)
     turn, origin, base = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix(), poses[:, :3], machine.base.points
@@ -241,6 +241,6 @@ def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
 
 
 def places(case: Case, poses: Array) -> Array:
-    """Where {P} is at coordinates of a case's machine: poses (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad]."""
+    """Poses of {P} (x, y, z, roll, pitch, yaw) at coordinates of a case's machine, shape (n, 6) [m, rad]."""
     machine = machine_of(case)
     return poses if machine.of_pose else machine.kinematics(poses, 0.0 * poses, 0.0 * poses).pose

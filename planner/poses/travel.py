@@ -1,6 +1,6 @@
-"""How long the machine travels between poses: straight moves from rest to rest, timed by ruckig.
+"""Travel times between poses: straight moves from rest to rest, timed by ruckig.
 
-Moves keep every limit of `[limits.motion]` that concerns velocity, acceleration and jerk; where a strut would be too
+Moves satisfy every limit of `[limits.motion]` that concerns velocity, acceleration and jerk; where a strut would be too
 fast or a sensor overloaded, the whole move is slowed. On the way the machine must be able to stand at every place.
 """
 
@@ -18,11 +18,11 @@ from identification.overload import Loads
 from identification.trajectories.moves import Profile, StraightMove, fastest_profile, ruckig_profile
 from planner.poses.space import space_of
 
-INSTANTS = 161  # of a move, at which its struts are looked at
-COARSE = 17  # the same where there are so many pairs of poses that only their order matters
+INSTANTS = 161  # instants of a move at which its struts are checked
+COARSE = 17  # the same where the pairs of poses are so many that only their order matters
 MANY_PAIRS = 5000
 LIKE = 9  # decimals to which limits over the way agree [1/s, 1/s^2, 1/s^3] where moves have one time law
-CHUNK = 10_000  # pairs at once, bounds memory
+CHUNK = 10_000  # pairs at once: limits the memory
 
 
 def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
@@ -45,9 +45,9 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
 
 
 def travel_times(case: Case, poses: Array) -> Array:
-    """Duration of the fastest move between each two poses by ruckig, infinite where there is no way, shape (n, n) [s].
+    """Duration of the fastest move between each two poses by ruckig, infinite without a valid way, shape (n, n) [s].
 
-    Of more than a hundred poses struts are looked at in few places: good for an order, not for a proof.
+    For more than a hundred poses struts are checked in few places: enough for an order, not for a proof.
 
     Args:
         poses: shape (n, 6) [m, rad].
@@ -77,7 +77,7 @@ def travel_times(case: Case, poses: Array) -> Array:
 
 
 def require_ways(times: Array, order: NDArray[np.int64]) -> None:
-    """Raises InfeasiblePlan, naming the poses, where a way is none: infinite in times, shape (n, n) [s]."""
+    """Raises InfeasiblePlan, naming the poses, where a way does not exist: infinite in times, shape (n, n) [s]."""
     for a, b in pairwise(order):
         if not np.isfinite(times[a, b]):
             raise InfeasiblePlan(
@@ -92,7 +92,7 @@ def _laws(profiles: list[Profile], instants: int) -> Array:
 
 
 def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
-    """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,).
+    """Factor by which the struts need each move slowed; below 1 where it need not be, shape (n,).
 
     Args:
         start: shape (n, 6) [m, rad].
@@ -123,14 +123,14 @@ Index = NDArray[np.int64]
 STARTS = 12  # first poses that are tried
 FEW_STARTS, MANY = 1, 100  # of more poses than that, for their tours take long to improve
 LONGEST_STRETCH = 3
-GAIN = 1e-9  # [s] below, rounding would turn tours in circles
+GAIN = 1e-9  # [s] smallest gain: below it rounding would reverse stretches without end
 
 
 def shortest_order(times: Array) -> Index:
     """Order of visit, starting and ending with 0 (home), shape (n + 1,).
 
     Args:
-        times: symmetric, row and column 0 are home, shape (n, n), n >= 2 [s]; infinite where there is no way.
+        times: symmetric, row and column 0 are home, shape (n, n), n >= 2 [s]; infinite without a valid way.
     """
     finite = np.where(np.isfinite(times), times, 1e6)
     count = len(times)
@@ -142,7 +142,7 @@ def shortest_order(times: Array) -> Index:
 
 
 def duration(order: Index | list[int], times: Array) -> float:
-    """Time of travel in an order [s], by the times between places, shape (n, n) [s]."""
+    """Time of travel in an order [s], from the times between places, shape (n, n) [s]."""
     way = np.asarray(order)
     return float(times[way[:-1], way[1:]].sum())
 
@@ -168,7 +168,7 @@ def _improved(tour: list[int], times: Array) -> list[int]:
 
 
 def _reversed(way: Index, times: Array) -> Index | None:
-    """The best reversal of a stretch i+1 .. j; None where none helps."""
+    """The tour after the best reversal of a stretch i+1 .. j; None where no reversal is shorter."""
     a, b = way[:-1], way[1:]
     along = times[a, b]
     gain = along[:, None] + along[None, :] - times[np.ix_(a, a)] - times[np.ix_(b, b)]
@@ -180,7 +180,7 @@ def _reversed(way: Index, times: Array) -> Index | None:
 
 
 def _moved(way: Index, times: Array) -> Index | None:
-    """The best move of a stretch of up to three poses to another place, either way round; None where none helps."""
+    """The tour after the best shift of up to three poses, in either direction; None where no shift is shorter."""
     best, result = GAIN, None
     for length in range(1, min(LONGEST_STRETCH, len(way) - 2) + 1):
         for i in range(1, len(way) - length):
