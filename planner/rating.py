@@ -161,7 +161,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
         words.append(
-            f"the motion had to shrink to {100 * share:.0f} % of its size to satisfy every limit: plan with "
+            f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
             f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
         )
     checks = [c for c in planned.limits.checks if c.binding and c.kind.kinetic]
@@ -213,7 +213,7 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
         enough = enough_intervals(case, motion.duration)
         if knots < FEW_KNOTS * enough:
             words.append(
-                f"{knots} knots are too few for accelerations to reach their limits: --knots {enough} carries "
+                f"{knots} knots, not the machine, keep accelerations from their limits: --knots {enough} carries "
                 "more information"
             )
     if len(request.payloads) > 1:

@@ -116,18 +116,18 @@ def _units_of(case: str) -> tuple[str, ...]:
 
 
 def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
-    """The reachable share of the motion box, and how far each coordinate goes alone."""
+    """Prints the reachable share of the motion box, and how far each coordinate goes alone."""
     from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
 
     if reach.share < 1.0:
         console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
     print(share_sentences(reach))
     if advise and not reach.whole:
-        print(f"Plans keep these limits too. `hexcite case check {case} --propose` finds the largest reachable box.")
+        print(f"Plans satisfy these limits too. `hexcite case check {case} --propose` finds the largest reachable box.")
 
 
 def _print_proposal(box: "MotionBox") -> None:
-    """The box as lines of a case file, and what is known of it."""
+    """Prints the box as lines of a case file, with its figures."""
     from planner.precision import share_text
     from planner.reports.case_figures import percent
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 LONGEST_NUMBER = 12  # characters
-FOLDED = 12  # characters that a column of words keeps at least
+FOLDED = 12  # fewest characters of a column of words
 EDGES, GAP = 2, 3  # characters around a table, and between its columns
 EVERY = 10.0  # [s] between two lines of progress where there is no terminal
 WIDEST = 1000  # characters that a table may take
@@ -42,29 +42,29 @@ Criterion = Annotated[
 
 
 def option(text: str, *names: str) -> Any:
-    """What typer knows of an option: what it means, and its names where they are not that of the parameter."""
+    """An option for typer: its meaning, and its names where they differ from the parameter's."""
     return typer.Option(*names, help=text)
 
 
 def argument(text: str) -> Any:
-    """What typer knows of an argument."""
+    """An argument for typer: its meaning."""
     return typer.Argument(help=text)
 
 
 def out(text: str) -> Any:
-    """What typer knows of the option that says where to write."""
+    """The option for typer that says where to write."""
     return typer.Option("-o", "--output", help=text)
 
 
 def answered(answer: dict[str, Any], as_json: bool) -> bool:
-    """Whether the answer was asked for, and then printed, as one JSON object; else it is shown to people."""
+    """Prints the answer as one JSON object where that was requested; returns whether it was."""
     if as_json:
         print(json.dumps(answer, allow_nan=False))
     return as_json
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], right: bool = True) -> None:
-    """A table; all columns but the first are numbers unless `right` is False.
+    """Prints a table; all columns but the first are numbers unless `right` is False.
 
     A terminal too narrow for it folds words, never numbers; a pipe gets every row on one line.
     """
@@ -142,7 +142,7 @@ def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
 
 
 def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
-    """Rows of a limit report; what a controller's own time law decides is predicted, with a ~."""
+    """Rows of a limit report; values that follow from a controller's own time law are predictions, marked with ~."""
     rows = []
     for check in checks:
         proven = check.status == "proven"
@@ -159,7 +159,7 @@ def save_with_page(value: Any, kind: "FolderKind", folder: Path, overwrite: bool
     """Writes a value with its page report.html.
 
     Raises:
-        FileProblem: the folder is somebody's, or cannot be written.
+        FileProblem: the folder holds other files, or cannot be written.
     """
     from cases.files import atomic_folder
     from planner.reports import page_of

@@ -99,7 +99,7 @@ def force(
 def _read(
     recording: Path, parameters: Path, case: str | None, stale: bool
 ) -> "tuple[Recording, Result, tuple[str, ...]]":
-    """The run, the result whose parameters are used, and what has changed in the case since."""
+    """The run, the result whose parameters are used, and the changes of the case since."""
     from identification.outcome import Result
     from identification.recording import read
     from planner.cli.identification import case_of
@@ -110,7 +110,7 @@ def _read(
 
 
 def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
-    """Columns, behind a comment for each remark on a case that has changed since."""
+    """Writes the columns after a comment for each remark on a case that has changed since."""
     import numpy as np
     import pyarrow as pa
     import pyarrow.csv as pacsv

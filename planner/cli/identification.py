@@ -1,4 +1,4 @@
-"""What the options of identify say, and how a result is printed for people and answered as JSON."""
+"""Options of identify, and a result as text for people and as JSON."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,11 +33,11 @@ def case_of(
     """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
 
     Args:
-        case: named case, which is taken as it is now; None where the folder knows.
-        result: folder of a result, whose case is taken where the recording names none.
+        case: named case, in its present state; None for the case of the folder.
+        result: folder of a result, whose case is used where the recording names none.
 
     Raises:
-        RecordingError: no recording, or nothing says which machine it is from.
+        RecordingError: there is no recording, or its machine is unknown.
         FileProblem: its case has changed, and `stale` is not set.
         CaseError: the case cannot be read.
     """
@@ -65,7 +65,7 @@ def read_conditioning(
         period: `auto` or seconds, as typed.
 
     Raises:
-        HexciteError: not understood, or options that do not go together.
+        HexciteError: the period is not understood, or options exclude each other.
     """
     if harmonics is not None and period is None:
         raise HexciteError(f"--harmonics {harmonics}: is for periodic runs; add --period auto or --period SECONDS")
@@ -127,8 +127,8 @@ def method_of(
     """The method that a user asks for, by the options as typed.
 
     Raises:
-        HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator, a
-            result that is none or belongs to another case.
+        HexciteError: a value is not understood, the model does not have a name, the estimator is unknown, or a
+            result is damaged or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
     constants = read_values(fix or (), units, model.number)
@@ -150,7 +150,7 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
 
 
 def verify_result(path: Path, result: Result, quiet: bool) -> dict[str, Any]:
-    """How well the parameters predict another run: what is left of force and moment, and of each channel."""
+    """Answer on how well the parameters predict another run: residual force and moment, and rms of each channel."""
     forces = over_recording(read(path, result.case), result, whole=False)
     deviation = forces.wrench.std(axis=0)
     answer = {
@@ -167,7 +167,7 @@ def verify_result(path: Path, result: Result, quiet: bool) -> dict[str, Any]:
             ", ".join(f"{v:.3g}" for v in answer["force_3s_N"]),
             ", ".join(f"{v:.3g}" for v in answer["moment_3s_Nm"]),
         )
-        print(f"verified on {path}: left of the force +- {force} N (3 s), of the moment +- {moment} N m (3 s)")
+        print(f"verified on {path}: residual force +- {force} N (3 s), residual moment +- {moment} N m (3 s)")
     return answer
 
 
@@ -178,7 +178,7 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
         scale, unit = legible(p["unit"])
         estimate = Value(p["value"], p["std"], p["std_robust"], p["unit"])
         deviations = (estimate.reported, estimate.std, estimate.std_robust)
-        given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
+        given = deviations[0] <= 1e-9 * abs(p["value"])  # a given value deviates by rounding only
         texts = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
         value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
         rows.append([parameter_words(name, rods), value, *texts, unit])
@@ -186,7 +186,7 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
 
 
 def show_residuals(answer: dict[str, Any]) -> None:
-    """Prints s0 and what the model leaves of the recorded forces; a filter lets s0 see the smaller part only."""
+    """Prints s0 and the residuals of the recorded forces; behind a filter s0 contains the smaller part only."""
     equal = answer["weights"] == "equal"
     sentence = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
     if equal and answer["delay_s"] is not None and answer["s0_N"] > 2.0 * answer["s0"]:
@@ -195,7 +195,7 @@ def show_residuals(answer: dict[str, Any]) -> None:
 
 
 def show_noise(answer: dict[str, Any]) -> None:
-    """Prints what s0 consists of and what noise draws the parameters by, where the case states noise."""
+    """Prints the parts of s0 and the bias of the parameters by noise, where the case states noise."""
     sources = answer["noise_sources"]
     if sources is None:
         return
@@ -243,7 +243,7 @@ def show_result(answer: dict[str, Any]) -> None:
         values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(sensor["bias_m_s2"], sensor["std_m_s2"], strict=True))
         turn = ", ".join(f"{1e3 * t:.1f}" for t in sensor["turn_rad"])
         print(
-            f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; {sensor['rms_m_s2']:.2g} m/s^2 rms are left"
+            f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; residual {sensor['rms_m_s2']:.2g} m/s^2 rms"
         )
     if answer["biases"] is not None:
         also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""

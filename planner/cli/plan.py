@@ -10,7 +10,7 @@ import typer
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
-MOST_USED = 0.9  # share of a limit from which on it is shown
+MOST_USED = 0.9  # share of a limit from which it is shown
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -22,7 +22,7 @@ BELONGS = {
     "free_order": ("fourier",), "free_period": ("fourier",),
     "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
 }  # fmt: skip
-OPTIONS = {"controller": "for"}  # that are not called as their parameters are
+OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
 def plan(
@@ -120,7 +120,7 @@ def plan(
         result = planned(request, loaded, remark)
     if output is None and result.family != family:  # by itself
         folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
-    with console.status("writing", json), first_ctrl_c():  # it is soon done
+    with console.status("writing", json), first_ctrl_c():  # this takes a short time
         console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
     if not console.answered(answer, json):
@@ -131,7 +131,7 @@ def read_payloads(text: str) -> tuple[int, int | None]:
     """The most payloads that may be mounted, and the fewest where `text` is a range such as 0-5.
 
     Raises:
-        HexciteError: neither.
+        HexciteError: the text is neither a number nor a range.
     """
     from cases.errors import HexciteError
 
@@ -142,10 +142,10 @@ def read_payloads(text: str) -> tuple[int, int | None]:
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:
-    """An option that would do nothing is a misunderstanding.
+    """Refuses options that would have no effect.
 
     Raises:
-        HexciteError: an option was given that belongs to another family, or fixes what another one leaves free.
+        HexciteError: an option belongs to another family, or fixes a setting that another option leaves free.
     """
     from cases.errors import HexciteError
 

@@ -1,4 +1,4 @@
-"""`hexcite post`, `hexcite check` and `hexcite run`: programs out, programs back in, and executed."""
+"""`hexcite post`, `hexcite check` and `hexcite run`: programs are written, read back and executed."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -110,7 +110,7 @@ def check(
 
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
-    """The JSON answer of a program that was proven, or not."""
+    """The JSON answer of a proof, whether it succeeded or not."""
     from planner.plan_program import written_for_another
 
     proof, other = program.proof, written_for_another(program.content, program.case)
@@ -216,7 +216,7 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
 
 
 def exceeded_sentence(peaks: Mapping["LimitKind", float], outcome: "RunOutcome") -> Iterator[str]:
-    """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
+    """Sentences on limits that the executing controller exceeded, which may not be the one that the program is for."""
     exceeded = {kind for kind, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
     safe = {kind for kind in exceeded if kind.family in enforced}

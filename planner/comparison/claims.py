@@ -25,7 +25,7 @@ class Claim(NamedTuple):
 
 
 def claims_of(trials: Sequence[Trial]) -> list[Claim]:
-    """Answers to what the paper's comparison asks, for the methods that were run."""
+    """Answers to the questions of the paper's comparison, for the methods that were run."""
     bare = {s.method: s for s in trials if s.weights == 0}
     claims = [
         claim
@@ -44,7 +44,7 @@ def _smaller(ours: Trial, theirs: Trial) -> list[Claim]:
 
     Those of motions are compared by (28) at each method's own s0, as the paper reports them; by those that allow for
     noise with memory and errors of the pose, which are themselves estimates from one run; and, on a simulated machine,
-    by what they truly are.
+    by the true ones.
     """
     shared = [n for n in theirs.estimate.physical if n in ours.estimate.physical]
     pairs = [(n, ours.estimate.physical[n], theirs.estimate.physical[n]) for n in shared]
@@ -77,7 +77,7 @@ def _smaller(ours: Trial, theirs: Trial) -> list[Claim]:
 
 
 def _honest(*trials: Trial) -> str:
-    """How far deviations that allow for noise with memory and errors of the pose are from the true ones."""
+    """Ratio of deviations that allow for noise with memory and errors of the pose to the true ones, in words."""
     if not all(s.scatter for s in trials):
         return ""
     words = []
@@ -121,7 +121,7 @@ def _inside(trials: Sequence[Trial]) -> Claim:
 
 
 def off_rows(trials: Sequence[Trial]) -> list[list[str]]:
-    """Where an estimate is off: error and what it consists of, in reported standard deviations, and its cause."""
+    """Rows of estimates that are off: error and its parts, in reported standard deviations, and its cause."""
     rows = []
     for trial in trials:
         for name, parts in trial.budget.items():
@@ -138,6 +138,6 @@ OFF_COLUMNS = ("method", "load", "parameter", "error", "in std", "mode", "pose",
 
 
 def _off(trial: Trial, name: str) -> str:
-    """Masses and inertias in per cent, coordinates in millimetres: those about zero have no per cent."""
+    """The error in words: per cent for masses and inertias, millimetres for coordinates, which may be about zero."""
     error = trial.estimate.physical[name].value - trial.truth[name]
     return f"{error * 1e3:+.2f} mm" if name[1:] == "C" else f"{100 * error / trial.truth[name]:+.2f} %"

@@ -1,4 +1,4 @@
-"""Comparison of plans, runs and results: what belongs together, and which excitation to prefer."""
+"""Comparison of plans, runs and results: their groups, and which excitation to prefer."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,8 +16,8 @@ from planner.plans import Plan
 from planner.vibration import least_shaken
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
-ONE_NOISE = 1.0001  # ratio of noises that are one
-SAME_LOAD = 1e-3  # [kg] of the weights mounted
+ONE_NOISE = 1.0001  # ratio below which noises are the same
+SAME_LOAD = 1e-3  # [kg] difference of the mounted weights below which loads are the same
 NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
 
@@ -25,7 +25,7 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries that belong together: a plan, its runs and their results; a result knows its run by hash.
 
     A run belongs to the plan whose fingerprint it carries, a result without its run to the plan of that run. A result
-    takes what its run knows of time and machine.
+    has time and machine from its run.
     """
     entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
@@ -56,7 +56,7 @@ def _group_of_plan(entry: Entry, known: Sequence[list[Entry]], entry_groups: lis
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Why figures do not compare, and what the evaluations of runs and results warned of."""
+    """Reasons why figures do not compare, and warnings of the evaluations of runs and results."""
     warnings = []
     if len({e.model for e in entries}) > 1:
         warnings.append("models differ: criteria of different models do not compare, standard deviations do")
@@ -84,22 +84,22 @@ def _listed(pairs: Iterable[tuple[str, Entry]]) -> str:
 
 
 class Recommendation(NamedTuple):
-    """Which one to prefer."""
+    """Recommendation of one excitation."""
 
-    best: str | None  # its name; None where nothing can be compared
-    level: str  # what the figures are: planned, executed or identified
+    best: str | None  # name of the one to prefer; None where nothing can be compared
+    level: str  # origin of the figures: planned, executed or identified
     ratios: Mapping[str, float]  # geometric mean of the standard deviations of each, over the best one's
-    sentences: tuple[str, ...]  # why
+    sentences: tuple[str, ...]  # reasons
 
 
-def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
+def recommend(entries: Sequence[Sequence[Entry]]) -> Recommendation:
     """Recommends the excitation with the smallest standard deviations, by the best evidence that all of them have."""
-    common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in found)]
+    common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in entries)]
     remarks = []
     if common:
-        level, selection = common[0].name.lower(), [e for g in found for e in g if e.level is common[0]]
+        level, selection = common[0].name.lower(), [e for g in entries for e in g if e.level is common[0]]
     else:
-        level, selection = "mixed", [max(g, key=lambda e: e.level) for g in found]
+        level, selection = "mixed", [max(g, key=lambda e: e.level) for g in entries]
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) == 1:
@@ -122,7 +122,7 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
 
 
 def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
-    """Entries of one machine, one load and one noise each; what is unknown of an entry agrees with everything."""
+    """Entries of one machine, one load and one noise each; unknown properties of an entry agree with everything."""
     result: list[list[Entry]] = []
     for entry in entries:
         homes = (g for g in result if all(_comparable(entry.conditions, other.conditions) for other in g))
@@ -141,7 +141,7 @@ def _comparable(one: Conditions, other: Conditions) -> bool:
         return False
     if one.noise is None or other.noise is None:
         return True
-    if one.case.recording.rate_Hz != other.case.recording.rate_Hz:  # as many samples a second carry the noise
+    if one.case.recording.rate_Hz != other.case.recording.rate_Hz:  # the noise is that of a sample
         return False
     if one.case.sensors.pose_field != other.case.sensors.pose_field:  # one prediction counts errors of the pose
         return False
@@ -213,7 +213,7 @@ def _size(entry: Entry, names: Iterable[str]) -> float:
 class Comparison:
     """Excitations before and after running them."""
 
-    groups: tuple[tuple[Entry, ...], ...]  # what belongs together: a plan, its runs and their results
+    groups: tuple[tuple[Entry, ...], ...]  # each group: a plan, its runs and their results
     advice: Recommendation  # which one to prefer
 
     @property
@@ -223,11 +223,11 @@ class Comparison:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Why figures do not compare, and warnings of the evaluations."""
+        """Reasons why figures do not compare, and warnings of the evaluations."""
         return warnings_of(self.entries)
 
     def to_json(self) -> dict[str, Any]:
-        """What `comparison.json` holds."""
+        """Entries of `comparison.json`."""
         return {
             "rows": [e.to_json() for e in self.entries],
             "groups": [[e.name for e in g] for g in self.groups],
@@ -236,7 +236,7 @@ class Comparison:
         }
 
     def write(self, folder: Path) -> None:
-        """Writes comparison.json into a folder that is there."""
+        """Writes comparison.json into an existing folder."""
         (folder / "comparison.json").write_text(json_text(self.to_json()), encoding="utf-8")
 
     def save(self, folder: Path | str, overwrite: bool = False) -> None:
@@ -246,20 +246,20 @@ class Comparison:
             self.write(part)
 
     def __repr__(self) -> str:
-        """What is compared, and the recommendation."""
+        """The entries and the recommendation, as text."""
         names = ", ".join(entry.name for entry in self.entries)
         return "\n".join([f"Comparison of {names}", *self.advice.sentences])
 
 
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:
-    """Cost, information and standard deviations side by side, and which excitation to prefer.
+    """Comparison of cost, information and standard deviations, with the excitation to prefer.
 
     A result belongs to the run it was made of, a run to the plan that its program was written from.
 
     Args:
         things: plans, and folders of plans, poses, runs and results, in any mix.
-        case: instead of the one that a folder names.
-        stale: go on although a case has changed since.
+        case: replaces the case that a folder names.
+        stale: whether to go on although a case has changed since.
 
     Raises:
         HexciteError: one cannot be used, or is named twice.

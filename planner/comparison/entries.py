@@ -32,7 +32,7 @@ from planner.vibration import Vibration, vibration
 
 
 class Level(IntEnum):
-    """How far an excitation has come."""
+    """Stage of an excitation."""
 
     PLANNED = 1
     EXECUTED = 2
@@ -48,31 +48,31 @@ class Deviation(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """What something was planned, executed or identified under, and made of; None where that is unknown."""
+    """Conditions of a plan, run or result, and its origin; None where they are unknown."""
 
     case: Case
     noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
     load: float | None = None  # mass of the weights that are mounted [kg]
     machine: str | None = None  # machine that was measured, in words; None for plans
-    recordings: frozenset[str] = frozenset()  # fingerprints of the recordings that it is or was made of
-    plan: str | None = None  # fingerprint of the plan that it is or followed
+    recordings: frozenset[str] = frozenset()  # fingerprints of its recordings
+    plan: str | None = None  # fingerprint of its plan
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing that is compared."""
+    """A plan, run or result in a comparison."""
 
     name: str  # as the user named it
     level: Level  # plan, run or result
     conditions: Conditions
     model: int  # number in Table 2
-    family: str  # family of the plan, or what the recording says
+    family: str  # family of the plan, or the description in the recording
     duration: float | None  # measuring time [s]; None where that is unknown
     samples: int  # samples of forces that count
     # A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown
     criteria: Mapping[str, float]
     parameters: Mapping[str, Deviation]  # parameters by name
-    s0: float | None  # s0 of an identified one [N]
+    s0: float | None  # s0 of a result [N]; None otherwise
     notes: Mapping[str, float]  # figures of the execution, by name
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
     # vibration of a planned motion on a machine with a structural mode; None where the case states none
@@ -103,11 +103,11 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     """Reads a plan, recording or result folder.
 
     Args:
-        case: instead of the one that the folder names.
-        stale: read it although its case has changed since; a warning says so.
+        case: replaces the case that the folder names.
+        stale: whether to read it although its case has changed since; a warning says so.
 
     Raises:
-        FileProblem: it is none of these.
+        FileProblem: the folder is not one of these.
         HexciteError: it cannot be used; the message says why.
     """
     if (path / "plan.json").is_file():
@@ -125,7 +125,7 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
 
 
 def entry_of_plan(saved: Plan, name: str) -> Entry:
-    """A plan as it is compared, under a name."""
+    """The entry of a plan, under a name."""
     model = identification_model(saved.case, saved.model)
     scaling = reference_scaling(saved.case, model)
     rate, assumed, poses = saved.case.recording.rate_Hz, saved.assumed_rate, saved.poses
@@ -137,11 +137,11 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), saved.assumed_noise, saved.payloads[-1]
-    if len(poses):  # there it is that of averages
+    if len(poses):  # the noise of plans of poses is that of averages
         noise *= float(np.sqrt(max(float(saved.worth.settings["average_s"]) * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
-    scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
+    scale = float(np.sqrt(assumed / rate))  # the case may state another rate since
     deviations = {n: Deviation(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
         name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=fingerprint(saved)),

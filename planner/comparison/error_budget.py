@@ -1,4 +1,4 @@
-"""What the error of an estimate on a simulated machine consists of, and what it is over machines."""
+"""Parts of the error of an estimate on a simulated machine, and its standard deviation over machines."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,13 +20,13 @@ from identification.simulate import ForceParts, pose_covariance
 
 @dataclass(frozen=True, slots=True)
 class LinearAnswer:
-    """What parameters become of forces."""
+    """Linear map from forces to parameters."""
 
-    forces: Array  # as evaluated, shape (n, 6) [N]
+    forces: Array  # evaluated forces, shape (n, 6) [N]
     matrices: Array  # A_j of the parameters alone, shape (n, 6, u)
-    answer: Array  # u = sum over j of answer_j f_j, what is estimated beside u included, shape (u, n, 6)
+    answer: Array  # u = sum over j of answer_j f_j, with further estimated quantities, shape (u, n, 6)
     poses: Array  # poses of the evaluated samples, shape (n, 6) [m, rad]
-    run: Run | None  # a moving run with its filter; None where it stands
+    run: Run | None  # a moving run with its filter; None for standstills
 
     def seen(self, added: Array) -> Array:
         """Forces of all samples of the recording as the evaluation sees them, shape (n, 6) [N]."""
@@ -37,7 +37,7 @@ class LinearAnswer:
         return np.asarray(self.forces - self.matrices @ truth)
 
     def of(self, forces: Array) -> Array:
-        """What evaluated forces, shape (n, 6, k) [N], move the parameters by, shape (u, k) [SI]."""
+        """Shifts of the parameters, shape (u, k) [SI], by evaluated forces, shape (n, 6, k) [N]."""
         return np.asarray(np.tensordot(self.answer, forces, axes=2))
 
 
@@ -68,7 +68,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     return LinearAnswer(forces, matrices, answer * scale, Hexapod.of(case).poses(struts), run)
 
 
-BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # whose errors are reported
+BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # parameters whose errors are reported
 SUSPICIOUS = 3.0  # reported standard deviations; more is a systematic error
 MODE, POSE, NOISE = "the structural mode", "the errors of the pose", "the noise of the sensors"
 RIPPLE, LEFT_OUT = "ripple and sampling", "samples that were left out"
@@ -83,14 +83,14 @@ def cause_of(parts: Mapping[str, float]) -> str:
 def error_budget(
     answer: LinearAnswer, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array
 ) -> dict[str, dict[str, float]]:
-    """Takes the error of an estimate, less truth, apart: what adds up to it of each parameter, by cause [SI].
+    """Parts of the error of an estimate, less truth, which add up to it: for each parameter, by cause [SI].
 
-    What is left of the forces beside mode, pose errors and noise is that of ripple, encoders and sampling: motion that
-    the evaluation sees otherwise than the sensors measured it. Ripple that the mode amplifies counts as the mode's.
+    The residual forces beside mode, pose errors and noise are those of ripple, encoders and sampling: motion that
+    the evaluation computes otherwise than the sensors measured it. Ripple that the mode amplifies counts as the mode's.
 
     Args:
         recording: recording that was identified, averaged where it stands.
-        parts: what its true forces consist of, at the same rows.
+        parts: parts of its true forces, at the same rows.
         estimate: estimate by least squares.
         truth: linear parameters u of its model, shape (u,) [SI].
     """
@@ -115,11 +115,11 @@ def true_deviations(
 ) -> dict[str, float]:
     """Standard deviations of parameters over machines that differ in their pose errors, by name [SI].
 
-    The errors of the pose have the covariance that the simulated machine draws them from; all the rest is white, as
-    (28) has it.
+    The errors of the pose have the covariance that the simulated machine samples them from; all the rest is white, as
+    in (28).
 
     Args:
-        load: mass of the weights on it [kg].
+        load: mass of the mounted weights [kg].
     """
     model = estimate.model
     home = case.need_machine("a validation")[0].home.vector

@@ -39,7 +39,7 @@ REQUESTS: Mapping[str, Request | PoseRequest] = {
 METHODS = tuple(REQUESTS)
 
 Count = Callable[[str, int], None]
-"""Is called with what is done now, and with how many steps that ends."""
+"""Function that is called with the present step in words and the number of steps that it ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +48,8 @@ class ValidationSettings:
 
     on: str = "virtual"  # controller: virtual or linuxcnc
     starts: int = 2  # random starts of the optimised methods
-    seed: int = 0  # of the starts and of the sensors' noise
-    plans: Path | None = None  # folder of an earlier validation whose plans are taken; None: plan anew
+    seed: int = 0  # seed of the starts and of the sensors' noise
+    plans: Path | None = None  # folder of an earlier validation whose plans are used; None: plan anew
 
     def __post_init__(self) -> None:
         Request(starts=self.starts, seed=self.seed)  # which says what these can be
@@ -73,13 +73,13 @@ def require_methods(names: Sequence[str]) -> None:
 
 @contextmanager
 def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite: bool = False) -> Iterator[Path]:
-    """Yields the folder that keeps the plans until the validation is written, whatever ends it.
+    """Yields the folder that holds the plans until the validation is written, also after an interruption.
 
-    What an earlier one left there is used where it belongs to the same case and settings.
+    Plans of an earlier validation there are used where they belong to the same case and settings.
 
     Args:
         output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
-        overwrite: drop what belongs to another case or other settings.
+        overwrite: whether to remove plans of another case or other settings.
 
     Raises:
         FileProblem: the folder is somebody's, or of another case or other settings.
@@ -113,7 +113,7 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
 
 
 def make_places(folder: Path) -> None:
-    """Makes the folders that `carry_out` fills."""
+    """Makes the folders for the files of `carry_out`."""
     for name in ("plans", "programs"):
         (folder / name).mkdir(parents=True, exist_ok=True)
 
@@ -136,11 +136,11 @@ def carry_out(
     Args:
         mounted: numbers of weights, from 0 on.
         folder: folder that takes plans and programs; a plan that it holds already is not made again.
-        count: called with what is done now and the number of steps that this ends.
+        count: called with the present step in words and the number of steps that it ends.
 
     Returns:
-        Trials of the methods that could be carried out; controller of each method, and what to know about its run; why
-        the others failed.
+        Trials of the methods that could be carried out; controller of each method, with a remark on its run; reasons
+        why the others failed.
 
     Raises:
         HexciteError: no method could be carried out.

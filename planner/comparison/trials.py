@@ -31,23 +31,23 @@ SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What a method identifies with some of the weights mounted: one row of Table 7."""
+    """Identification by a method with some of the weights mounted: one row of Table 7."""
 
     method: str  # its name
-    weights: int  # so many
+    weights: int  # number of mounted weights
     load: float  # their mass [kg]
     duration: float | None  # measuring time [s]
     estimate: Estimate
     theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
     truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
-    # what a simulated machine's errors consist of, by parameter and cause [SI]; empty for recordings
+    # parts of a simulated machine's errors, by parameter and cause [SI]; empty for recordings
     budget: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
     scatter: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def s0(self) -> float:
-        """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
+        """The value of (27) for the recorded forces, with the degrees of freedom of the parameters [N]."""
         forces = 6 * self.estimate.evaluated.samples
         return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.model.names))))
 
@@ -65,7 +65,7 @@ class Trial:
         return (value.value - self.truth[name]) / value.reported
 
     def parts_in_std(self, name: str) -> dict[str, float]:
-        """What the error of a parameter consists of, by cause, in reported standard deviations."""
+        """Parts of the error of a parameter, by cause, in reported standard deviations."""
         std = self.estimate.physical[name].reported
         return {cause: part / std for cause, part in self.budget[name].items()}
 
@@ -95,20 +95,20 @@ class Excitation:
     case: Case  # case with a simulated machine
     name: str  # method
     duration: float  # measuring time as executed [s]
-    execution: Execution  # what the controller did
+    execution: Execution  # motion that the controller executed
     trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
     poses: Array  # poses at which the program measures standing still, shape (k, 6), empty for motions [m, rad]
-    seed: int  # of the sensors' noise
-    controller: str = ""  # controller that executed it, and what to know about the run
+    seed: int  # seed of the sensors' noise
+    controller: str = ""  # controller that executed it, with a remark on the run
 
     def moved(self, weights: int, disturbances: Disturbances | None) -> Moved:
-        """What the machine did with some weights mounted; its drives ripple anew in each run."""
+        """The machine's motion with some weights mounted; its drives ripple anew in each run."""
         return moved(self.case, self.execution, Circumstances((), disturbances), self.seed + weights)
 
     def recorded(
         self, weights: int, disturbances: Disturbances | None, run: Moved | None = None
     ) -> tuple[Recording, ForceParts]:
-        """The run with some weights mounted, averaged where it stands, and what its forces consist of."""
+        """The run with some weights mounted, averaged where it stands, and the parts of its forces."""
         around = Circumstances(_weights(self.case, weights), disturbances)
         run = self.moved(weights, disturbances) if run is None else run
         source = f"{self.name} with {weights} weights"
@@ -158,7 +158,7 @@ def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Raises:
-        FileProblem: there is none without payload, fewer than two, or one of those between is missing.
+        FileProblem: the run without payload or one of the others is missing, or there are fewer than two.
         HexciteError: a run cannot be evaluated.
     """
     runs = {
@@ -209,7 +209,7 @@ def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
     """Numbers of weights to mount, by default 0 and each up to all of them.
 
     Raises:
-        HexciteError: no numbers, more weights than there are, not from 0 upwards.
+        HexciteError: the text is not numbers from 0 upwards, or they are more weights than there are.
     """
     most = len(_weights(case, 99))
     if wanted is None:

@@ -32,7 +32,7 @@ class Validation:
     case: Case  # machine and weights
     machine: str  # machine that was identified, in words
     trials: tuple[Trial, ...]
-    claims: tuple[Claim, ...]  # what follows from them
+    claims: tuple[Claim, ...]  # claims that follow from the trials
     failed: Mapping[str, str]  # methods that could not be carried out, and why
     executed: Mapping[str, str]  # controller of each method that was simulated
     controller: str | None  # controller that ran the programs; None for recordings of a machine
@@ -41,7 +41,7 @@ class Validation:
     made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
 
     def to_json(self) -> dict[str, Any]:
-        """What `validation.json` holds."""
+        """Entries of `validation.json`."""
         return {
             "case": self.case.name,
             "case_hash": self.case.hash,
@@ -56,7 +56,7 @@ class Validation:
         }
 
     def write(self, folder: Path) -> None:
-        """Writes validation.json, plans and programs into a folder that is there."""
+        """Writes validation.json, plans and programs into an existing folder."""
         (folder / "validation.json").write_text(json_text(self.to_json()), encoding="utf-8")
         for name, content in self.made.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -83,15 +83,15 @@ def validate(
     folder: Path | str | None = None,
     count: Count = lambda remark, steps: None,
 ) -> Validation:
-    """The payload experiment on the case's simulated machine.
+    """Carries out the payload experiment on the case's simulated machine.
 
     Args:
         case: case with payloads and a simulated machine.
         mounted: numbers of weights, from 0 on; by default none, and each up to all.
         undisturbed: whether the simulated structure is an ideal one.
-        folder: folder that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless
+        folder: folder for plans and programs, in which an existing plan is not made again; a temporary one unless
             given.
-        count: called with what is done now, and with how many steps that ends.
+        count: called with the present step in words and the number of steps that it ends.
 
     Raises:
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
@@ -124,7 +124,7 @@ def validate(
 
 
 def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
-    """What disturbs the simulated machine; refused where it cannot be run."""
+    """Disturbances of the simulated machine; raises HexciteError where it cannot be run."""
     require_controller(settings.on)
     disturbances = case.need_simulation("a validation without recordings").disturbances
     if disturbances is None and not undisturbed:
@@ -133,10 +133,10 @@ def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool)
 
 
 def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | None = None) -> Validation:
-    """The payload experiment from a real machine's recordings.
+    """Evaluates the payload experiment from a real machine's recordings.
 
     Args:
-        recordings: folder with one folder a method, of the runs 0, 1, .. named after the weights mounted.
+        recordings: folder with a folder for each method, whose runs 0, 1, .. are named after the number of weights.
         methods: names of folders; None for all.
 
     Raises:

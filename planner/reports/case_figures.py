@@ -1,6 +1,6 @@
-"""What `hexcite case check` reports beyond "valid": figures of a case, and values that are valid but hardly meant.
+"""What `hexcite case check` reports beyond "valid": figures of a case, and values that are valid but suspicious.
 
-Those are left over from another machine, or in units that were mistaken.
+Such values come from another machine, or are in mistaken units.
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from planner.reach import Reach
 from planner.search.feasibility import remedy
 
 GRID = (-1.0, 0.0, 1.0)
-MOST_COORDINATES = 7  # whose corners and middles are all looked at
+MOST_COORDINATES = 7  # largest number of coordinates whose corners and middles are all checked
 STATIC = (
     LimitKind.STRUT_LENGTH, LimitKind.BASE_JOINT_ANGLE, LimitKind.PLATFORM_JOINT_ANGLE, LimitKind.SINGULARITY,
     LimitKind.POSITION, LimitKind.ANGLE, LimitKind.DISTANCE_FROM_BOX,
@@ -108,7 +108,7 @@ def share_words(reach: Reach) -> str:
 
 
 def share_sentences(reach: Reach) -> str:
-    """How much of the box's volume is reachable, and which limits the rest exceeds, in a line."""
+    """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
     worst = f"{share_text(reach.worst)} of the limit {reach.worst_limit}"
     poses = f"{reach.poses} random poses"
     if reach.whole:
@@ -157,7 +157,7 @@ def leftovers(case: Case) -> tuple[str, ...]:
 
 
 def _of_torques(case: Case) -> Iterator[str]:
-    """Torques that nothing is compared with."""
+    """Sentence on limits of torque or force that need the body of a link which is not stated."""
     joints = () if case.chain is None else case.chain.joints
     without = [joint.name for joint in joints if joint.link is None]
     if without and any(joint.torque_Nm or joint.force_N for joint in joints):
@@ -168,7 +168,7 @@ def _of_torques(case: Case) -> Iterator[str]:
 
 
 def _of_other_machines(case: Case) -> Iterator[str]:
-    """Tables that equal those of a built-in case, each named once, with the case that has most of them."""
+    """Sentences on tables that equal those of a built-in case, each named once, with the case that has most of them."""
     own = {name: table for name in _TABLES if len(table := values(case, [name])) > 1}  # one value may well be the same
     same = {
         other: [name for name, table in own.items() if table == values(load_case(other), [name])]
@@ -229,7 +229,7 @@ def _joints(case: Case) -> dict[str, Joints]:
 
 
 def mistaken_units(case: Case) -> Iterator[str]:
-    """Angles that look like radians and lengths that look like metres."""
+    """Sentences on angles that look like radians and lengths that look like metres."""
     angles: dict[str, tuple[float, float]] = {}
     lengths: dict[str, float] = {}
     if case.workspace is not None:

@@ -1,4 +1,4 @@
-"""The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
+"""The page of a comparison: parameters side by side (Table 6), planned and executed motions, and recommendation."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -13,11 +13,11 @@ from planner.reports.figures import colour_or_grey
 from planner.reports.page import Chart, note, page, plain, section, table
 
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
-SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
+SPREAD = 0.7  # share of the distance between two parameters that the markers of one occupy
 
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
-    """Rows: what each entry is, costs and holds; criteria of the mean information in the reference scaling."""
+    """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
     vibrations = [e.vibration for e in entries]
     rows = [
         ["is", *(e.level.name.lower() for e in entries)],
@@ -38,7 +38,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
 
 
 def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Deviation | None]]]:
-    """Of every parameter: name, factor to the unit shown, that unit, and its value and deviation in each entry."""
+    """Name of every parameter, factor to the unit shown, that unit, and value and deviation in each entry."""
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         values = [e.parameters.get(name) for e in entries]
         unit = next(t.unit for t in values if t is not None)
@@ -52,7 +52,7 @@ def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
 
 
 def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
-    """Table 6's layout: a row a parameter, of each entry the standard deviation, before it what was identified."""
+    """Rows as in Table 6, one a parameter: of each entry the identified value and the standard deviation."""
     rows = []
     for name, scale, unit, values in _each_parameter(entries):
         row = [f"{parameter_words(name)} [{unit}]"]
@@ -77,7 +77,7 @@ def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
 
 
 def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
-    """Planned against executed, a row a run."""
+    """Rows of planned against executed figures, one a run."""
     rows = []
     for group in groups:
         plan = next((e.name for e in group if e.level == 1), "-")
@@ -128,7 +128,7 @@ def compare_page(comparison: Comparison) -> str:
 
 
 def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
-    """Entries with colours: what belongs together has one."""
+    """Entries with colours, one for each group."""
     return [(entry, colour_or_grey(k)) for k, group in enumerate(groups) for entry in group]
 
 
@@ -155,7 +155,7 @@ class Series(NamedTuple):
 
 
 def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any) -> Chart:
-    """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is left out."""
+    """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is omitted."""
     names = list(dict.fromkeys(n for s in series for n in s.deviations))
     deviations = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
     best = {n: min(values) for n, values in deviations.items() if values}

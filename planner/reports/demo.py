@@ -21,7 +21,7 @@ from planner.reports.plan import starts_blocks
 from postprocessors.dialects import Program
 
 DRAWN_RATE = 200.0  # [1/s]
-RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
+RECORDED_RATE = 500.0  # [1/s] high enough to show the ripple of a controller's blocks
 
 
 def demo_page(chain: Demo, answer: dict[str, Any]) -> str:

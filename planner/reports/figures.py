@@ -18,8 +18,8 @@ from planner.reports.page import Block, Chart, note, plain, table
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 GREY = "#8593a1"
-MOST_SHARE = 120.0  # [%] of a limit that a chart shows
-MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
+MOST_SHARE = 120.0  # [%] largest share of a limit that a chart shows
+MOST_POINTS = 2000  # points of a line: more cannot be seen, and the page stays small
 MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 
@@ -72,12 +72,12 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Block, ...]:
 
 
 def colour(k: int) -> str:
-    """Of a line by its number, from 0."""
+    """Colour of a line by its number, from 0."""
     return COLOURS[k % len(COLOURS)]
 
 
 def colour_or_grey(k: int) -> str:
-    """Of one of up to seven things that are compared, by its number, from 0."""
+    """Colour of one of up to seven entries of a comparison, by its number, from 0."""
     return (*COLOURS, GREY)[k % 7]
 
 
@@ -90,7 +90,7 @@ _NOBODY = "enforced by nobody"
 
 
 def limits_chart(report: LimitReport) -> Chart:
-    """Share of each limit that is used, in a colour for who answers for it: the proof, the controller, or nobody."""
+    """Share of each limit that is used, coloured by who guarantees it: the proof, the controller, or nobody."""
     caption = "Largest use of each limit; 100 % is the limit."
     if nobody := [c.name for c in report.checks if c.status not in _ENFORCED]:
         caption += (
@@ -122,7 +122,7 @@ def limits_chart(report: LimitReport) -> Chart:
 
 
 def unit_of(channels: Sequence[str]) -> str:
-    """`fx_N`, `mz_Nm`: the units that the names of the channels end in."""
+    """The units in which the names of the channels end, such as `fx_N`, `mz_Nm`."""
     return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
 
 

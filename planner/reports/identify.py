@@ -1,4 +1,4 @@
-"""The page of an identification: parameters with error bars, what determines them, and what the model leaves."""
+"""The page of an identification: parameters with error bars, what determines them, and the residuals."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,7 +14,7 @@ from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinn
 from planner.reports.page import Block, Chart, answers, note, page, plain, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
-ALIKE = 1.3  # times that robust deviations may be larger than those by (28) where noise is white
+ALIKE = 1.3  # largest ratio of robust deviations to those by (28) where noise is white
 
 
 def identify_page(result: Result) -> str:
@@ -56,7 +56,7 @@ def _headline(result: Result) -> Markup:
 
 
 def _verdicts(result: Result) -> Markup:
-    """Whether the parameters are determined, and which deviation counts."""
+    """Answers whether the parameters are determined, and which deviation counts."""
     record, parameters = result.record, [p for p in result.parameters.values() if p.std > 0.0]
     ratio = max((p.std_robust / p.std for p in parameters), default=1.0)
     rank, count = record["rank"], len(record["parameters"])
@@ -77,7 +77,7 @@ def _verdicts(result: Result) -> Markup:
 
 
 def noise_tile(result: Result) -> tuple[str, str]:
-    """s0, and what it is; it leaves out what a filter takes from the recorded forces."""
+    """Value of s0 and its meaning; it does not contain what a filter removes from the recorded forces."""
     record = result.record
     recorded = f"recorded forces less the model: {record['s0_N']:.3g} N rms"
     if record["weights"] != "equal":
@@ -106,7 +106,7 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
 
 
 def delay_words(result: Result) -> str | None:
-    """By how much forces lag the motion; None where that was not estimated."""
+    """Delay of the forces behind the motion, in words; None where it was not estimated."""
     delay = result.record["delay_s"]
     if delay is None:
         return None
@@ -135,7 +135,7 @@ def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
 
 
 def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """What `recording.json`, or the answer of a run, says about it."""
+    """Facts about a run from `recording.json` or the answer of the run: names and values."""
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
     known = {key: about[key] for key in RUN_ENTRIES if about.get(key) is not None}
     words = {
@@ -145,7 +145,7 @@ def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
 
 
 def forces_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
-    """Forces as the estimator saw them (lines) and the model's (dotted)."""
+    """Forces that the estimator used (lines) and those of the model (dotted)."""
     source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
     caption = f"Lines: {source}. Dotted: the identified model."
     figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
@@ -184,7 +184,7 @@ def distribution_chart(residuals: Residuals) -> Chart:
 
 
 def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Chart:
-    """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
+    """Amplitude spectral density of the residuals; the evaluation does not use frequencies above the cut-off."""
     frequency, density = residuals.spectrum()
     caption = "Of the forces as recorded."
     if cutoff is not None:

@@ -22,18 +22,18 @@ from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinn
 from planner.reports.page import Block, Chart, note, plain, player, section, table
 
 AROUND = 16  # corners of a ring around a tool
-BESIDE = 0.25  # of the machine's size: boxes are shown that far beside it
+BESIDE = 0.25  # share of the machine's size: boxes are shown up to this distance
 _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
 
 
 FRAMES_A_SECOND = 50.0
 MOST_FRAMES = 3000
-SECONDS_A_POSE = 0.5  # of a pose set, when played
-INFORMATION_RATE = 100.0  # [1/s] of the figures of information: its mean needs no more
+SECONDS_A_POSE = 0.5  # time of each pose when a pose set is played
+INFORMATION_RATE = 100.0  # [1/s] rate of the figures of information, enough for its mean
 
 
 def pictured(case: Case, motion: Trajectory) -> tuple[Markup, ...]:
-    """The machine along a motion; of a chain there is no picture yet."""
+    """Picture of the machine along a motion; empty for a chain."""
     if case.hexapod is None:
         return ()
     return (section("The machine along the plan", moving_machine(case, motion, "Drag to turn, wheel to zoom.")),)
@@ -150,7 +150,7 @@ def strut_charts(case: Case, motion: Motion) -> tuple[Chart, ...]:
 
 
 def force_blocks(case: Case, motion: Motion, payload: int) -> tuple[Block, ...]:
-    """Forces with what is mounted, and how much of the range each number of payloads would use."""
+    """Forces with the mounted payloads, and the share of the range that each number of payloads would use."""
     model = identification_model(case, RIGID)
     matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
     forces = matrices @ nominal_parameters(model, case.body(payload))
@@ -178,7 +178,7 @@ def _add_lines(figure: Chart, x: Array, values: Array, names: Sequence[str], lim
 
 
 def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Block, ...]:
-    """What each parameter costs, its deviation if all others were known and as one of all, and what is determined."""
+    """Deviation of each parameter, with all others known and estimated, and which parameters are determined."""
     count = max(200, int(motion.duration * INFORMATION_RATE))
     states = motion.at((np.arange(count) + 0.5) * motion.duration / count)
     regressors = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
@@ -201,7 +201,7 @@ def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Bl
 
 
 def _progress(times: Array, duration: float, matrices: Array) -> Chart:
-    """How the information grows while the motion runs: the D-criterion of what was gathered so far."""
+    """Growth of the information while the motion runs: criterion D up to each time."""
     per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
     steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
     gathered = np.cumsum(per_sample, axis=0)[steps]

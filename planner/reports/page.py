@@ -35,10 +35,10 @@ TERMS = {
     "k2": "elastic deformation: force for each radian of tilt",
     "k3": "elastic deformation: moment for each radian of tilt",
     "regressor": "the matrix that turns parameters into forces",
-    "condition": "largest over smallest singular value: 1 is best, large where parameters are hard to tell apart",
+    "condition": "largest over smallest singular value: 1 is best, large where parameters are hard to separate",
     "rms": "root of the mean square",
 }
-"""Words that a page explains where they stand."""
+"""Terms that a page explains where they stand."""
 _TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in sorted(TERMS, key=len, reverse=True)))
 
 
@@ -72,7 +72,7 @@ class Chart:
 
     Args:
         name: unique on the page, also the name of the file to which a browser saves the figure.
-        caption: says what to see; also what a screen reader says of the figure.
+        caption: describes the figure, also for a screen reader.
         x: title of the x axis.
         y: title of the y axis.
         half: whether it may stand beside another one where the window is wide.
@@ -128,7 +128,7 @@ def _plot(name: str, words: str, height: int) -> Markup:
 
 
 Block = Markup | Chart
-"""What stands on a page: HTML, or what knows its own."""
+"""Block of a page: HTML, or an object with `__html__`."""
 
 
 def _joined(parts: Iterable[Block]) -> Markup:
@@ -230,7 +230,7 @@ def _plotly() -> str:
 
 
 def explained(text: str) -> Markup:
-    """A text with its words of the field explained, as a tooltip that a keyboard and a screen reader reach too."""
+    """A text whose terms are explained by a tooltip, which a keyboard and a screen reader reach too."""
     parts, end = [], 0
     for match in _TERM.finditer(text):
         parts.append(escape(text[end : match.start()]))

@@ -23,7 +23,7 @@ from planner.reports.machine import box_outlines, room, tool_outlines
 
 NARROWEST = 0.6  # of the longest side of a picture in 3-D: joints in one line make no room
 GRID = 25  # poses along each side of a map
-BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it
+BESIDE = 0.12  # distance of numbers from the ring, as a share of its radius
 MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 
 
@@ -58,7 +58,7 @@ def case_figure(case: Case, reach: Reach) -> Figure:
 
 
 def chain_figure(case: Case, reach: Reach) -> Figure:
-    """A chain at home in 3-D, with its bodies, its tool and the boxes that they stay out of, and each joint's reach.
+    """A chain at home in 3-D, with its bodies, its tool and the keep-out boxes, and each joint's reach.
 
     Raises:
         CaseError: the case has no chain or no limits.
@@ -143,7 +143,7 @@ def _draw_lines(axes: Axes3D, lines: Iterable[Array], colour: str, label: str, w
 
 
 def _finish(axes: Axes3D, case: Case, drawn: Sequence[Array], boxes: Iterable[KeepOut]) -> None:
-    """Boxes to keep clear of beside what is drawn, shapes (n, 3) [mm]; titles, scale and legend."""
+    """Adds keep-out boxes near the lines `drawn`, shapes (n, 3) [mm], titles, scale and legend."""
     every = np.vstack(drawn)
     corners = room(every.min(axis=0), every.max(axis=0), boxes)
     _draw_lines(axes, box_outlines(boxes, *corners), "tab:orange", "kept out", 1.0)
@@ -157,7 +157,7 @@ def _finish(axes: Axes3D, case: Case, drawn: Sequence[Array], boxes: Iterable[Ke
 
 
 def draw_coordinates(axes: Axes, reach: Reach) -> None:
-    """One bar a coordinate: what is stated, and what is reachable of it with the others at home."""
+    """Draws a bar for each coordinate: the stated range, and the reachable one with the others at home."""
     case_ranges, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
     for row, (outer, inner) in enumerate(zip(case_ranges, reachable, strict=True)):
         size = max(-outer[0], outer[1])
@@ -184,12 +184,12 @@ _TITLES = (
 _PANEL = 2.2  # inches
 
 
-def look_figure(found: Look) -> Figure:
-    """Every column of numbers over time, or over the rows where there is no clock."""
-    panels = list(_panels(found.columns))
+def look_figure(report: Look) -> Figure:
+    """Every column of numbers over time, or over the rows without a clock."""
+    panels = list(_panels(report.columns))
     figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
-    t, label = _time(found)
-    step = -(-found.rows // MOST_POINTS)
+    t, label = _time(report)
+    step = -(-report.rows // MOST_POINTS)
     all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (title, columns) in zip(all_axes, panels, strict=True):
         for column in columns:
@@ -219,7 +219,7 @@ def _time(report: Look) -> tuple[Array, str]:
 
 
 def _panels(columns: Sequence[Column]) -> Iterator[tuple[str, list[Column]]]:
-    """Titles and columns of the panels: groups that are known, then single columns, then what means nothing."""
+    """Titles and columns of the panels: known groups, then single columns, then columns without a known meaning."""
     numbers = [column for column in columns if len(column.values) and column.ours != CLOCK]
     grouped = {ours for group in GROUPS for ours in group}
     for title, group in zip(_TITLES, GROUPS, strict=True):

@@ -1,4 +1,4 @@
-"""The page of a validation: Table 7, what the methods cost and give, and why a value is off."""
+"""The page of a validation: Table 7, cost and results of the methods, and why a value is off."""
 
 import re
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ LEAST_DEVIATION = 1e-12  # the first trial is its own theory
 
 
 def table_7(trials: Sequence[Trial]) -> list[list[str]]:
-    """Table 7's layout: a row a load, values with their relative deviation from theory."""
+    """Rows as in Table 7, one a load: values with their relative deviation from theory."""
     rows = []
     for trial in trials:
         row = [f"{trial.load:.0f} kg", f"{trial.s0:.2f}"]
@@ -143,7 +143,7 @@ def _std_table(trials: Sequence[Trial]) -> Markup:
 
 
 def _error_blocks(trials: Sequence[Trial]) -> list[Block]:
-    """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
+    """Errors of a simulated machine in reported standard deviations, with the band of random errors."""
     charts: list[Chart] = []
     for name in COMPARED:
         caption = f"{parameter_words(name).capitalize()}: points inside the band may be chance."

@@ -1,4 +1,4 @@
-"""A study: what its file asks for, cell by cell, and its folder with a Parquet file for each finished cell.
+"""A study: the cells of its file, and its folder with a Parquet file for each finished cell.
 
 A file has a row for the cell's plan and one for each seed of the noise.
 """
@@ -56,11 +56,11 @@ class Grid(Part):
 
 
 CellSettings = dict[str, Any]
-"""One value of each setting of a `Grid`; what is left to the machine, or means nothing to the family, is absent."""
+"""One value of each setting of a `Grid`; those of the machine's choice, or of other families, are absent."""
 
 
 class ExecutionSpec(Part):
-    """What to do with each plan: run it, and identify it with several seeds of the sensors' noise."""
+    """Settings of the runs: each plan is run and identified with several seeds of the sensors' noise."""
 
     on: Literal["virtual"] = "virtual"
     disturbed: bool = False
@@ -68,7 +68,7 @@ class ExecutionSpec(Part):
 
 
 class Cells(Part):
-    """What a cell may take."""
+    """Limits of a cell."""
 
     time_limit_s: Positive = 600.0
     memory_GB: Positive = 2.0
@@ -89,7 +89,7 @@ class Spec(Part):
         return math.prod(len(getattr(self.grid, name)) for name in Grid.model_fields)
 
 
-# Settings that mean something in one family only; elsewhere they do not make another cell.
+# Settings that belong to one family only; for other families they do not make another cell.
 _ONLY = {"order": "fourier", "period_s": "fourier", "moves": "ptp", "knots": "spline"}
 BUILT_IN = Path(__file__).parent / "specs"
 
@@ -98,7 +98,7 @@ def load_spec(name: str) -> Spec:
     """Reads a study by its built-in name or its file.
 
     Raises:
-        FileProblem: no such file, not TOML, unknown settings, or values that cannot be: key, value and remedy.
+        FileProblem: no such file, not TOML, an unknown setting, or an invalid value: key, value and remedy.
     """
     files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
     path = files.get(name, Path(name))
@@ -130,7 +130,7 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
     """The settings of every cell, each once, in the order of the grid.
 
     Raises:
-        HexciteError: more cells than a study can hold; the message tells what it would take.
+        HexciteError: more cells than a study can hold; the message states the time that they would take.
     """
     if spec.size > MOST_CELLS:
         hours = spec.size * 5.0 / 3600.0
@@ -151,10 +151,10 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
 
 
 def request_of(settings: CellSettings) -> Request:
-    """What a cell plans, from one start.
+    """The request of a cell, with one start.
 
     Raises:
-        HexciteError: settings that cannot be planned.
+        HexciteError: the settings cannot be planned.
     """
     ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
@@ -187,13 +187,13 @@ ROWS = "rows"
 
 
 def open_study(folder: Path, about: dict[str, Any]) -> None:
-    """Makes a study folder, or finds that an older one is of the same study.
+    """Makes a study folder, or accepts an existing one of the same study.
 
     Args:
-        about: what study.json holds; `name` and what was used of the case must be those of the study there.
+        about: entries of study.json; `name` and the used part of the case must be those of an existing study.
 
     Raises:
-        FileProblem: another study's or somebody else's folder, or no place to write.
+        FileProblem: the folder belongs to another study or to something else, or cannot be written.
     """
     check_study(folder, about)
     try:
@@ -217,10 +217,10 @@ def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
 
 
 def check_study(folder: Path, about: dict[str, Any]) -> None:
-    """Says before the work starts what would keep a study from its folder.
+    """Raises, before the work starts, where a study cannot use its folder.
 
     Raises:
-        FileProblem: another study's folder, or somebody else's.
+        FileProblem: the folder belongs to another study or to something else.
     """
     try:
         names = {entry.name for entry in folder.iterdir()} if folder.exists() else set()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CONNECT = 5.0  # [s] to reach a scheduler
 PATIENCE = "120s"  # with processes of this computer: they are not lost because it is busy
-RESTARTING = "1h"  # after which a worker that does not come again is given up; Dask's 15 s are too short
+RESTARTING = "1h"  # time after which a worker that does not restart counts as lost; Dask's 15 s are too short
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), 1)
 
@@ -70,7 +70,7 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
 
 
 def _without_interrupt() -> None:
-    """Leaves Ctrl-C, which a terminal sends to every process, to the study."""
+    """Ignores Ctrl-C, which a terminal sends to every process: the study handles it."""
     if current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
@@ -83,7 +83,7 @@ def remote_client(address: str) -> Iterator["Client"]:
         address: address of the scheduler, `tcp://host:port`.
 
     Raises:
-        HexciteError: it cannot be reached, has no workers, or one of them has no hexcite or another version.
+        HexciteError: the cluster cannot be reached, has no workers, or one of them has no hexcite or another version.
     """
     from distributed import Client
 
@@ -114,13 +114,13 @@ def same_version(client: "Client", address: str) -> None:
             raise HexciteError(f"worker {worker} has hexcite {release}, this is {ours}; install the same wheel on both")
 
 
-DESERTED = 300.0  # [s] without any worker after which nobody is expected to come; on a busy computer one takes a minute
-LOOK = 10.0  # [s] between two looks for workers while no task ends
-AHEAD = 2  # tasks kept ready a thread, so that no worker waits for the next
+DESERTED = 300.0  # [s] without any worker after which none is expected; on a busy computer one takes a minute
+LOOK = 10.0  # [s] between two checks for workers while no task ends
+AHEAD = 2  # tasks in the queue for each thread, so that workers do not wait
 
 
 class TaskEnd(NamedTuple):
-    """What became of a task."""
+    """Result of a task."""
 
     key: str  # key of the task
     value: Any  # what it returned; None where it failed
@@ -131,18 +131,18 @@ class TaskEnd(NamedTuple):
 def run_tasks(
     client: "Client", function: Callable[[Any], Any], tasks: Iterator[tuple[str, Any]], time_limit: float
 ) -> Iterator[TaskEnd]:
-    """Runs `function` on each payload; yields what became of it as it arrives, in any order.
+    """Runs `function` on each payload; yields the results as they arrive, in any order.
 
     Only a few tasks a thread wait on the cluster at any time, so that a study of any size needs no more memory there.
 
     Args:
         client: client of a cluster whose workers have one thread each and can import `function`.
-        function: what to do with a payload; an exception that it raises twice is a reason.
+        function: function of a payload; an exception that it raises twice is the reason of a failure.
         tasks: keys, each once, and payloads.
         time_limit: time limit for one try [s]; a worker that passes it ends, and its nanny starts another.
 
     Raises:
-        HexciteError: no worker is left.
+        HexciteError: all workers are lost.
     """
     from distributed import wait
 
@@ -168,7 +168,7 @@ def run_tasks(
 
 
 def _on_worker(function: Callable[[Any], Any], payload: Any, time_limit: float) -> tuple[Any, float]:
-    """Value and seconds. The watchdog ends the process also where code holds the interpreter."""
+    """Value and seconds of the call; a watchdog ends the process also where code blocks the interpreter."""
     with open(os.devnull, "w") as nowhere:
         faulthandler.dump_traceback_later(time_limit, exit=True, file=nowhere)
         try:

@@ -1,4 +1,4 @@
-"""Runs a study into its folder: what is missing there, and no cell twice."""
+"""Runs a study into its folder: only cells that are missing there."""
 
 import math
 import time
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One cell's work."""
+    """The work of one cell."""
 
     case: Case  # machine and limits, and a simulated machine where runs are asked for
-    request: Request  # what to plan, from one start
+    request: Request  # request of the plan, with one start
     noise_seeds: tuple[int, ...]  # noise seeds of the recordings to identify; none: the plan alone
     disturbed: bool = False  # whether the simulated machine vibrates, ripples and errs with the pose
 
@@ -47,7 +47,7 @@ class Job:
 def work(job: Job) -> list[dict[str, Any]]:
     """Rows of a cell: of the plan, and of each seed of the noise.
 
-    A plan or run that is refused is a row with its reason: that is a finding, not an accident.
+    A plan or run that is refused is a row with its reason: this is a result, not a failure of the study.
     """
     try:
         row, plan = _plan(job)
@@ -94,8 +94,8 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     around = circumstances(job.case, job.request.payload, job.disturbed)
     simulation = job.case.need_simulation("a study that executes its plans")
     loaded = simulation.model_copy(update={"parameters": loaded_truth(simulation.parameters, around.weights)})
-    truth_case = job.case.model_copy(update={"simulation": loaded})  # whose true parameters include what is mounted
-    # Nothing moves but numbers: limits that this controller would leave to nobody are reported by `post`, not here.
+    truth_case = job.case.model_copy(update={"simulation": loaded})  # its true parameters include the payload
+    # No machine moves: limits that this controller would not enforce are reported by `post`, not here.
     run = execute(write(plan, accept=KINETIC), job.case, "virtual", job.noise_seeds[0], around).run
     rows = []
     for seed in job.noise_seeds:
@@ -123,9 +123,9 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
 
 
 def cell_key(settings: CellSettings, execute: ExecutionSpec | None, case: Case, version: str) -> str:
-    """What a cell's rows are known by: 16 hexadecimal digits of settings, execution, version and case.
+    """Key of a cell's rows: 16 hexadecimal digits of settings, execution, version and case.
 
-    Of the case only what it uses counts; the settings of the controller where it runs the plans.
+    Only the used part of the case counts; the settings of the controller where it runs the plans.
     """
     executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
     content = [settings, executed, study_hash(case), version]
@@ -147,7 +147,7 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
 
 
 def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[int, ...]]:
-    """Cells with rows that are not in the folder yet, and noise seeds of these rows; what failed is not missing.
+    """Cells with rows that are not in the folder yet, and noise seeds of these rows; failed cells are not missing.
 
     Raises:
         FileProblem: a file of the study is damaged.
@@ -167,7 +167,7 @@ def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[i
 
 
 def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
-    """What study.json holds."""
+    """Entries of study.json."""
     return {
         "schema_version": 1,
         "name": spec.name,
@@ -182,10 +182,10 @@ def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
 
 
 def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Callable[[TaskEnd], None]) -> int:
-    """Computes the rows that a study folder lacks, keeps each as it arrives, tells of each cell, and counts them.
+    """Computes the missing rows of a study folder, writes each cell as it arrives, and returns the number of cells.
 
     Raises:
-        HexciteError: the folder is another study's, or the cluster is gone; what is done is kept.
+        HexciteError: the folder is another study's, or the cluster is lost; finished cells stay in the folder.
     """
     cells = cells_of(spec, case)
     open_study(folder, about_study(spec, case, len(cells)))
@@ -194,7 +194,7 @@ def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Call
     tasks = ((key, Job(case, request_of(cells[key]), seeds, disturbed)) for key, seeds in open_cells.items())
     for end in run_tasks(client, work, tasks, spec.cells.time_limit_s):
         seeds = open_cells[end.key]
-        # Another seed than 0 first: of a study that was extended by more noise.
+        # The first seed is not 0 where a study was extended by more noise.
         keep(folder, f"{end.key}-{seeds[0]}" if seeds else end.key, _rows(cells[end.key], end, case))
         done(end)
     return len(open_cells)

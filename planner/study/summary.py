@@ -1,4 +1,4 @@
-"""What the rows of a study say: convergence, spread over seeds, coverage, and the settings that came out best."""
+"""Summary of a study: convergence, spread over seeds, coverage, and the best settings."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -22,16 +22,16 @@ class SettingsGroup:
     """Cells that differ in their seed only."""
 
     settings: CellSettings  # settings that they share
-    cells: int  # how many
+    cells: int  # number of cells
     done: int  # number of these that are done
     converged: float  # share of those done whose solver said so
     scores: np.ndarray  # scores of the criterion, those done, shape (k,); the larger the better
     best: float  # largest score; NaN where no cell is done
     median: float  # median score; NaN where no cell is done
-    seconds: float  # mean of a cell
-    iterations: float  # mean of a cell
+    seconds: float  # mean time of a cell [s]
+    iterations: float  # mean number of iterations of a cell
     intervals: int  # 95 % intervals of identified parameters, over all seeds of the noise
-    inside: float  # share of these that hold the truth; NaN without any
+    inside: float  # share of these that contain the truth; NaN without any
 
 
 def groups(table: "pa.Table") -> list[SettingsGroup]:
@@ -84,10 +84,10 @@ def command_of(settings: CellSettings, case: str) -> str:
     return " ".join(["hexcite plan", case, *words])
 
 
-def best_groups(found: list[SettingsGroup]) -> dict[str, SettingsGroup]:
-    """For each criterion the settings whose best plan is the best; criteria without any plan are left out."""
+def best_groups(settings_groups: list[SettingsGroup]) -> dict[str, SettingsGroup]:
+    """Settings with the best plan for each criterion; criteria without any plan are omitted."""
     best: dict[str, SettingsGroup] = {}
-    for group in found:
+    for group in settings_groups:
         letter = group.settings["criterion"]
         if group.done and (letter not in best or group.best > best[letter].best):
             best[letter] = group
