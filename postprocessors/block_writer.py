@@ -1,4 +1,4 @@
-"""How dialects whose words look alike write blocks, numbers, poses and comments."""
+"""Blocks, numbers, poses and comments in dialects with similar words."""
 
 import re
 import textwrap
@@ -51,7 +51,7 @@ def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], f
     """Coordinates of an arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it.
 
     Args:
-        full: leave out where the circle ends in its plane, as LinuxCNC wants it of a full one.
+        full: whether to omit the end in the circle's plane, as LinuxCNC requires for a full circle.
     """
     axes = move.plane.axes[:2]
     ends = [names[k] + values[k] for k in (*(() if full else sorted(axes)), 3, 4, 5)]
@@ -72,7 +72,7 @@ def digits(value: float) -> str:
 
 
 def comment_lines(text: str) -> list[str]:
-    """What a comment says, plain ASCII, in lines that every controller takes."""
+    """The text of a comment, plain ASCII, in lines that every controller accepts."""
     return textwrap.wrap(re.sub(r"[^ -~]", "?", text), COMMENT_WIDTH)
 
 
@@ -82,7 +82,7 @@ def comments(text: str) -> list[str]:
 
 
 def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> StraightMove:
-    """The move between its ends as their words say them; itself where that is not a move any more."""
+    """The move between its ends as rounded in their words; the move itself where these ends are the same."""
     units = np.where(turns, DEG, MM)
     start, end = (
         np.array([float(word) for word in coordinates(pose, turns)]) * units for pose in (move.start, move.end)
@@ -92,16 +92,16 @@ def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = P
 
 MOTION = (ToHome, StraightMove, CircularMove, TimedPath)
 NO_SLOWER = 1e-9
-HALVINGS = 80  # of the interval of the feed: down to its last bit
+HALVINGS = 80  # halvings of the interval of the feed, down to its last bit
 
 
 def feed_of(move: StraightMove | CircularMove, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
     """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
 
-    The largest that the move can reach where even that takes longer than planned.
+    It is the largest feed that the move can reach where even this takes longer than planned.
 
     Args:
-        move: with its planned duration.
+        move: move with its planned duration.
         limits: limits that the controller is set up with.
         linear: whether the feed counts X, Y, Z.
     """
@@ -117,7 +117,7 @@ def feed_of(move: StraightMove | CircularMove, limits: Box, guarantees: Guarante
 
     low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
     if duration(high) * (1.0 + NO_SLOWER) >= move.duration:
-        low = high  # as fast as it can be: the peak is a flat optimum, no feed of its own belongs to it
+        low = high  # the fastest move: the peak is a flat optimum, which no single feed defines
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
@@ -127,7 +127,7 @@ def feed_of(move: StraightMove | CircularMove, limits: Box, guarantees: Guarante
 
 
 def written_feed(move: StraightMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
-    """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it."""
+    """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters."""
     written = as_written(move, limits.turns)
     way = (written.end - written.start)[~limits.turns]
     linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
@@ -142,24 +142,24 @@ def home_feed(block: ToHome, limits: Box, own_axes: bool) -> str:
 
 
 class BlockWriter(ABC):
-    """Blocks of LinuxCNC, SINUMERIK and TwinCAT; keeps from block to block which axes the feed counts.
+    """Blocks of LinuxCNC, SINUMERIK and TwinCAT; remembers from block to block which axes the feed counts.
 
-    In a machine's own axes no transformation is active, and there are moves from rest to rest alone: what a controller
-    makes of paths where rotary axes turn is known for none of them.
+    In a machine's own axes no transformation is active, and there are moves from rest to rest only: how these
+    controllers execute paths where rotary axes turn is not known.
 
     Args:
         words: words of the coordinates.
         axes: names of the axes behind them, for the command that groups them.
         guarantees: the controller's time laws.
-        case: gives the limits that it is set up with; where it has a chain, the axes are the machine's own.
+        case: case with the limits of the controller's set-up; where it has a chain, the axes are the machine's own.
     """
 
-    name: ClassVar[str]  # of the controller, for messages
+    name: ClassVar[str]  # name of the controller, for messages
     straight: ClassVar[str]  # words of a straight move with exact stop
-    arcs: ClassVar[tuple[str, str]]  # of an arc that turns to the left, and of one that turns to the right
-    dwell: ClassVar[str]  # before the seconds of a pause
+    arcs: ClassVar[tuple[str, str]]  # words of an arc counter-clockwise and of one clockwise
+    dwell: ClassVar[str]  # word before the seconds of a pause
     grouping: ClassVar[str] = ""  # command that names the axes whose way F counts, with {} for them; empty: none
-    # why there are no paths in a machine's own axes
+    # reason why there are no paths in a machine's own axes
     no_paths: ClassVar[str] = "programs in the machine's own axes are made of moves from rest to rest"
 
     def __init__(self, words: Sequence[str], axes: Sequence[str], guarantees: Guarantees, case: Case) -> None:
@@ -178,7 +178,7 @@ class BlockWriter(ABC):
 
     @abstractmethod
     def trigger(self, on: bool, moves_next: bool) -> str:
-        """The block that switches the trigger; whether a motion follows at once."""
+        """The block that switches the trigger; `moves_next`: whether a motion follows at once."""
 
     @abstractmethod
     def path(self, path: TimedPath) -> list[str]:

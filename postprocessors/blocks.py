@@ -1,6 +1,6 @@
-"""The neutral program: what a controller shall do, block by block, before any dialect; motions as polynomial pieces.
+"""The neutral program: the blocks for a controller, before any dialect; motions as polynomial pieces.
 
-Pieces are exact where a motion consists of such; else it is known how far they are off it under two laws of time.
+Pieces are exact where a motion consists of such; else their deviation is computed under two laws of time.
 """
 
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ class ToHome:
 class TimedPath:
     """Poses to be passed at given times, from rest at the pose before to rest at the last."""
 
-    name: str  # what it is for
+    name: str  # purpose
     times: Array  # shape (k,), increasing, the first 0 [s]
     poses: Array  # coordinates, one row a time, the first is where the machine stands [m, rad]
     motion: Trajectory  # motion through them, on the clock of `times`, for dialects that can carry more than points
@@ -48,7 +48,7 @@ class Trigger:
 
 
 Block = str | ToHome | StraightMove | CircularMove | TimedPath | Dwell | Trigger
-"""Text is a remark for people: dialects wrap it and replace what their controller cannot read.
+"""Text is a remark for people: dialects wrap it and replace characters that their controller cannot read.
 
 Moves and arcs go from rest to rest, with an exact stop at their end. Controllers know feeds, not durations: a dialect
 writes the feed that makes its controller's own time law, under the limits of the case, take as long as planned.
@@ -59,16 +59,16 @@ writes the feed that makes its controller's own time law, under the limits of th
 class NeutralProgram:
     """A program."""
 
-    header: tuple[str, ...]  # comment lines that say where it comes from and what it was proven against
+    header: tuple[str, ...]  # comment lines with its origin and the limits of its proof
     blocks: tuple[Block, ...]
 
 
 CHECKS = 16  # instants inside a piece at which it is compared
-FINEST = 64  # subdivisions of a piece before giving up
+FINEST = 64  # largest number of subdivisions of a piece
 
 
 def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
-    """Motion of each block that takes time, and whether the trigger is on; of the first move, to home, nobody knows."""
+    """Motion of each block that takes time, and whether the trigger is on; omits the first move, to home."""
     pose, on = np.zeros(0), False
     for block in program.blocks:
         motion: Trajectory | None = None
@@ -91,7 +91,7 @@ def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
 
 
 def knots(motion: Trajectory) -> Array:
-    """Instants at which a motion changes from one polynomial to the next, shape (k,) [s]; its ends where it is none."""
+    """Instants at which a motion changes from one polynomial to the next, shape (k,) [s]; else its ends."""
     if isinstance(motion, PolynomialMotion):
         return motion.times
     if isinstance(motion, StraightMove) and isinstance(motion.profile, Profile):
@@ -110,17 +110,17 @@ def divided(ends: Array, counts: ArrayLike) -> Array:
 
 
 def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[float, float]) -> PolynomialMotion:
-    """Polynomials that share pose and rates with the motion at their ends; of degree 5 the accelerations too.
+    """Polynomials that share pose and rates with the motion at their ends; with degree 5 the accelerations too.
 
-    A motion of polynomials of that degree is met exactly.
+    They are exact for a motion of polynomials of that degree.
 
     Args:
         degree: 3 or 5.
         longest: duration of a piece, at most [s].
-        tolerance: how far they may be off, positions [m] and angles [rad].
+        tolerance: allowed deviation of positions [m] and angles [rad].
 
     Raises:
-        ValueError: no subdivision keeps the tolerance.
+        ValueError: no subdivision is within the tolerance.
     """
     base = knots(motion)
     counts = np.ceil(np.diff(base) / longest - 1e-9).astype(int).clip(1)
@@ -138,7 +138,7 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
 
 def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:
     """The same motion, each of its pieces in a number of equal ones, with coefficients up to a degree."""
-    from scipy.linalg import pascal  # for splines only: every plan loads this module
+    from scipy.linalg import pascal  # imported for splines only: every plan loads this module
 
     order, binomial, cut = np.arange(degree + 1), pascal(degree + 1, kind="upper"), []
     for piece, count in zip(motion.pieces, counts, strict=True):
@@ -170,7 +170,7 @@ def even_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float,
 
 
 def path_speed_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
-    """The same if each piece is passed at constant speed of the origin along its path, in the time planned for it."""
+    """The same where the origin passes each piece at constant speed along its path, in the time planned for it."""
     p, even = np.linspace(0.0, 1.0, 8 * CHECKS + 1), np.linspace(0.0, 1.0, CHECKS + 1)
     origins = spline.at(_within(spline, p)).pose[:, :3].reshape(len(spline.pieces), len(p), 3)
     ways = np.cumsum(np.linalg.norm(np.diff(origins, axis=1, prepend=origins[:, :1]), axis=2), axis=1)

@@ -1,6 +1,6 @@
-"""Programs and the languages of controllers that they are in: who writes and reads them, and who answers for what.
+"""Programs and the languages of controllers: functions that write and read them, and the controllers' guarantees.
 
-What a dialect can do is loaded when it is used.
+The functions of a dialect are loaded when they are used.
 """
 
 from collections.abc import Callable
@@ -23,19 +23,19 @@ from postprocessors.reading import Reading
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """What a dialect can do."""
+    """Functions of a dialect."""
 
     write: Callable[[NeutralProgram, Case], bytes]  # program and case -> content of the file
-    # content, name for messages, case -> what it says; shares nothing with `write`; raises ProgramError with line and
+    # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line and
     # column at anything that it does not understand
     read: Callable[[bytes, str, Case], Reading]
-    # what the controller answers for when it runs a program that was read
+    # guarantees of the controller when it runs a program that was read
     guarantees: Callable[[Reading, Case], Guarantees]
-    # how far its paths may be off the plan beside rounding, shape (6,) [m, rad]
+    # allowed deviation of its paths from the plan beside rounding, shape (6,) [m, rad]
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(1)
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
-    # what it will make of the program's time; by default that it keeps it
+    # forecast of the program's duration; by default that it is as planned
     forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: Forecast()
     # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[NeutralProgram, Case], NeutralProgram] = lambda program, case: program
@@ -48,8 +48,8 @@ class Dialect:
     name: str  # name on the command line
     description: str  # one line for people
     suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
-    load: Callable[..., Language]  # imports and returns what it can do with files of a suffix, by default the usual one
-    # what the machine does first, for the program's header
+    load: Callable[..., Language]  # imports and returns the functions for files of a suffix, by default the usual one
+    # first motion of the machine, for the program's header
     start: str = "first to home at a safe feed from wherever the machine stands: keep that way clear"
 
     @property
@@ -177,7 +177,7 @@ def dialect(name: str) -> Dialect:
 
 
 def dialect_of_file(file: str) -> Dialect:
-    """The dialect that a program's file name says.
+    """The dialect of the suffix of a program's file.
 
     Raises:
         ProgramError: no dialect has this suffix.
@@ -191,15 +191,15 @@ def dialect_of_file(file: str) -> Dialect:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Program:
-    """A program and what it says; whatever judges or runs it uses this content, not the file a second time."""
+    """A program and its reading; proof and run use this content and do not read the file again."""
 
     path: Path  # path of the file, or the name that it was written for
     dialect: Dialect  # its language
     content: bytes  # byte by byte
-    reading: Reading  # what it says
-    guarantees: Guarantees  # what the controller answers for
+    reading: Reading  # its content as motions
+    guarantees: Guarantees  # guarantees of the controller
     case: Case  # case that it is for
-    remarks: tuple[str, ...] = ()  # what to know of it beside its proof
+    remarks: tuple[str, ...] = ()  # remarks beside its proof
 
     @cached_property
     def proof(self) -> ProgramProof:
@@ -208,19 +208,19 @@ class Program:
 
     @property
     def forecast(self) -> Forecast:
-        """What its controller will make of its time."""
+        """Forecast of the duration on its controller."""
         return self.dialect.load().forecast(self.reading, self.case)
 
     @property
     def text(self) -> str:
-        """Its content; of a Parquet table nothing that can be read."""
+        """Its content as text; a Parquet table is not readable."""
         return self.content.decode("utf-8", errors="replace")
 
     def save(self, file: Path | str, overwrite: bool = False) -> None:
         """Writes the program.
 
         Raises:
-            FileProblem: wrong suffix, something stands there, or the place cannot be written.
+            FileProblem: the suffix is wrong, the file exists, or the place cannot be written.
         """
         path = Path(file)
         check_file(path, [self.path.suffix.lower()], overwrite=overwrite)
@@ -233,7 +233,7 @@ class Program:
         return read_program(file, case)
 
     def __repr__(self) -> str:
-        """A few lines: what it is, how long it takes, and its proof."""
+        """A few lines: dialect, duration and proof."""
         unit = "rows" if self.dialect.name == "setpoints" else "blocks"
         size = f"{self.reading.blocks} {unit}, {self.proof.duration:.2f} s"
         return "\n".join(
@@ -251,7 +251,7 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     """Reads a program.
 
     Args:
-        name: name of its dialect; None for the one that the suffix names.
+        name: name of its dialect; None for the one of the suffix.
 
     Raises:
         ProgramError: it cannot be read or understood, with line and column.

@@ -1,7 +1,7 @@
 """Writes a ROS 2 `trajectory_msgs/msg/JointTrajectory` as YAML: points with position, rate and acceleration.
 
 `joint_trajectory_controller` joins such points by quintic pieces and checks no limit. Points stand where the pieces of
-the motion begin and end, and between them as close as the case's blocks: pieces up to the fifth power are met exactly.
+the motion begin and end, and between them as close as the case's blocks: pieces up to the fifth power are exact.
 """
 
 from itertools import pairwise
@@ -15,18 +15,18 @@ from postprocessors.block_writer import comment_lines
 from postprocessors.blocks import NeutralProgram, block_motions, knots
 from postprocessors.reading import Reading, Still, Timed
 
-DECIMALS = 9  # of rad, m and their derivatives
-SAME = 1e-7  # [rad, m] between points, of a motion that is not a polynomial
-CLOSEST = 2e-3  # [s] between points: rounding of closer ones makes jerks
-FIRST = 0.02  # [s] the first point's time: at 0 the controller would jump to it
+DECIMALS = 9  # decimals of rad, m and their derivatives
+SAME = 1e-7  # [rad, m] tolerance between points of a motion that is not a polynomial
+CLOSEST = 2e-3  # [s] least distance of points: rounding of closer ones makes jerks
+FIRST = 0.02  # [s] time of the first point: at 0 the controller would jump to it
 
 
 def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
     """The message, plain ASCII.
 
     Args:
-        program: what to do; the machine stands at home when it starts.
-        case: its chain names the joints; `controller.block_ms` is the distance of points.
+        program: neutral program; the machine stands at home when it starts.
+        case: case whose chain names the joints; `controller.block_ms` is the distance of points.
 
     Raises:
         CaseError: the case has no chain or no controller.
@@ -64,7 +64,7 @@ def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
 
 
 def _motion(program: NeutralProgram) -> Joined:
-    """The trigger has no place in the message, the whole motion is evaluated."""
+    """The whole motion: the message has no place for the trigger."""
     return Joined(tuple(motion for motion, _ in block_motions(program)))
 
 

@@ -21,8 +21,8 @@ from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, li
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading import Reading
 
-FULL = 1e-9  # [rad] that a full circle may miss: rounding
-EQUAL = 1e-9  # [s] of durations: rounding
+FULL = 1e-9  # [rad] tolerance of a full circle for rounding
+EQUAL = 1e-9  # [s] tolerance of durations for rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
 
@@ -38,14 +38,14 @@ class _LinuxCncWriter(BlockWriter):
         self.acceleration = headroom * self.limits.acceleration
 
     def comments(self, text: str) -> list[str]:
-        """LinuxCNC knows no nesting, and reads (MSG, ..) as a command, hence the leading dash."""
+        """Comment lines: LinuxCNC does not know nesting, and reads (MSG, ..) as a command, hence the leading dash."""
         return [f"(- {line})" for line in comment_lines(text.replace("(", "[").replace(")", "]"))]
 
     def to_home(self, move: list[str]) -> list[str]:
         return super().to_home(["G61", *(f"G94 {line}" for line in move)])
 
     def trigger(self, on: bool, moves_next: bool) -> str:
-        """On with the first cycle of the motion that follows (M62), where one follows at once; else, and off, at once.
+        """Block that switches on with the first cycle of a motion that follows at once (M62); else, and off, at once.
 
         M62 and M63 wait for a next motion; after the last, and before a dwell, the machine stands.
         """
@@ -71,7 +71,7 @@ class _LinuxCncWriter(BlockWriter):
         return feed(share * move.length, linear=True)
 
     def arc_words(self, move: CircularMove) -> str:
-        """A full circle has no end words, or it would be none at all."""
+        """Words of an arc: a full circle has no end words, or it would not move."""
         full = abs(abs(move.angle) - 2 * np.pi) < FULL
         return arc_words(move, self.words, self.coordinates(move.end), full)
 
@@ -87,22 +87,22 @@ class _LinuxCncWriter(BlockWriter):
 
 
 def _trapezoid_speed(duration: float, acceleration: float) -> float:
-    """Speed v of the trapezoid over the way 1 with 1 / v + v / a = T; without cruise where T is as short as can be."""
+    """Speed v of the trapezoid over the way 1 with 1 / v + v / a = T; without cruise where T is the shortest."""
     root = max(0.0, (acceleration * duration) ** 2 - 4 * acceleration)
     return float((acceleration * duration - np.sqrt(root)) / 2)
 
 
 def prepare_linuxcnc(program: NeutralProgram, case: Case) -> NeutralProgram:
-    """Paths in blocks of whole cycles: what is over LinuxCNC leaves out (measured on 2.9), and would be too fast."""
+    """Paths in blocks of whole cycles: LinuxCNC omits the rest (measured on 2.9), and would be too fast."""
     length = case.need_controller("a program").block
     blocks = [_in_cycles(b, length) if isinstance(b, TimedPath) else b for b in program.blocks]
     return replace(program, blocks=tuple(blocks))
 
 
 def _in_cycles(path: TimedPath, length: float) -> TimedPath:
-    """The same path with points at whole cycles, slowed down by as little as that takes.
+    """The same path with points at whole cycles, slowed down by as little as possible.
 
-    Of a spline whose pieces last equally long each begins at such a point.
+    Each piece of a spline whose pieces last equally long begins at such a point.
 
     Args:
         length: duration of a block of a spline, at most [s].
@@ -130,7 +130,7 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:
-        case: its limits are those that the controller is set up with; feeds are chosen for them.
+        case: case with the limits of the controller's set-up; feeds are chosen for them.
 
     Raises:
         CaseError: the case has no machine or no controller.
@@ -138,6 +138,6 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> bytes:
     timed = case.chain is None and any(isinstance(block, TimedPath) for block in program.blocks)
     headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0
     writer = _LinuxCncWriter(case, linuxcnc_guarantees(Reading("", (), 0), case), headroom)
-    # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
+    # G92.1 cancels offsets of an operator; G54 itself must be zero, which a program cannot check.
     start = [*writer.comments(OFFSETS), "G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
     return writer.text(program, [], start, ["M2"])

@@ -1,4 +1,4 @@
-"""A run of a program on a controller, whichever it was: what moved, and when the trigger was on."""
+"""A run of a program on any controller: its motion, and when the trigger was on."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +11,7 @@ from cases.errors import ExecutionError
 from identification.motion import Array
 from postprocessors.reading import Reading, Timed
 
-if TYPE_CHECKING:  # SciPy comes with it, and a check of a program does without
+if TYPE_CHECKING:  # it imports SciPy, which the check of a program does not need
     from identification.trajectories.executed import Execution
 
 STILL = 1e-9  # [m] a cycle: 1 um/s
@@ -25,7 +25,7 @@ class ExecutedRun:
     execution: "Execution"  # the motion, continuous in time
     trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
     real: bool  # whether a real controller ran it (the machine is simulated in any case)
-    remark: str = ""  # what to know about this run; empty where there is nothing
+    remark: str = ""  # remark on this run for people, or empty
 
     @property
     def excitation(self) -> float:
@@ -43,11 +43,11 @@ def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array
     """Windows of the trigger from the first movement in them to the last, shape (k, 2) [s].
 
     Before and after a movement the trigger waits for the controller's program, and with it for the computer's load. A
-    window without movement stays as it is; of a program that measures standing still `windows` are wanted.
+    window without movement stays as it is; for a program that measures standing still use `windows`.
 
     Args:
         on: the trigger, shape (n,).
-        struts: lengths, shape (n, 6) [m].
+        struts: strut lengths, shape (n, 6) [m].
         period: period of both [s].
     """
     moves = np.append(np.any(np.abs(np.diff(struts, axis=0)) > STILL, axis=1), False)
@@ -62,9 +62,9 @@ def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array
 
 @dataclass(frozen=True, slots=True)
 class ControllerLog:
-    """What a controller did, one row a cycle."""
+    """Log of a controller, one row a cycle."""
 
-    controller: str  # name and version of the controller, as it gave them itself
+    controller: str  # name and version of the controller, as it reported them
     period: float  # duration of a cycle [s]
     drives: Array  # commanded positions of struts or joints, shape (n, k) [m or rad]
     poses: Array  # commanded coordinates, shape (n, k) [m or rad]
@@ -72,23 +72,23 @@ class ControllerLog:
     # the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the controller reports
     # it so (LinuxCNC), shape (n,)
     lines: NDArray[np.int64]
-    left_out: int = 0  # cycles of standstill that are not in it, because only the computer's clock made them
+    left_out: int = 0  # removed cycles of standstill, which only the computer's clock caused
 
 
 TIME_TOLERANCE = 0.005
 """Share of a path's duration by which it may be late; measured on an idle computer 0.002 with 10 ms blocks."""
 
 CYCLES = 30
-"""And these many cycles, which starting and stopping cost: blending ends some blocks late."""
+"""Further cycles by which it may be late, for starting and stopping: blending ends some blocks late."""
 
 
 def path_words(line: int, planned: float, taken: float) -> str:
-    """One phrase on a timed path for people; arguments as `slowest_path` gives them."""
+    """A phrase on a timed path for people; arguments are those that `slowest_path` returns."""
     return f"the timed path that ends in line {line} took {taken:.3f} s instead of {planned:.3f} s"
 
 
 def slowest_path(reading: Reading, log: ControllerLog) -> tuple[int, float, float] | None:
-    """The timed path that was most late: the line at which it ends, planned and actual duration [s]; None: none was."""
+    """The timed path that was most late: the line at which it ends, planned and actual duration [s]; or None."""
     paths = []
     for part in reading.stretches:
         if isinstance(part, Timed):
@@ -98,7 +98,7 @@ def slowest_path(reading: Reading, log: ControllerLog) -> tuple[int, float, floa
     return max(late, key=lambda path: path[2] - path[1], default=None)
 
 
-STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles
+STANDS = 1e-4  # [m or rad] largest motion of a drive while the trigger is on: it settles for some cycles
 
 
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:

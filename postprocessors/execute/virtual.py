@@ -1,4 +1,4 @@
-"""The built-in virtual controller: executes a program's text, moves that it times itself by ruckig, paths by toppra."""
+"""The built-in virtual controller: executes a program's text; it times moves by ruckig and paths by toppra."""
 
 import math
 from dataclasses import replace
@@ -18,14 +18,14 @@ from postprocessors.proving.homing import motions
 from postprocessors.reading import Reading, Still
 
 NAME = "virtual controller (exact on timed paths, built in)"
-REST = 0.2  # [s] of standstill recorded before and after: filters need it, and so does a user who looks at the plot
-BLOCK = 100_000  # set points that are computed at once
+REST = 0.2  # [s] recorded standstill before and after: filters need it, and users see it in the plot
+BLOCK = 100_000  # number of set points that are computed at once
 
 
 def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
     """Executes a program that was read, starting from home.
 
-    Drives are given a set point each cycle (`cycle_ms` of the case), and interpolate between them as those of LinuxCNC
+    Drives get a set point each cycle (`cycle_ms` of the case), and interpolate between them as those of LinuxCNC
     do: phases of the commanded motion that end within a cycle are spread over it, for encoders and sensors alike.
 
     Raises:
@@ -45,9 +45,9 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
 def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joined, Array]:
     """The motion that the controller commands, and start and end of each time the trigger is on, shape (k, 2) [s].
 
-    Timed paths follow the curve through their points at their times; where that would pass a limit of rates or
+    Timed paths follow the curve through their points at their times; where that would exceed a limit of rates or
     accelerations, later, by toppra. Moves at a feed or in rapid are timed by ruckig within the motion limits and that
-    feed; with a jerk limit where the controller that the program is for has one, without where not.
+    feed; with a jerk limit where the controller of the program has one.
 
     Raises:
         ProgramError: the motion is not defined.

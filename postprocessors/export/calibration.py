@@ -1,4 +1,4 @@
-"""A result as it is exported: whether it may be, all of it as JSON, and the values that every language states."""
+"""A result for export: whether it may be exported, its JSON, and the values in every language."""
 
 import hashlib
 import re
@@ -36,13 +36,13 @@ def result_hash(result: Result) -> str:
 
 
 def _recording(result: Result) -> str:
-    """What the parameters were identified from, and what the offsets were tared with."""
+    """Names of the recordings from which the parameters were identified and the offsets tared."""
     tared = f", tared with {result.record['tared_with']}" if "tared_with" in result.record else ""
     return f"{result.record['recording']}{tared}"
 
 
 def json_document(result: Result) -> str:
-    """The calibrated model as JSON, everything that an implementation of its own needs, in SI units and radians.
+    """The calibrated model as JSON, complete for an independent implementation, in SI units and radians.
 
     `calibration.schema.json` beside this file, a JSON Schema, describes each entry.
     """
@@ -95,7 +95,7 @@ def json_document(result: Result) -> str:
 
 
 MOST_STEPS = 12
-"""Of the forward kinematics from one start; from home into a corner of the workspace it takes five."""
+"""Steps of the forward kinematics from one start; from home into a corner of the workspace it takes five."""
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
@@ -119,10 +119,10 @@ def default_name(case: Case) -> str:
 
 
 def checked_name(stem: str, file: Path) -> str:
-    """A file's name as the name of what is in it.
+    """The name of a model or function from its file's name.
 
     Raises:
-        FileProblem: it is not a name in the languages that are written.
+        FileProblem: it is not a valid name in the exported languages.
     """
     if not _NAME.fullmatch(stem) or stem.endswith("_"):
         raise FileProblem(
@@ -134,9 +134,9 @@ def checked_name(stem: str, file: Path) -> str:
 
 
 def comment_lines(result: Result) -> list[str]:
-    """Which result, case, model and version made a file, and every warning, one sentence a line.
+    """Result, case, model and version behind a file, and every warning, one sentence a line.
 
-    As printable ASCII that ends no comment in C, Structured Text or NC programs.
+    The text is printable ASCII that cannot end a comment in C, Structured Text or NC programs.
     """
     case, model, record = result.case, result.model, result.record
     terms = f" ({', '.join(result.terms)})" if result.terms else ""
@@ -155,7 +155,7 @@ def comment_lines(result: Result) -> list[str]:
 
 
 def rendered(template: str, result: Result, name: str, **own: Any) -> str:
-    """A template filled with what every language is told of a model called `name`, and with values of its own."""
+    """A template filled with the values of a model called `name` that every language states, and with further ones."""
     case, model = result.case, result.model
     drives = case.recording.drives if case.hexapod is not None else None
     variances = np.maximum(result.covariance.diagonal(), result.covariance_robust.diagonal())  # (28) or the robust one

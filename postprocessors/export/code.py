@@ -2,7 +2,7 @@
 
 A CasADi function becomes straight-line code: the instructions of its evaluation, and how a language spells them. The
 mathematics stays CasADi's own expression graph; only the spelling of `a + b` or `sin(a)` is decided here. Templates
-hold what people read around it.
+contain the text for people around it.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -18,7 +18,7 @@ from identification.symbolic import rotation, twist, twist_rate
 from postprocessors.export.calibration import number, rendered
 
 RING = 256
-"""Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
+"""Cycles in the memory of the signal chain: 40 ms of delay and as much window at 4 kHz."""
 
 _MATH = {ca.OP_SQRT: "sqrt({0})", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_ATAN2: "atan2({0}, {1})"}
 
@@ -128,7 +128,7 @@ INFIX = {
     ca.OP_TWICE: "2.0 * {0}",
     ca.OP_INV: "1.0 / {0}",
 }
-"""What C and Structured Text spell alike."""
+"""Operations with the same spelling in C and Structured Text."""
 
 
 def operand(value: float) -> str:
@@ -163,7 +163,7 @@ def statements(
     for k in range(function.n_out()):
         if not function.sparsity_out(k).is_dense():
             raise ValueError(f"{function.name()}: output {function.name_out(k)} is not dense")
-    values: dict[int, str] = {}  # what each slot of CasADi's work vector holds now
+    values: dict[int, str] = {}  # present value of each slot of CasADi's work vector
     for k in range(function.n_instructions()):
         code = function.instruction_id(k)
         read, written = function.instruction_input(k), function.instruction_output(k)

@@ -1,4 +1,4 @@
-"""From a result to files: which targets there are, what each is called, and how it appears as a whole or not."""
+"""From a result to files: the targets, their names, and files that appear as a whole or not at all."""
 
 from collections.abc import Callable, Iterable
 from itertools import permutations, product
@@ -49,7 +49,7 @@ def export(
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
         force: whether to export in spite of warnings, which are written into the file.
-        overwrite: replace what an earlier export wrote.
+        overwrite: whether to replace the files of an earlier export.
 
     Returns:
         The files, the one that matters first.
@@ -78,7 +78,7 @@ def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path
     if folder.suffix in (".c", ".h"):
         raise FileProblem(folder, f"--to c writes a folder with {name}.h and {name}.c", "name a folder with -o")
     names = [f"{name}.c", f"{name}.h"]
-    kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))  # what a compiler leaves there may go too
+    kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))  # files of a compiler there may be replaced too
     check_folder(folder, kind, [Path(result.source)], overwrite)
     header, source = c_sources(result, name)
     with atomic_folder(folder, kind, overwrite) as part:
@@ -87,7 +87,7 @@ def _c_folder(result: Result, output: Path | None, overwrite: bool) -> list[Path
     return [folder / n for n in names]
 
 
-LARGEST = 133.0  # [kg m^2] of an element of the inertia
+LARGEST = 133.0  # [kg m^2] largest element of the inertia
 
 
 def urscript_payload(result: Result) -> str:
@@ -97,7 +97,7 @@ def urscript_payload(result: Result) -> str:
     flange's axes, in the order Ixx, Iyy, Izz, Ixy, Ixz, Iyz. The command zeroes the robot's own force sensor.
 
     Raises:
-        IdentificationError: a static model, which has no inertia, or a body that is none or too large.
+        IdentificationError: a static model, which has no inertia, or an inertia that is not physical or too large.
     """
     mass, centre, inertia = identified_load(result, "set_target_payload")
     elements = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
@@ -119,13 +119,13 @@ def _list(values: Iterable[float], decimals: int) -> str:
     return f"[{', '.join(f'{float(v) + 0.0:.{decimals}f}' for v in values)}]"
 
 
-ROUNDING = 1e-9  # of the largest principal inertia: what the triangle inequality may miss by rounding
+ROUNDING = 1e-9  # share of the largest principal inertia: tolerance of the triangle inequality for rounding
 
 
 def principal_axes(inertia: Array) -> tuple[Array, Array]:
     """Principal moments, shape (3,), of a tensor, shape (3, 3) [kg m^2], and the rotation from their axes to {P}.
 
-    In the order and sense that turn the axes least from those of {P}.
+    Order and sense of the axes are those that turn them least from {P}.
     """
     moments, axes = np.linalg.eigh(inertia)
     best = moments, axes
@@ -139,9 +139,9 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
 
 
 def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:
-    """What the force sensors carry, as a rigid body in {P}, for a controller's command of some name.
+    """The load of the force sensors as a rigid body in {P}, for a controller's command of some name.
 
-    Mass [kg], centre of gravity, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2].
+    Returns mass [kg], centre of gravity, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2].
 
     Raises:
         IdentificationError: a static model, which has no inertia, an inertia that no body has, or sensors in struts at

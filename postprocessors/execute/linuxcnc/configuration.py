@@ -2,8 +2,8 @@
 
 The joints of a hexapod are its six struts (`genhexkins`); its axes X Y Z A B C are the pose, A B C turning about the
 fixed axes x y z, which is R = Rz(yaw) Ry(pitch) Rx(roll). The axes of a chain are its joints (`trivkins`). There are no
-motors: each joint follows its command exactly. `dwell.ngc` counts a dwell in the controller's own cycles; G4 is timed
-on the wall, whatever the servo thread does.
+motors: each joint follows its command exactly. `dwell.ngc` counts a dwell in the controller's own cycles; G4 follows
+the wall clock, whatever the servo thread does.
 """
 
 from functools import cache
@@ -33,7 +33,7 @@ ROUNDING = 1e-6
 """Pose limits are widened by the last digit of a program's numbers [mm, deg], so that the limit itself is allowed."""
 
 UNBOUND = 1e6
-"""LinuxCNC does not enforce strut velocity and acceleration on a path; any number beyond use will do [mm/s, mm/s^2]."""
+"""LinuxCNC does not enforce strut velocity and acceleration on a path; any large number is valid [mm/s, mm/s^2]."""
 
 WIDEST = np.pi / 2
 """Angles of the axes where only the struts limit them [rad]."""
@@ -80,7 +80,7 @@ class AxisLayout(NamedTuple):
 
     @property
     def channels(self) -> tuple[tuple[str, str], ...]:
-        """What is logged every cycle: type of the sampler (s integer, b bit, f float64) and pin."""
+        """Channels of the log of every cycle: type of the sampler (s integer, b bit, f float64) and pin."""
         return (
             ("s", "motion.program-line"),
             ("b", "motion.digital-out-00"),
@@ -90,18 +90,18 @@ class AxisLayout(NamedTuple):
 
     @property
     def sampler(self) -> str:
-        """The types of the channels as LinuxCNC's `sampler` wants them."""
+        """The types of the channels in the form of LinuxCNC's `sampler`."""
         return "".join(kind for kind, _ in self.channels)
 
 
 def pose_range(case: Case, box: bool) -> Array:
     """Range of the axes relative to home, shape (2, k) [m or rad].
 
-    The workspace limits x and y; whatever else its struts allow, whose limits LinuxCNC keeps too, the axes may do. Of a
-    chain the ends of its joints do.
+    The workspace limits x and y; the other axes are limited by the struts only, whose limits LinuxCNC satisfies too.
+    A chain is limited by the ends of its joints.
 
     Args:
-        box: whether the narrower box of `[limits.motion]` holds.
+        box: whether the narrower box of `[limits.motion]` applies.
     """
     home, limits = case.need_motion(PURPOSE)
     if box:
@@ -116,7 +116,7 @@ def pose_range(case: Case, box: bool) -> Array:
 
 @cache
 def _templates() -> "Environment":
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # checks of programs do without
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # checks of programs do not need it
 
     templates = Environment(
         loader=FileSystemLoader(HERE), undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True
@@ -136,7 +136,7 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
         case: a case with machine, limits and controller.
         home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.
-        box: whether the axes keep the box of `[limits.motion]`, else `[workspace]`; see `pose_range`.
+        box: whether the axes have the limits of `[limits.motion]`, else of `[workspace]`; see `pose_range`.
 
     Raises:
         CaseError: the case lacks one of these parts.
@@ -173,19 +173,19 @@ def hal_text(case: Case) -> str:
     """The HAL file: kinematics of the machine, joints that follow their commands, and the log of every cycle.
 
     Raises:
-        CaseError: the case has none.
+        CaseError: the case has no machine.
     """
     template = _templates().get_template("machine.hal.jinja")
     return template.render(layout=AxisLayout.of(case), hexapod=case.hexapod, mm=MM)
 
 
 def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: float, box: bool = True) -> None:
-    """Writes all that LinuxCNC reads, but its program and display, into a folder of its own; the rest as `ini_text`."""
+    """Writes the files of LinuxCNC, but its program and display, into a folder of its own; the rest as `ini_text`."""
     for name, text in (
         (INI_FILE, ini_text(case, home_joints, headroom, box)),
         (HAL_FILE, hal_text(case)),
         ("tool.tbl", "T1 P1 Z0 D1\n"),
         ("dwell.ngc", (HERE / "dwell.ngc").read_text(encoding="ascii")),
-        ("machine.var", ""),  # no offsets left over from another program
+        ("machine.var", ""),  # no offsets of another program
     ):
         (folder / name).write_text(text, encoding="ascii")

@@ -2,14 +2,14 @@
 """The "display" of a headless LinuxCNC: runs one program and logs every servo cycle.
 
 LinuxCNC starts it in the session's folder under the system's Python, which has the modules `linuxcnc` and `hal` and
-nothing of ours:
+no modules of hexcite:
 
     driver.py -ini INI PROGRAM TIME_LIMIT
 
 It enables and homes the machine, runs PROGRAM in automatic mode for at most TIME_LIMIT seconds on the wall, and leaves
 
     samples.f64   one row a cycle, float64: number of the cycle, then the channels of the sampler
-    status.json   outcome ("done", "error", "disabled", "paused", "time limit"), what LinuxCNC said, counts
+    status.json   outcome ("done", "error", "disabled", "paused", "time limit"), LinuxCNC's messages, counts
 
 Exit code 0: the program ran to its end; 1: it did not.
 """
@@ -25,15 +25,15 @@ import time
 import hal
 import linuxcnc
 
-POLL = 0.003  # [s] between two looks at LinuxCNC's state
-FETCH = 0.002  # [s] between two looks at the queue of logged cycles
+POLL = 0.003  # [s] between two reads of LinuxCNC's state
+FETCH = 0.002  # [s] between two reads of the queue of logged cycles
 REST = 0.02  # [s] for which the standstill after the program is logged
 START_LIMIT = 40.0  # [s] for each step of starting; they take tenths of a second, on a very busy computer seconds
 STATUS_LIMIT = 10.0  # [s] reading the state fails while it is being written; that passes when the writer goes on
 
 
 class Failure(Exception):
-    """LinuxCNC did not do what it was told."""
+    """LinuxCNC did not carry out a command."""
 
 
 class Recorder:
@@ -75,12 +75,12 @@ class Recorder:
 
     @property
     def count(self):
-        """Cycles that were logged so far, those in the queue included."""
+        """Number of cycles that were logged so far, those in the queue included."""
         waiting = self._queue.depth
         return waiting + len(self._values) // self._width
 
     def numbers(self):
-        """First and last number of a cycle; cycles between them that are not there were lost."""
+        """First and last number of a cycle; missing cycles between them were lost."""
         return (int(self._values[0]), int(self._values[-self._width])) if self._values else (0, -1)
 
     def save(self, file):
@@ -94,7 +94,7 @@ class Session:
     def __init__(self):
         self.command, self.state, self._channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
         self.errors, self.messages = [], []
-        self.line = 0  # the last one seen in motion; LinuxCNC forgets it when it stops
+        self.line = 0  # the last line in motion; LinuxCNC resets it when it stops
 
     def look(self):
         start = time.monotonic()

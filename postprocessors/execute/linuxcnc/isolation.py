@@ -1,10 +1,10 @@
-"""Runs a LinuxCNC session in a world of its own and leaves no process of it behind.
+"""Runs a LinuxCNC session in isolation and ends all of its processes.
 
 LinuxCNC expects to be alone on a computer: a lock file in /tmp, fixed shared memory keys, TCP port 5005, and a start-up
 that kills every process called milltask. Where the kernel allows it, each session therefore gets private process, IPC,
 network and mount namespaces, in which its folder is /tmp; the kernel ends all of its processes with the first one, also
-when hexcite itself is killed. Elsewhere (most containers) sessions wait for each other, and none starts beside a
-LinuxCNC of somebody else's.
+when hexcite itself is killed. Elsewhere (most containers) sessions wait for each other, and none starts beside
+another LinuxCNC.
 """
 
 import logging
@@ -22,19 +22,19 @@ from pathlib import Path
 from cases.errors import ExecutionError
 
 SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
-"""Where LinuxCNC and its Python are; nothing of the user's environment reaches a session."""
+"""Search path of LinuxCNC and its Python; a session gets nothing of the user's environment."""
 
 NOBODY = 65534
-"""User that LinuxCNC's realtime process runs as where hexcite runs as root, which it refuses to do."""
+"""User of LinuxCNC's realtime process where hexcite runs as root: that process refuses to run as root."""
 
 OUTPUT_FILE = "linuxcnc.out"
-"""What LinuxCNC prints."""
+"""File with the output of LinuxCNC."""
 
 GRACE = 20.0
 """Time for LinuxCNC to end in an orderly manner [s]; it takes about one."""
 
 POLL = 0.005
-"""Time between two looks at the processes that are being killed [s]."""
+"""Time between two checks of the processes that are being killed [s]."""
 
 _log = logging.getLogger(__name__)
 _MARK = "HEXCITE_SESSION"
@@ -71,10 +71,10 @@ def run_session(folder: Path, arguments: list[str], environment: dict[str, str],
     Args:
         folder: holds everything that the session reads and writes; its output goes to `OUTPUT_FILE`.
         environment: added to the session's environment; `{folder}` stands for its folder as seen from inside.
-        time_limit: time limit on the wall clock [s].
+        time_limit: limit of wall-clock time [s].
 
     Returns:
-        The exit code, None when the time was up.
+        The exit code; None where the time limit was reached.
 
     Raises:
         ExecutionError: without namespaces, another LinuxCNC is running.
@@ -120,7 +120,7 @@ def _run(
 
 
 def _end_orderly(process: subprocess.Popen[bytes]) -> None:
-    """Lets LinuxCNC unload its realtime part, which has left the process group and may belong to root."""
+    """Lets LinuxCNC unload its realtime part, which is not in the process group and may belong to root."""
     _signal_group(process, signal.SIGTERM)
     try:
         process.wait(GRACE)
@@ -136,8 +136,8 @@ def _signal_group(process: subprocess.Popen[bytes], number: signal.Signals) -> N
 
 
 def _end_marked(mark: str) -> None:
-    """Kills what is left of a session and returns when it is gone: a killed process, or one whose namespace ends, may
-    run on for a moment, and may start another one that a single look at the list of processes would miss."""
+    """Kills the remaining processes of a session and returns when all have ended: a killed process, or one whose
+    namespace ends, may run on for a moment and start another one, which a single check of the list would miss."""
     deadline = time.monotonic() + GRACE
     while processes := _marked(mark):
         if time.monotonic() > deadline:
@@ -162,8 +162,8 @@ def _marked(mark: str) -> dict[int, str]:
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """Waits for other sessions of ours; refuses to start beside a LinuxCNC of somebody else's."""
-    import fcntl  # of POSIX only, as LinuxCNC is
+    """Waits for other sessions of hexcite; refuses to start beside another LinuxCNC."""
+    import fcntl  # exists on POSIX only, as LinuxCNC does
 
     lock = os.open(Path(tempfile.gettempdir()) / f"hexcite-linuxcnc-{os.getuid()}.lock", os.O_RDWR | os.O_CREAT, 0o600)
     try:
@@ -180,8 +180,8 @@ def _alone() -> Iterator[None]:
 
 
 def _running() -> dict[int, str]:
-    """Numbers and names of all processes but those that have ended and that nobody has asked about: in a container
-    without an init process they stay in the list for good."""
+    """Numbers and names of all processes but zombies, which stay in the list for ever in a container without an init
+    process."""
     processes = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone by now

@@ -32,18 +32,18 @@ PROGRAM_FILE = "program.ngc"
 CLOCK_FILE = "warp.so"
 
 START_LIMIT = 120.0
-"""Time for LinuxCNC to start and end, and for its interpreter to read a program [s on the wall]; it takes two, on a
-very busy computer twenty."""
+"""Wall-clock time for LinuxCNC to start and end, and for its interpreter to read a program [s]; it takes 2 s, on a
+very busy computer 20 s."""
 
 LINE_LIMIT = 20.0
-"""What the default time limit allows for a line on average [s of controller time]: slower than any move of ours."""
+"""Mean time of a line in the default time limit [s of controller time]: longer than any move of hexcite's."""
 
 _log = logging.getLogger(__name__)
 
 
 @cache
 def linuxcnc_missing() -> str | None:
-    """Why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
+    """Reason why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
     if not sys.platform.startswith("linux"):
         return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with --on virtual"
     for program in ("linuxcnc", "halcmd"):
@@ -71,8 +71,8 @@ def run_linuxcnc(
 ) -> ControllerLog:
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
-    The log starts just before the program does and ends just after it; dwells are as long in it as programmed, for what
-    they and the switching of outputs last longer is the wall clock's. Commanded struts are the cubic B-spline
+    The log starts just before the program does and ends just after it; dwells are as long in it as programmed: the
+    wall clock causes what they and the switching of outputs last longer. Commanded struts are the cubic B-spline
     (1, 4, 1)/6 of the inverse kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
 
     Args:
@@ -82,7 +82,7 @@ def run_linuxcnc(
             depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
             cycles, waits for blocks or shortens dwells is repeated at half the speed-up and at a quarter; then that is
             an error.
-        time_limit: time limit for the program [s on the wall]. By default its dwells and 20 s of controller time for
+        time_limit: limit of wall-clock time for the program [s]. By default its dwells and 20 s of controller time for
             each of its lines, both divided by the speed-up, and a minute.
 
     Raises:
@@ -191,14 +191,14 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     message = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
     if match := re.search(r"\bline (\d+)", message):
         place = f"{program}, line {match[1]}"
-    else:  # what the driver saw last is exact to its polling
+    else:  # the last state in the driver, exact to its polling
         place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
     if report["outcome"] == "time limit":
         raise ExecutionError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
     if report["outcome"] == "paused":
         raise ExecutionError(place, "LinuxCNC waits for its operator", "remove the pause from the program")
     if "limit" in message:
-        remedy = "keep the program inside the limits of the case (hexcite check names what is outside)"
+        remedy = "bring the program inside the limits of the case (hexcite check names what is outside)"
     else:
         remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
     raise ExecutionError(place, f"LinuxCNC stopped: {message}", remedy)

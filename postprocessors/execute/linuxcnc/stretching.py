@@ -1,4 +1,4 @@
-"""How much LinuxCNC will stretch a timed path, predicted before it runs, and settings that keep its time.
+"""Predicted stretch of a timed path by LinuxCNC, before it runs, and settings that avoid it.
 
 It plans a turning path block by block, without look-ahead (tp.c), measured on 2.9. Each block is a trapezoid at half
 the acceleration limit along it, so that no block of length L is faster than sqrt(a L / 2). While one slows down the
@@ -23,7 +23,7 @@ from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading import Reading, Timed
 
 ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5
-"""Shares of the acceleration limit that its planner spends along an arc (measured) and on turning."""
+"""Shares of the acceleration limit that its planner uses along an arc (measured) and across it."""
 
 LONGEST_BLOCK = 0.25
 """[s] A block is a trapezoid to LinuxCNC, not the smooth curve that the proof assumes; over tens of milliseconds the
@@ -37,7 +37,7 @@ def acceleration_headroom(reading: Reading, case: Case) -> float:
 
 
 def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """What LinuxCNC answers for when it runs a program."""
+    """Guarantees of LinuxCNC when it runs a program."""
     headroom = acceleration_headroom(reading, case)
     real = headroom <= 1.0
     return Guarantees(
@@ -59,7 +59,7 @@ def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: floa
 
 NOTICEABLE = 1.01
 CUT = 2e-3
-"""How far longer blocks may leave the path to be named as a remedy [m]."""
+"""Largest distance from the path of longer blocks that a message names as a remedy [m]."""
 
 LONGER = 1.1
 MOST_HEADROOM = 1e6
@@ -72,14 +72,14 @@ def triggered_paths(reading: Reading) -> list[TimedPoints]:
         ProgramError: the motion is not defined.
     """
     timed = [s.points for s in reading.stretches if isinstance(s, Timed) and s.trigger]
-    return [points for points in timed if isinstance(points, TimedPoints)]  # LinuxCNC has no other
+    return [points for points in timed if isinstance(points, TimedPoints)]  # LinuxCNC has no other paths
 
 
 def expected_duration(paths: list[TimedPoints], case: Case, headroom: float) -> float:
-    """What timed paths will take [s].
+    """Duration that timed paths will take [s].
 
     Args:
-        headroom: what LinuxCNC gets, as a multiple of the case's limits.
+        headroom: acceleration limits of LinuxCNC, as a multiple of the case's.
 
     Raises:
         CaseError: the case has no machine.
@@ -89,12 +89,12 @@ def expected_duration(paths: list[TimedPoints], case: Case, headroom: float) -> 
 
 
 def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> float:
-    """Predicted duration of timed paths over the planned one, 1 where that is kept; arguments as above."""
+    """Predicted duration of timed paths over the planned one, 1 where they are equal; arguments as above."""
     return max(1.0, expected_duration(paths, case, headroom) / sum(p.duration for p in paths))
 
 
 def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -> int:
-    """The least whole multiple of the case's acceleration limits, above `headroom`, that keeps the paths' time."""
+    """The least whole multiple of the case's acceleration limits, above `headroom`, without a stretch of the paths."""
     low, high = math.floor(headroom), math.ceil(headroom) + 1
     while predicted_stretch(paths, case, high) > NOTICEABLE and high < MOST_HEADROOM:
         low, high = high, 2 * high
@@ -106,7 +106,7 @@ def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -
 
 
 def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> tuple[float, float] | None:
-    """The shortest longer blocks [s] that keep the paths' time, and how far they cut corners [m]; None if too far."""
+    """The shortest longer blocks [s] without a stretch, and how far they cut corners [m]; None if too far."""
     block = max(float(np.diff(p.times).max()) for p in paths)
     while (block := math.ceil(1e3 * LONGER * block) / 1e3) <= LONGEST_BLOCK:
         coarse = [_in_blocks(p, block) for p in paths]
@@ -124,7 +124,7 @@ def _in_blocks(path: TimedPoints, block: float) -> TimedPoints:
 
 
 def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
-    """How much LinuxCNC will stretch a program, as it is set up and under the case's own acceleration limits."""
+    """Predicted stretch of a program by LinuxCNC, with its set-up and under the case's own acceleration limits."""
     headroom, paths = acceleration_headroom(reading, case), triggered_paths(reading)
     if not paths:
         return Forecast()
@@ -155,13 +155,13 @@ def _about(longer: tuple[float, float] | None) -> str:
     )
 
 
-ROUNDED = 1 / 8  # of the change of velocity times the block: how far from its corner a parabola passes
-TOLERANCE = 1e-3  # [m] G64 P1, as programs of ours have it
-NOTHING = 1e-9  # [m, rad] of a block's way
+ROUNDED = 1 / 8  # distance of a parabola from its corner over the change of velocity times the block
+TOLERANCE = 1e-3  # [m] G64 P1, as in programs of hexcite
+NOTHING = 1e-9  # [m, rad] length below which a block does not move
 
 
 def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
-    """How long straight blocks between poses take, from rest to rest, shape (k - 1,) [s].
+    """Durations of straight blocks between poses, from rest to rest, shape (k - 1,) [s].
 
     Args:
         times: times at which the poses are wanted, shape (k,) [s].
@@ -187,7 +187,7 @@ def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
 
 
 def largest_cut(times: Array, poses: Array) -> float:
-    """How far the origin passes from the corners between blocks, at most [m]; shapes (k,) [s] and (k, 6) [m, rad]."""
+    """Largest distance of the origin from the corners between blocks [m]; shapes (k,) [s] and (k, 6) [m, rad]."""
     steps = np.diff(times)
     turns = np.diff(np.diff(poses[:, :3], axis=0) / steps[:, None], axis=0)
     return float(np.max(ROUNDED * np.linalg.norm(turns, axis=1) * np.minimum(steps[:-1], steps[1:]), initial=0.0))

@@ -1,13 +1,13 @@
-"""What depends on the wall clock although LinuxCNC counts motion in cycles: dwells, switches, the supply of blocks.
+"""Parts of a run that depend on the wall clock, although LinuxCNC counts motion in cycles: dwells, switches, blocks.
 
-LinuxCNC times G4 on the wall, which a servo thread on a busy computer lags behind. A program is therefore run as a copy
+LinuxCNC times G4 by the wall clock, behind which a busy servo thread lags. A program is therefore run as a copy
 that counts its dwells in cycles (`dwell.ngc`), line for line; that each phase between two switches of the
 trigger took its time is then checked in the log. Written programs hold dwells in one form only, `G4 P<seconds>` on a
 line of its own; any other form is refused, since it could not be proven. That a dwell has ended, and that an output
-is to switch at once (M64, M65), is seen some milliseconds late, on the wall: these cycles of waiting are cut out.
+is to switch at once (M64, M65), is noticed some milliseconds of wall-clock time late: these cycles are removed.
 
-Blocks reach the motion controller one by one, some thousand a second on the wall. Where they come too slowly, which
-heavy work of others on the computer's disk does, the motion stops between them: not what LinuxCNC does in real time.
+Blocks reach the motion controller one by one, some thousand a second of wall-clock time. Where they come too slowly,
+as under heavy disk load by other programs, the motion stops between them, which LinuxCNC does not do in real time.
 The log shows it: no line is executed for a while between a line and the next.
 """
 
@@ -27,11 +27,11 @@ ATTEMPTS = 3
 dwells were not proven."""
 
 BLOCK = 1e-3
-"""Shortest block that a session is given [s on the wall]. Down to half of it motion is the same at every speed-up, also
-with four other busy processes on two cores; at a quarter of it blocks run out now and then."""
+"""Shortest block of a session [s of wall-clock time]. Down to half of it motion is the same at every speed-up, also
+with four other busy processes on two cores; at a quarter of it blocks are sometimes late."""
 
 FEWEST_CYCLES = 10
-"""That a standstill keeps: switches take LinuxCNC some cycles in real time too."""
+"""Cycles that a standstill has at least: switches take LinuxCNC some cycles in real time too."""
 
 _DWELL = re.compile(r"G4 P[0-9]+(\.[0-9]+)?\s*")
 
@@ -60,7 +60,7 @@ def fastest(reading: Reading) -> float:
 
 
 def supply_problem(log: ControllerLog) -> str | None:
-    """What is wrong where the motion waited for a block that follows on the line before; None where it never did."""
+    """The problem where the motion waited for a block that follows on the line before; None where it never did."""
     moving = np.flatnonzero(log.lines)
     executed, waits = log.lines[moving], np.diff(moving) - 1
     late = np.flatnonzero((waits > 0) & (np.diff(executed) <= 1))  # a dwell or a switch has a line of its own
@@ -77,15 +77,15 @@ def dwell_problem(log: ControllerLog, reading: Reading, window: tuple[int, int])
     """Proves from the log that the dwells took their programmed time, each before and after its switch of the trigger.
 
     No line is executed while LinuxCNC dwells. Dwells without a motion or a switch between them are checked as a sum,
-    for the log cannot tell them apart. Those before the first and after the last motion are checked within `window`.
+    for the log does not separate them. Those before the first and after the last motion are checked within `window`.
 
     Args:
-        log: what was executed.
-        reading: the program.
+        log: log of the run.
+        reading: reading of the program.
         window: rows between which the program ran: first, and one past the last.
 
     Returns:
-        None, or what is wrong, beginning with the line.
+        None, or the problem, beginning with the line.
     """
     for line, phases in _standstills(log, reading, window):
         if not phases:
@@ -103,9 +103,9 @@ def dwell_problem(log: ControllerLog, reading: Reading, window: tuple[int, int])
 def without_surplus(log: ControllerLog, reading: Reading, window: tuple[int, int]) -> ControllerLog:
     """The log without the cycles by which it stood longer only because the wall clock timed dwells and switches.
 
-    Left out are cycles in the middle of a standstill, during which nothing changed, so that each dwell is as long as
+    It removes cycles in the middle of a standstill, during which nothing changed, so that each dwell is as long as
     programmed, and a switch without one takes `FEWEST_CYCLES`. Where the trigger switches between dwells, each is
-    shortened by itself; where the log does not show the switches that the program asks for, nothing is left out.
+    shortened by itself; where the log does not show the switches of the program, nothing is removed.
     Arguments as `dwell_problem`.
     """
     mask = np.ones(len(log.lines), dtype=bool)
@@ -125,10 +125,10 @@ def without_surplus(log: ControllerLog, reading: Reading, window: tuple[int, int
 def _standstills(
     log: ControllerLog, reading: Reading, window: tuple[int, int]
 ) -> Iterator[tuple[int, list[tuple[int, int, float]]]]:
-    """Dwells and switches without a motion between them: a line of theirs, and the parts without a switch.
+    """Dwells and switches without a motion between them: one of their lines, and the parts without a switch.
 
-    Of each part the first row, one past the last, and the programmed time [s]; no parts where the log does not show
-    the switches that the program asks for.
+    Each part has the first row, one past the last, and the programmed time [s]; there are no parts where the log does
+    not show the switches of the program.
     """
     moving = np.flatnonzero(log.lines)
     executed = log.lines[moving]
