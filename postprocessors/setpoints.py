@@ -26,7 +26,7 @@ METADATA = b"hexcite"
 STRUT_COLUMNS = (*STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7)))
 # Coordinates, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
 DECIMALS, STRUT_DECIMALS = (12, 9, 6), [9] * 6 + [7] * 6 + [5] * 6
-SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
+SAME = 1e-9  # [m, rad] tolerance between table and plan, for rounding
 
 
 TablePart = tuple[Trajectory | None, int, bool]
@@ -34,7 +34,7 @@ TablePart = tuple[Trajectory | None, int, bool]
 
 
 def _parts(program: NeutralProgram, cycle: float) -> Iterator[TablePart]:
-    """Motions up to the next standstill, or switch of the trigger, as one; standstills each for itself."""
+    """Parts of a table: motions up to the next standstill, or switch of the trigger, as one; each standstill alone."""
     number = count(1)
 
     def stretch(block: tuple[Trajectory, bool]) -> tuple[int, bool]:
@@ -56,7 +56,7 @@ def _sampled(motion: Trajectory, cycles: int, cycle: float) -> list[Array]:
 
 
 def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
-    """All rows, and whether the trigger is on in the cycle that each begins."""
+    """The motion at all rows, and whether the trigger is on in the cycle that each row begins."""
     cycle = case.need_settings(Setpoints, "a setpoint table").cycle
     home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
     rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
@@ -91,7 +91,7 @@ def _values(program: NeutralProgram, case: Case) -> Array:
 
 
 def _columns(case: Case) -> tuple[str, ...]:
-    """Time, coordinates with their derivatives, of a hexapod the struts, the trigger."""
+    """Names of the columns: time, coordinates with their derivatives, struts of a hexapod, trigger."""
     struts = STRUT_COLUMNS if case.hexapod is not None else ()
     return (*motion_columns(case.need_motion("a setpoint table")[1].columns), *struts, TRIGGER)
 

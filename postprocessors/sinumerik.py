@@ -26,7 +26,7 @@ from postprocessors.proving.guarantees import sinumerik_guarantees
 from postprocessors.reading import Reading, axis_letters
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF
-POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece
+POLY_LENGTH_DECIMALS = 7  # decimals of a coefficient: rates must agree from piece to piece
 POLY_ANGLE_DECIMALS = 8
 AXES_OF_A_POSE = 6
 
@@ -79,7 +79,7 @@ class _SinumerikWriter(BlockWriter):
         return CaseError(self.place, f"controller.sinumerik.{key}", problem)
 
     def stated(self, name: str, spline: PolynomialMotion, motion: Trajectory) -> list[str]:
-        """How far the path is from the plan: its law of time is the controller's own."""
+        """Comment lines with the distance of the path from the plan: its time law is the controller's own."""
         degree = len(spline.pieces[0].coefficients) - 1
         lines = [f"{name}: {len(spline.pieces)} POLY blocks of degree {degree}, {spline.duration:.6f} s"]
         for law, (position, angle) in (
@@ -90,7 +90,7 @@ class _SinumerikWriter(BlockWriter):
         return [c for line in lines for c in comments(line)]
 
     def poly(self, spline: PolynomialMotion) -> list[str]:
-        """Finely rounded, lest rates step between pieces; the last ends as a pose does, where the next move starts."""
+        """POLY blocks, finely rounded against steps of rates; the last ends at words of a pose, for the next move."""
         decimals = (POLY_LENGTH_DECIMALS,) * 3 + (POLY_ANGLE_DECIMALS,) * 3
         units = (MM,) * 3 + (DEG,) * 3
         lines = []
@@ -109,7 +109,7 @@ class _SinumerikWriter(BlockWriter):
         return lines
 
     def compressed(self, path: TimedPath, settings: Sinumerik) -> list[str]:
-        """The compressor takes nothing but G1, coordinates and F."""
+        """Blocks for the compressor, which accepts only G1, coordinates and F."""
         comment = f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"
         tolerances = f"CTOL={settings.contour_tolerance_mm:g} OTOL={settings.orientation_tolerance_deg:g}"
         lines = [*comments(comment), f"G642 G93 COMPCAD {tolerances}"]
@@ -119,7 +119,7 @@ class _SinumerikWriter(BlockWriter):
 
 
 def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
-    """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
+    """The program with point-to-point moves as the case states: at a feed, or as polynomials."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     if isinstance(settings, Sinumerik) and settings.moves == "poly":
         return moves_as_polynomials(program, case.need_controller("a SINUMERIK program").block)
@@ -130,7 +130,7 @@ def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:
-        case: gives the machine, its limits and the controller's settings.
+        case: case with the machine, its limits and the controller's settings.
 
     Raises:
         CaseError: the case lacks the machine or the settings of this dialect, or they cannot carry the motion.

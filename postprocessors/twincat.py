@@ -15,7 +15,7 @@ from postprocessors.blocks import NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
 
-TIME_DECIMALS = 9  # of a second
+TIME_DECIMALS = 9  # decimals of a second
 
 
 class _TwinCatWriter(BlockWriter):
@@ -49,7 +49,7 @@ class _TwinCatWriter(BlockWriter):
         return f"M{self.settings.trigger_on_m if on else self.settings.trigger_off_m}"
 
     def path(self, path: TimedPath) -> list[str]:
-        """The last point stops exactly; before it, every point belongs to the curve."""
+        """Blocks of a path: the last point stops exactly; every point before it belongs to the curve."""
         s = self.settings
         assert isinstance(s, TwinCat)  # of a hexapod: paths in a machine's own axes are refused before
         deviations = f"PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}"

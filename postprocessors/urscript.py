@@ -1,7 +1,7 @@
 """Writes URScript: `movej` with acceleration and speed of the leading joint, without blends, never with a time.
 
 The controller covers a way D of the joint that moves most, the others in proportion, as a trapezoid: it takes
-D / v + v / a, or 2 sqrt(D / a) where v is not reached. What ramps a stated time would have is not documented.
+D / v + v / a, or 2 sqrt(D / a) where v is not reached. The ramps of a move with a stated time are not documented.
 """
 
 from collections.abc import Iterator
@@ -16,8 +16,8 @@ from identification.trajectories.moves import StraightMove
 from postprocessors.block_writer import comment_lines, digits, number
 from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
 
-DECIMALS = 9  # of angles [rad]
-INDENT = "  "  # the interpreter takes lines in the first column for the beginning and the end of the program
+DECIMALS = 9  # decimals of angles [rad]
+INDENT = "  "  # to the interpreter, lines in the first column begin and end the program
 
 
 def write_urscript(program: NeutralProgram, case: Case) -> bytes:
@@ -27,7 +27,7 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
         program: moves, dwells and trigger; the last must be on its way home.
 
     Raises:
-        HexciteError: a block that `movej` cannot be.
+        HexciteError: `movej` cannot express a block.
         CaseError: the case has no such chain, or no settings of this dialect.
     """
     settings = case.need_settings(UrScript, "a URScript program")

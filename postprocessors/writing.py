@@ -1,4 +1,4 @@
-"""From a planned motion to a program's text that has been read back and proven; nothing else leaves this module."""
+"""From a planned motion to a program's text that has been read back and proven; this module returns nothing else."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
-# The last decimal of the words, doubled: what is read back must be what was planned, up to rounding [m or rad].
+# Twice the last decimal of the words: the program as read back must be the plan, up to rounding [m or rad].
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
 
 
@@ -26,7 +26,7 @@ class Written:
     """A program that may be written."""
 
     content: bytes  # content of the file
-    proof: ProgramProof  # proof of that content; it holds
+    proof: ProgramProof  # proof of that content, which was successful
     reading: Reading  # that content as read back
 
 
@@ -44,12 +44,12 @@ def proven_program(
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
-        header: comment lines; what was proven is added to them.
+        header: comment lines; the proven limits are added to them.
         speed: share of the planned speed, above 0 and at most 1.
-        accepted: families of limits that may stay without anybody who enforces them.
+        accepted: families of limits that may stay without enforcement.
 
     Raises:
-        ProgramError: the text, as read back, is not the planned motion, passes a limit, or relies on one that nobody
+        ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
             enforces and that is not accepted.
         CaseError: the case has no machine or no controller.
     """
@@ -70,7 +70,7 @@ def proven_program(
 
 
 def _findings(proof: ProgramProof) -> tuple[str, ...]:
-    """What the header says of the proof: never more than it holds."""
+    """Lines of the header on the proof, which claim no more than was proven."""
     lines = [f"duration {proof.duration:.3f} s, excitation {proof.excitation:.3f} s", f"limits: {proof.verdict}"]
     for check in proof.limits.checks:
         text = f"{100 * check.ratio:.1f} % of {check.limit:.5g} {check.unit}"
@@ -79,7 +79,7 @@ def _findings(proof: ProgramProof) -> tuple[str, ...]:
 
 
 def _same_stretches(one: Reading, other: Reading) -> bool:
-    """Whether two readings say the same to the last bit, but for the lines at which they say it."""
+    """Whether two readings are equal to the last bit, but for line numbers."""
 
     def values(part: Stretch) -> list[object]:
         if isinstance(part, Timed):
@@ -93,9 +93,9 @@ def _same_stretches(one: Reading, other: Reading) -> bool:
 
 
 def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -> None:
-    """The motion of the text is that of the program, block by block, point by point and instant by instant.
+    """Raises unless the motion of the text is that of the program, block by block, point by point, at every instant.
 
-    Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
+    Polynomials may deviate from other motions by `tolerance`, shape (6,) [m, rad].
     """
     written = [b for b in program.blocks if isinstance(b, TimedPath | StraightMove | CircularMove)]
     # The first move of all goes home; it has no counterpart with a known start.
@@ -129,15 +129,15 @@ def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
     return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
 
 
-SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
-APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: that move need not be fast
+SAME = 1e-8  # [m, rad] distance of equal poses, below the last decimal of any program
+APPROACH_SHARE = 0.3  # share of the motion limits between home and the start: that move need not be fast
 
 
 def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float) -> tuple[Block, ...]:
-    """What a motion is to a controller.
+    """Blocks of a motion for a controller.
 
-    Straight and circular moves stay what they are, joined motions become their parts in order, standstills dwells,
-    polynomials splines, measurements dwells with the trigger on in the second; whatever else becomes a timed path.
+    Straight and circular moves stay as they are, joined motions become their parts in order, standstills dwells,
+    polynomials splines, measurements dwells with the trigger on in the second; all others become a timed path.
 
     Args:
         block: duration of a block of a timed path at full speed, at most [s].
@@ -150,7 +150,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     if isinstance(trajectory, CircularMove):
         return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
     if isinstance(trajectory, Standstill):
-        return (Dwell(trajectory.duration),)  # as long at any speed
+        return (Dwell(trajectory.duration),)  # the same duration at any speed
     if isinstance(trajectory, Measurement):
         settle = (Dwell(trajectory.settle),) if trajectory.settle > 0.0 else ()
         return (*settle, Trigger(True), Dwell(trajectory.average), Trigger(False))
@@ -162,7 +162,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
 def excitation_program(
     trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0
 ) -> NeutralProgram:
-    """Home, approach, settle, the excitation between trigger on and off, settle, back home.
+    """The program: home, approach, settle, the excitation between trigger on and off, settle, back home.
 
     Where the motion contains measurements, the trigger is on in these alone: moves between them only take the machine
     to a place.

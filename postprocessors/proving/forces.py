@@ -1,7 +1,7 @@
 """The largest sensor forces of a motion of which only the way and the controller's limits are known.
 
-No controller limits forces of sensors. But where it keeps velocities and accelerations, no time law of its own can
-cause more than these: f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform.
+No controller limits sensor forces. But where it limits velocities and accelerations, no time law of its own can
+exceed these: f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform.
 """
 
 from dataclasses import dataclass, replace
@@ -20,8 +20,8 @@ from identification.motion import Array, Motion, Trajectory
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 
-SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
-PATH_SAMPLES = 1000  # of a timed path
+SAMPLES = 64  # samples of a move: forces change with the pose alone, by less than a hundredth between two of them
+PATH_SAMPLES = 1000  # samples of a timed path
 
 
 class Steady(NamedTuple):
@@ -31,7 +31,7 @@ class Steady(NamedTuple):
 
     @property
     def peak_velocity(self) -> float:
-        """Of the share of the way [1/s]."""
+        """Largest velocity of the share of the way [1/s]."""
         return 1.0 / self.duration
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
@@ -47,10 +47,10 @@ class Steady(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ForceBounds:
-    """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits."""
+    """Bounds of the sensor forces with every body that a case expects, in motions within its limits."""
 
     loads: Loads
-    limits: Box  # limits of rates and accelerations, which the controller keeps
+    limits: Box  # limits of rates and accelerations, which the controller enforces
     case: Case
 
     @classmethod
@@ -60,7 +60,7 @@ class ForceBounds:
         return None if loads is None else cls(loads, case.need_motion("the check of a program")[1], case)
 
     def anywhere(self, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
-        """In whatever pose the motion is, with a share of the limits; of struts, which go with the pose, none."""
+        """Bounds for any pose, with a share of the limits; empty for struts, whose forces depend on the pose."""
         if self.case.sensor_frame.struts is not None:
             return ()
         linear, angular, spin = np.split(self.loads.coefficients, (3, 6), axis=1)
@@ -86,7 +86,7 @@ class ForceBounds:
         return omega, alpha, pull + omega**2 * float(reach[0]) + 2.0 * omega * slide
 
     def on(self, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
-        """At the poses of a path, whatever the motion along it or beside it.
+        """Bounds at the poses of a path, whatever the motion along it or beside it.
 
         Forces are linear in accelerations, products of rates, and, by viscous friction in struts, rates, whose
         coefficients unit ones show. Coulomb friction has no such coefficients.
@@ -115,9 +115,9 @@ class ForceBounds:
         return self._checks(most, times + clock)
 
     def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
-        """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
+        """Bounds for a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
-        What friction in struts adds changes sign with s', and is at most that at s' = 1 or in proportion to s'.
+        Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'.
 
         Args:
             feed: largest speed of the share of the way, besides the limits [1/s].
@@ -169,7 +169,7 @@ def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, lim
 
 
 def _reach(chain: Chain) -> Array:
-    """How far the sensor can be from the axis of each joint, whatever the joints after it do, shape (n,) [m]."""
+    """Largest distance of the sensor from the axis of each joint, wherever the joints after it are, shape (n,) [m]."""
     lengths = [float(np.linalg.norm(joint.origin)) for joint in (*chain.joints, chain.sensor)]
     slides = [0.0 if joint.turns else max(abs(v) for v in joint.position) for joint in chain.joints]
     reaches = np.cumsum([b + s for b, s in zip(lengths[:0:-1], slides[::-1], strict=True)])

@@ -19,12 +19,12 @@ from postprocessors.proving.forces import ForceBounds
 from postprocessors.reading import Reading, Timed
 
 Law = Callable[[float, float, float], TimeLaw]
-"""How a controller covers a straight way from rest to rest.
+"""Time law of a controller in a straight way from rest to rest.
 
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
 """
 ARC_SHARES = math.sqrt(0.75), 0.5
-"""Shares of the acceleration limit that an arc is assumed to spend along its path and on turning."""
+"""Shares of the acceleration limit that an arc is assumed to use along its path and across it."""
 
 
 def limits_jerk(law: Law) -> bool:
@@ -37,24 +37,24 @@ def limits_jerk(law: Law) -> bool:
 class Guarantees:
     """A controller as set up for one case and one program."""
 
-    controller: str  # its name, for messages
+    controller: str  # name of the controller, for messages
     shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
-    longest_block: float  # a timed block must not be longer: beyond it nothing is known of its time law [s]
-    enforced: frozenset[LimitKind]  # families of limits that it keeps by itself, whatever the program asks for
+    longest_block: float  # a timed block must not be longer: beyond it the time law is unknown [s]
+    enforced: frozenset[LimitKind]  # families of limits that it enforces, whatever the program states
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
-    jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
-    # whether it passes timed points at their times along the assumed curve between them; then what a timed path reaches
-    # is proven from the text, else only its geometry and rates are
+    jerk_time: float  # time within which its accelerations step where its law has no jerk limit; 0 where it has one [s]
+    # whether it passes timed points at their times along the assumed curve between them; then all limits of such paths
+    # are proven from the text, else only their geometry and rates are
     follows_paths: bool = False
     # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
     # at one feed): then rates are proven also where it does not follow the assumed curve
     even_blocks: bool = False
-    whole_cycles: bool = False  # whether it leaves out what a timed block lasts beyond whole cycles
+    whole_cycles: bool = False  # whether it omits what a timed block lasts beyond whole cycles
     block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
-    arc_shares: tuple[float, float] = ARC_SHARES  # of its acceleration limit, along an arc and on turning
+    arc_shares: tuple[float, float] = ARC_SHARES  # shares of its acceleration limit, along an arc and across it
 
     def arc_law(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-        """Its time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
+        """Time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
         along, across = self.arc_shares
         turning = math.sqrt(across * acceleration / angle)  # v^2 / r over the length r angle
         return self.law(min(velocity, turning), along * acceleration, along * jerk)
@@ -65,12 +65,12 @@ class Forecast:
     """The time that a controller will take for a program, predicted before it runs."""
 
     stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
-    remarks: tuple[str, ...] = ()  # what to know about it and what to change, one sentence each
+    remarks: tuple[str, ...] = ()  # remarks and remedies, one sentence each
 
 
 @dataclass(frozen=True, slots=True)
 class Judge:
-    """What the limits of a program are judged by."""
+    """The basis on which the limits of a program are judged."""
 
     case: Case
     guarantees: Guarantees
@@ -79,7 +79,7 @@ class Judge:
 
     @property
     def limits(self) -> Box:
-        """Of excitations."""
+        """Limits of excitations."""
         return self.case.need_motion("the check of a program")[1]
 
     def status_of(self, kind: LimitKind) -> Status:
@@ -89,16 +89,16 @@ class Judge:
     def prediction(
         self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None
     ) -> LimitCheck:
-        """A limit in a move that the controller times: a prediction, for which the text is not answerable."""
+        """The check of a limit in a move that the controller times: a prediction, not a property of the text."""
         verdict = self.status_of(check.kind) if status is None else status
         return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
     def proven_forces(
         self, kind: LimitKind, bound: Callable[[ForceBounds], Iterable[LimitCheck]], move: OwnMove | None = None
     ) -> LimitCheck | None:
-        """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.
+        """Proven sensor forces or moments; None where a motion within the controller's limits could exceed them.
 
-        No controller knows forces of sensors. They are bounded where it keeps velocities and accelerations.
+        No controller limits sensor forces. They are bounded where it enforces velocities and accelerations.
         """
         if self.forces is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.guarantees.enforced:
             return None
@@ -107,10 +107,10 @@ class Judge:
 
 
 SHORTEST_POINTS = 1e-3
-"""[s] between points of a joint trajectory: rounding of closer ones would make jerks of its own."""
+"""Least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks."""
 
 LONGEST_POINTS = 0.25
-"""[s] between points of a path: the curve between them is near the assumed one only while they are near."""
+"""Largest distance of points of a path [s]: the curve between distant points may leave the assumed one."""
 
 
 def _seven_segments(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
@@ -122,7 +122,7 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
+    """Guarantees of SINUMERIK: SOFT limits jerk; it times blocks by its own law and must enforce the other limits."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     polynomial = bool(_polynomials(reading))
     return Guarantees(
@@ -143,13 +143,13 @@ def _polynomials(reading: Reading) -> list[PolynomialMotion]:
 
 
 def sinumerik_tolerance(case: Case) -> Array:
-    """How far POLY blocks may be off a motion that is not a polynomial, shape (6,) [m, rad]."""
+    """Allowed deviation of POLY blocks from a motion that is not a polynomial, shape (6,) [m, rad]."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     return np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1)
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
+    """Guarantees of TwinCAT: `#SLOPE` decides on the jerk; it chooses the curve between the points of a path."""
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
@@ -163,7 +163,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 
 def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """The text states speed and acceleration of each move, a trapezoid: all is proven but the jerk of its ramps."""
+    """Guarantees of a robot: the text states speed and acceleration of each trapezoid; only its jerk is not proven."""
     return Guarantees(
         controller="the robot",
         shortest_block=0.0,
@@ -175,7 +175,7 @@ def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 
 def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Quintic pieces through stated positions, rates and accelerations: all is proven, nothing is enforced."""
+    """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
     return Guarantees(
         controller="joint_trajectory_controller",
         shortest_block=SHORTEST_POINTS,
@@ -188,7 +188,7 @@ def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 
 def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """A table carries its time exactly: all of it is proven from the rows; there are no moves of anybody else's law."""
+    """Guarantees for a table, which states its time exactly: all limits are proven from the rows."""
     settings = case.need_settings(Setpoints, "a setpoint table")
     return Guarantees(
         controller="setpoint generator",
@@ -202,7 +202,7 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 
 def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
-    """What is known of the time within POLY blocks: each ends in time, how it passes is the controller's."""
+    """Forecast for POLY blocks: each ends in time, but the controller chooses the time law within it."""
     motions = _polynomials(reading)
     if not motions:
         return Forecast()

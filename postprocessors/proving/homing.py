@@ -1,6 +1,6 @@
 """Moves that a controller times itself: predicted by its own law, and the first one, from an unknown pose, bounded.
 
-Of the first move, feed and end are proven, all else is bounds.
+For the first move, feed and end are proven; all other limits are bounds.
 """
 
 from collections.abc import Iterable, Iterator
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 
 def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMove | CircularMove | None:
-    """How a move will run; None where its start is not known or nothing moves.
+    """The predicted motion of a move; None where its start is not known or nothing moves.
 
     Args:
-        limits: limits that the controller is set up with.
+        limits: limits of the controller's set-up.
     """
     if part.start is None or not part.moves:
         return None
@@ -77,10 +77,10 @@ def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tu
 
 
 def planned_excitation(read: "Program", case: Case) -> Trajectory:
-    """The motion that the program asks for while its trigger is on.
+    """The programmed motion while the trigger is on.
 
     Raises:
-        ExecutionError: nothing moves then.
+        ExecutionError: nothing moves while it is on.
     """
     excited = [motion for part, motion in motions(read.reading, case, read.guarantees) if part.trigger]
     while excited and isinstance(excited[0], Standstill):  # pauses between moves count
@@ -101,8 +101,8 @@ _ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKin
 def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     """Limits of a move from an unknown pose.
 
-    The feed must not be above the case's safe feed (a rapid is), for nobody can look for obstacles on a way that is not
-    known. A, B and C of a pose turn as fast as they must, and only the controller limits them.
+    The feed must not be above the case's safe feed (a rapid is), for obstacles cannot be checked on an unknown way.
+    A, B and C of a pose turn as fast as the feed requires, and only the controller limits them.
 
     Args:
         clock: when it starts [s].
@@ -126,7 +126,7 @@ def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
 
 
 def _of_joints(part: Untimed, by: Judge, limits: Box, clock: float) -> Iterable[LimitCheck]:
-    """Limits of the joints of a chain, of which nobody knows how far each will move."""
+    """Limits of the joints of a chain, whose ways are unknown."""
     share = by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed
     # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
@@ -166,14 +166,14 @@ def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
 
 
 def _peak_accelerations(rate: Array, by: Judge) -> Array:
-    """Of each coordinate by the controller's own law over a long way, shape (6,) [m/s^2, rad/s^2]."""
+    """Peak acceleration of each coordinate by the controller's own law over a long way, shape (6,) [m/s^2, rad/s^2]."""
     limits = by.limits
     laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
     return np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
 
 
 def _of_struts(feed: float, rate: Array, peaks: Array, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Bounds wherever the machine stands: |omega| <= |roll'| + |pitch'| + |yaw'|, and l'' <= |s''| + |s'|^2 / l."""
+    """Bounds of strut limits at any pose: |omega| <= |roll'| + |pitch'| + |yaw'|, and l'' <= |s''| + |s'|^2 / l."""
     machine, workspace, motion = by.case.need_machine("the check of a program")
     arm = float(np.linalg.norm(machine.platform.points, axis=1).max())
     omega = float(rate[3:].sum())
@@ -188,7 +188,7 @@ def _of_struts(feed: float, rate: Array, peaks: Array, by: Judge, clock: float) 
 
 
 def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Judge) -> LimitCheck:
-    """The worst of all six coordinates, in the unit of its own, under the kind of translations."""
+    """The worst of all six coordinates, in its own unit, under the kind of translations."""
     k = int(np.argmax(values / limits))
     row = _row(kind, float(values[k]), float(limits[k]), clock, by)
     return replace(row, unit=(kind if k < 3 else angular).unit)

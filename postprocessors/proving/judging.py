@@ -1,4 +1,4 @@
-"""The limits of one stretch of a program: what its text proves, what the controller enforces, and what remains open."""
+"""The limits of one stretch of a program: proven from its text, enforced by the controller, or neither."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -38,8 +38,8 @@ BY_TIME_LAW = LimitKind.ACCELERATION, LimitKind.JERK, LimitKind.STRUT_ACCELERATI
 def judge(part: Stretch, by: Judge, clock: float) -> tuple[LimitReport, float]:
     """Limits and duration [s] of a stretch that starts at `clock`.
 
-    Timed paths and moves with the trigger on are excitations, which keep the box of `[limits.motion]`; moves without it
-    take the machine to a place and keep `[workspace]`, and so do the rows of a table, in which every move is timed.
+    Timed paths and moves with the trigger on are excitations, with the box of `[limits.motion]`; moves without it take
+    the machine to a place, with the limits of `[workspace]`, as the rows of a table, in which every move is timed.
 
     Raises:
         ProgramError: a timed block that the controller cannot time as written.
@@ -56,11 +56,11 @@ def judge(part: Stretch, by: Judge, clock: float) -> tuple[LimitReport, float]:
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
 
 
-PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
+PARTS = 1e-3  # share of a cycle by which a block may differ from whole ones: rounding of F
 
 
 def _require_timing(part: Timed, by: Judge) -> None:
-    """A block shorter than the controller's cycle does not keep its time; of one that is too long nothing is known."""
+    """Raises ProgramError for a block shorter than the cycle, which lasts longer, or too long for a known law."""
     own, steps = by.guarantees, np.diff(part.points.times)
     cycles = steps / own.shortest_block if own.whole_cycles else np.zeros(1)
     for mask, sentence in (
@@ -87,7 +87,7 @@ def _require_timing(part: Timed, by: Judge) -> None:
 
 
 def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """What a timed path reaches between its points is proven only of a controller that follows the assumed curve."""
+    """Checks of a timed path: values between its points are proven only where the controller follows the curve."""
     _require_timing(part, by)
     in_box = part.trigger or not isinstance(part.points, Tabulated)
     report = prove_path(part.points, part.points.times, by.case, clock, in_box)
@@ -108,7 +108,7 @@ def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
 
 
 def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Geometry and programmed speed are proven; what follows from the controller's law is predicted.
+    """Checks of a move: geometry and programmed speed are proven; values from the controller's law are predicted.
 
     Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
     """
@@ -127,10 +127,10 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clo
                 fastest = asked.get(check.kind)
                 if fastest is None or not fastest.kept:
                     yield by.prediction(check)
-                elif part.feed is None:  # the fastest that the enforced rates of all coordinates let pass
+                elif part.feed is None:  # the fastest within the enforced rates of all coordinates
                     yield by.prediction(fastest, status=Status.ENFORCED)
                 else:
-                    yield fastest  # even at the full feed everywhere on the way
+                    yield fastest  # the check at full feed everywhere on the way
             case LimitKind.ACCELERATION | LimitKind.STRUT_ACCELERATION:
                 yield by.prediction(check)
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
@@ -147,7 +147,7 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clo
 
 
 def _jerk(check: LimitCheck, motion: Trajectory, by: Judge) -> LimitCheck:
-    """Where a law has no jerk limit its acceleration steps within a cycle, by twice its peak where it reverses."""
+    """The check of jerk: without a jerk limit accelerations step within a cycle, by twice the peak at a reversal."""
     cycle = by.guarantees.jerk_time
     if cycle <= 0.0:
         return by.prediction(check)
@@ -161,9 +161,9 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Judge) -> LimitCheck:
 
 
 def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Velocities if the programmed feed held from end to end: the text asks for them, whoever would slow it down.
+    """Velocities at the programmed feed from end to end, whether or not the controller slows down.
 
-    Of a rapid those at the limits of the coordinates, if the controller keeps these.
+    For a rapid, velocities at the limits of the coordinates, if the controller enforces these.
     """
     if part.feed is not None:
         speed = part.feed / part.length
@@ -178,10 +178,10 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock:
 
 
 FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
-"""Most instants in a block, and a second: a few show a polynomial of degree 5 but for some per cent."""
+"""Most instants in a block, and in a second: few are enough for a polynomial of degree 5 but for some per cent."""
 
 NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
-"""Looked at finely are blocks that use this share of any limit, and as many that use most of each."""
+"""Share of a limit from which a block has a fine grid, and the number of blocks with the largest shares of each."""
 
 
 def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_box: bool) -> LimitReport:
@@ -206,7 +206,7 @@ def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_b
 
 
 def _critical_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> Array:
-    """Instants among which lie the worst of each limit and all that is near one, shape (n,) [s]."""
+    """Instants that include the worst of each limit and all that are near one, shape (n,) [s]."""
     rough, starts = _grid(times, ROUGH, ROUGH_RATE)
     shares = np.maximum.reduceat(shares_at(motion, case, rough, in_box, limited), starts, axis=0)
     blocks = np.asarray((shares >= NEAR_LIMIT).any(axis=1))
@@ -228,7 +228,7 @@ def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64
 
 
 def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: float) -> Iterable[LimitCheck]:
-    """Accelerations and jerks that steps between pieces amount to, at rest before the first and after the last.
+    """Accelerations and jerks by steps between pieces, at rest before the first and after the last.
 
     A step dv of a rate within a cycle c is an acceleration of dv / c and, up and down again, a jerk of 2 dv / c^2; a
     step da of an acceleration is a jerk of da / c.
@@ -252,7 +252,7 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: flo
 def _worst(
     kinds: tuple[LimitKind, LimitKind], values: Array, most: Array, limits: Box, times: Array
 ) -> Iterable[LimitCheck]:
-    """Of translations and of rotations; values and limits in SI, which is the unit of both kinds."""
+    """The worst check of translations and of rotations; values and limits in SI, which is the unit of both kinds."""
     for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
         if not own.any():
             continue

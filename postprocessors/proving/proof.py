@@ -1,4 +1,4 @@
-"""Proves a program's text inside the limits of a case, or says at which line it is not."""
+"""Proves that a program's text is inside the limits of a case, or names the line where it is not."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from postprocessors.proving.guarantees import Guarantees, Judge
 from postprocessors.proving.judging import judge
 from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
 
-MOST_TIMES = 10.0  # times a limit, above which the number itself does not matter
+MOST_TIMES = 10.0  # multiple of a limit above which the number itself does not matter
 
 
 def _times(ratio: float) -> str:
@@ -35,18 +35,18 @@ class Violation:
 class ProgramProof:
     """The proof of a program."""
 
-    file: str  # the program
+    file: str  # name of the program
     controller: str  # controller that would run it
     blocks: int  # lines that hold words
     duration: float  # duration of everything whose duration is known [s]
     excitation: float  # duration of the motion with the trigger on [s]
     limits: LimitReport  # worst case of each limit
     violations: tuple[Violation, ...]  # limits that are exceeded, the worst first
-    remarks: tuple[str, ...]  # what no limit covers: where it begins and ends
+    remarks: tuple[str, ...]  # remarks beside the limits: where it begins and ends
 
     @property
     def ok(self) -> bool:
-        """Whether every limit that the program itself is answerable for is satisfied."""
+        """Whether every limit that depends on the program alone is satisfied."""
         return not self.violations
 
     @property
@@ -126,8 +126,8 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     Timed paths are proven at 10 kHz, or at a hundred samples a block where blocks are longer than 10 ms, under the
     assumption that the controller passes the points at their times along the quintic spline through them; of a
     controller that is not known to do so, accelerations and jerks are `NOT enforced`. Moves whose time law is the
-    controller's are proven in their geometry and feed; the rest is predicted from that law
-    and says who answers for it.
+    controller's are proven in their geometry and feed; the rest is predicted from that law,
+    with who guarantees it.
 
     Raises:
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
@@ -166,7 +166,7 @@ AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
 def remarks(reading: Reading, case: Case) -> Iterator[str]:
-    """What no limit says, one sentence each; raises CaseError where the case has no machine."""
+    """Remarks beside the limits, one sentence each; raises CaseError where the case has no machine."""
     home, limits = case.need_motion("the check of a program")
     moves = [part for part in reading.stretches if not isinstance(part, Still)]
     first = moves[0]

@@ -1,7 +1,7 @@
-"""What a program says: stretches of motion between standstills, which the proof judges and controllers run.
+"""The reading of a program: stretches of motion between standstills, for the proof and for controllers.
 
 Readers report each block to a `Grouping`, which joins timed blocks to paths and refuses a motion that is not defined.
-What they share before any meaning, lines, words and axes, stands at the end.
+Their common functions for lines, words and axes are at the end.
 """
 
 import math
@@ -85,7 +85,7 @@ class Untimed:
 
     @property
     def moves(self) -> bool:
-        """Whether it moves at all, as far as is known."""
+        """Whether it moves, or may move from an unknown start."""
         return self.arc is not None or self.start is None or bool(np.any(np.abs(self.end - self.start) > STILL))
 
 
@@ -105,12 +105,12 @@ Stretch = Timed | Untimed | Still
 class Reading:
     """A program as read."""
 
-    file: str  # its name, for messages
+    file: str  # name of the program, for messages
     stretches: tuple[Stretch, ...]  # stretches in order
     blocks: int  # number of lines that hold words
     start: Array | None = None  # where the machine must stand, of programs that do not bring it there, shape (6,)
     left_on: int = 0  # line that switches the trigger on for good; 0 where it is off in the end
-    # words that are missing before its first move, without which what another program left shifts its poses
+    # words that are missing before its first move: without them offsets of another program shift its poses
     unsaid: tuple[str, ...] = ()
 
     @property
@@ -141,7 +141,7 @@ class TimedBlock(NamedTuple):
     line: int  # line of the program
     duration: float  # [s]
     end: Array  # pose at its end, shape (6,) [m, rad]
-    # of the polynomial sum_i c_i p^i for p from 0 to 1, passed evenly, which begins where the machine stands, shape
+    # c_i of the polynomial sum_i c_i p^i, p from 0 to 1 at constant rate, which begins where the machine stands, shape
     # (d + 1, 6) [m, rad]; None for a straight line
     coefficients: Array | None = None
 
@@ -161,32 +161,32 @@ class Grouping:
         self.trigger = False
         self.switched = 0  # line that switched the trigger last
         self.waiting: tuple[int, bool] | None = None  # line of a switch with the next motion, and whether on
-        self.timed: list[TimedBlock] = []  # since the last standstill
+        self.timed: list[TimedBlock] = []  # blocks since the last standstill
 
     def error(self, line: int, problem: str) -> ProgramError:
         """An error at a line."""
         return ProgramError(self.file, line, 0, problem)
 
     def stand(self, pose: Array) -> None:
-        """The machine must stand here before the program starts: the program itself does not bring it there."""
+        """Sets the pose before the start, to which the program itself does not bring the machine."""
         self.start = self.pose = pose
 
     def pause(self, line: int, duration: float) -> None:
-        """Standing still [s]."""
+        """Adds a standstill [s]."""
         self._finish_path()
         self.stretches.append(Still(line, duration, self.trigger))
 
     def switch(self, line: int, on: bool, at_once: bool) -> None:
-        """The trigger goes on or off: now, once all motion before has ended, else with the start of the next move."""
+        """Switches the trigger: after all motion before (`at_once`), else with the start of the next move."""
         self.switched = line
         if at_once:
             self._finish_path()
             self.trigger = on
         else:
-            self.waiting = line, on  # no reason for the controller to stop
+            self.waiting = line, on  # the controller need not stop
 
     def block(self, block: TimedBlock, exact: bool = False) -> None:
-        """A block whose time the program states, and whether the controller comes to rest at its end."""
+        """Adds a block whose time the program states; `exact`: whether the controller comes to rest at its end."""
         if self.timed and self.waiting is not None:
             raise self.error(self.waiting[0], "the trigger switches in the middle of a path; switch at rest")
         self._settle_trigger()
@@ -208,7 +208,7 @@ class Grouping:
         arc: Arc | None = None,
         law: tuple[tuple[int, ...] | None, float | None] = (None, None),
     ) -> None:
-        """A move that the controller times itself; `law` is `counted` and `acceleration` of `Untimed`."""
+        """Adds a move that the controller times itself; `law` is `counted` and `acceleration` of `Untimed`."""
         self._finish_path()
         self._settle_trigger()
         if not exact:
@@ -219,7 +219,7 @@ class Grouping:
         self.pose = end
 
     def rows(self, line: int, cycle: float, poses: Array, rates: Array, accelerations: Array) -> None:
-        """A path row by row, from rest to rest, whose first row stands in `line`; arguments as `Tabulated`."""
+        """Adds a path row by row, from rest to rest, whose first row is at `line`; arguments as `Tabulated`."""
         self._finish_path()
         self.pose = poses[-1]
         times = np.asarray(np.arange(len(poses)) * cycle, dtype=float)
@@ -227,7 +227,7 @@ class Grouping:
         self.stretches.append(Timed(lines, Tabulated(times, poses, rates, accelerations), self.trigger))
 
     def reading(self, blocks: int) -> Reading:
-        """The program as a whole, which has a number of blocks."""
+        """The reading of the whole program, with its number of blocks."""
         self._finish_path()
         if self.waiting is not None:
             problem = "the trigger waits for a next motion that never comes; use M64 or M65"
@@ -267,8 +267,8 @@ def program_lines(text: str, file: str, longest: int, most: float = math.inf) ->
     Args:
         text: text of the program, one character a byte (latin-1), so that columns are right whatever the encoding
             really is.
-        longest: most characters that the controller takes in a line.
-        most: most lines with content that its memory holds.
+        longest: largest number of characters in a line of the controller.
+        most: largest number of lines with content in its memory.
 
     Raises:
         ProgramError: a character that is not plain ASCII, a line too long, too many lines; with line and column.
@@ -302,13 +302,13 @@ def each_word(
     word_of: Callable[[re.Match[str], int], Item],
     unreadable: Callable[[int, str], ProgramError],
 ) -> Iterator[Item]:
-    """What stands in a line from a position on, word by word.
+    """Words of a line from a position on, one by one.
 
     Args:
-        unreadable: makes an error of the column and the first characters of what is not a word.
+        unreadable: column and first characters of a text that is not a word -> error.
 
     Raises:
-        ProgramError: something is not a word.
+        ProgramError: a part of the line is not a word.
     """
     while (ink := _INK.search(text, position)) is not None:
         match = pattern.match(text, position)
@@ -319,7 +319,7 @@ def each_word(
 
 
 def axis_letters(chain: Chain, controller: str, file: str, endless: bool = True) -> str:
-    """The axis of each joint of a chain, which is the joint's name.
+    """Letters of the axes of a chain, which are the names of its joints.
 
     Args:
         endless: whether its axes that turn without end count their turns.

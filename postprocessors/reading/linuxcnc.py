@@ -20,7 +20,7 @@ from postprocessors.reading import Reading, axis_letters, each_word, program_lin
 from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
-LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
+LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut by far less
 
 _WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
 # Two words of one modal group on a line are an error to the controller.
@@ -60,7 +60,7 @@ _BY_MOVES = "write G1 moves with G94 and G61"
 
 
 class _LinuxCncInterpreter(ModalState):
-    """What the words mean."""
+    """Meaning of the words."""
 
     name, groups, last, straight_word, block_time = "LinuxCNC", _GROUPS, "M2", "G1", "F = 60 / seconds"
 
@@ -125,7 +125,7 @@ class _LinuxCncInterpreter(ModalState):
             self.fail(word, f"{code} is {_REMEDY.get(code, 'not a word of an excitation; remove it')}")
 
     def _looseness(self, word: Word, block: dict[str, Word]) -> ProgramError | None:
-        """G64 P cuts corners by up to P; Q merges blocks, and is what P is where it is not written."""
+        """Error of a G64 that is too loose: P cuts corners by up to P; Q merges blocks, and is P where not written."""
         cut, merge = (math.inf if name not in block else float(block[name].value or 0.0) for name in "PQ")
         if cut <= LOOSEST and (merge if "Q" in block else cut) <= 0.0:
             return None
@@ -150,7 +150,7 @@ class _LinuxCncInterpreter(ModalState):
 
 
 def _words(text: str, line: int, file: str) -> list[Word]:
-    """Words of a line, and none for a comment."""
+    """Words of a line; a comment has none."""
 
     def word(match: re.Match[str], column: int) -> Word | None:
         if match["comment"]:
@@ -165,10 +165,10 @@ def _words(text: str, line: int, file: str) -> list[Word]:
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, byte by byte: no notion of lines but the controller's own (line feed).
+    """Reads a program, byte by byte: only a line feed ends a line, as for the controller.
 
     Args:
-        case: its chain names the axes, where it has one; else the axes are the pose of a platform.
+        case: case whose chain names the axes, where it has one; else the axes are the pose of a platform.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.

@@ -1,4 +1,4 @@
-"""What controllers with groups of modal words keep from block to block, whatever their language."""
+"""State of controllers with groups of modal words from block to block, whatever their language."""
 
 import math
 from abc import ABC, abstractmethod
@@ -13,8 +13,8 @@ from identification.motion import Array
 from identification.trajectories.moves import Plane
 from postprocessors.reading import Arc, Grouping, Reading, TimedBlock
 
-ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
-STILL = 1e-7  # [mm] between places that are the same
+ROUND = 2e-3  # [mm] largest difference of the radii at both ends, by rounding of words; LinuxCNC accepts 5e-3
+STILL = 1e-7  # [mm] distance below which places are the same
 
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
@@ -29,23 +29,23 @@ class Word(NamedTuple):
     # a block number
     name: str
     column: int  # where it begins, counted from 1
-    value: float | None = None  # its number
-    arguments: tuple[str, ...] | None = None  # what stands in parentheses or brackets behind it
-    selector: str | None = None  # what stands in brackets before its value; of a synchronised action, its condition
+    value: float | None = None  # number of the word
+    arguments: tuple[str, ...] | None = None  # texts in parentheses or brackets behind it
+    selector: str | None = None  # text in brackets before its value, or the condition of a synchronised action
 
 
 class ModalState(ABC):
-    """State of a controller while a program is read; subclasses say how it writes what all of them have.
+    """State of a controller while a program is read; subclasses define the words of their language.
 
     Args:
         axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
-        angles: names of the others where F counts them.
-        scale: what the coordinates count, shape (k,) [m or rad].
+        angles: words of the angles where F counts them.
+        scale: SI value of the coordinates' units, shape (k,) [m or rad].
         own_axes: whether the coordinates are the machine's own axes; else they are the pose of a platform.
     """
 
     name: ClassVar[str]  # name of the language, for messages
-    groups: ClassVar[tuple[tuple[str, ...], ...]]  # words of which one is active at a time, and stands in a block
+    groups: ClassVar[tuple[tuple[str, ...], ...]]  # groups of words of which one is active, and one may be in a block
     last: ClassVar[str]  # the word that ends a program
     straight_word: ClassVar[str]  # the word of a straight move at a feed
     block_time: ClassVar[str]  # F under G93, for messages
@@ -62,7 +62,7 @@ class ModalState(ABC):
         self.line = 0
         self.motions = Grouping(file)
         self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
-        self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has named all
+        self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
         self.feed_axes: tuple[str, ...] | None = None
@@ -71,14 +71,14 @@ class ModalState(ABC):
 
     @abstractmethod
     def read(self, words: list[Word]) -> None:
-        """Takes the words of one block.
+        """Executes the words of one block.
 
         Raises:
-            ProgramError: one is not understood.
+            ProgramError: a word is not understood.
         """
 
     def read_program(self, lines: Iterable[str], words_of: Callable[[str, int, str], list[Word]]) -> Reading:
-        """Takes all lines, whose words are found by `words_of(text, line, file)`.
+        """Reads all lines, whose words are `words_of(text, line, file)`.
 
         Raises:
             ProgramError: anything that is not understood, with line and column; no end of program.
@@ -124,14 +124,14 @@ class ModalState(ABC):
         return block
 
     def require_one_of_each_group(self, seen: dict[str, Word]) -> None:
-        """Two words of one group in a block are an error to the controller."""
+        """Refuses two words of one group in a block, which are an error for the controller."""
         first: dict[int, Word] = {}
         for word in seen.values():
             if word.name in self.group_of and (before := first.setdefault(self.group_of[word.name], word)) is not word:
                 self.fail(word, f"{before.name} and {word.name} in one block exclude each other; remove one")
 
     def take_feed(self, seen: dict[str, Word]) -> None:
-        """Keeps the block's feed, if it has one."""
+        """Sets the feed of the block, if it has one."""
         if "F" in seen:
             value = seen["F"].value
             if value is None or not value > 0.0:
@@ -150,14 +150,14 @@ class ModalState(ABC):
             self.fail(word, f"{word.name} stands in a block of its own; move the other words")
 
     def pause(self, word: Word, seconds: float | None, usual: str) -> None:
-        """A dwell, which is usually written like that."""
+        """Adds a dwell; `usual` is its usual form, for messages."""
         if seconds is None or not 0.0 <= seconds <= LARGEST:
             self.fail(word, f"{word.name} needs a duration of 0 to {LARGEST:g} s; write {usual}")
         self.motions.pause(self.line, seconds)
         self.flowing = False
 
     def refuse_centres(self, seen: dict[str, Word], arcs: str) -> None:
-        """I, J and K belong to arcs."""
+        """Refuses I, J and K outside arcs."""
         for name in ("I", "J", "K"):
             if name in seen:
                 self.fail(seen[name], f"{name} without {arcs}; remove it")
@@ -207,7 +207,7 @@ class ModalState(ABC):
             self.fail(first, f"F counts {', '.join(axes)} in this move only after {command}; add it before")
 
     def straight(self, end: Array, duration: float | None, feed: float | None, exact: bool) -> None:
-        """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
+        """Adds a straight move to coordinates, shape (k,) as written, and sets them as the pose."""
         known, linear = not np.isnan(self.pose).any(), self.moves_origin(end)
         axes = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
         self.pose = end
@@ -218,7 +218,7 @@ class ModalState(ABC):
         self.motions.move(self.line, end * self.scale, feed, linear, exact, law=(counted, None))
 
     def arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
-        """An arc at a feed; centre words are relative to its start. Without end words it is a full circle."""
+        """Adds an arc at a feed; centre words are relative to its start. Without end words it is a full circle."""
         if np.isnan(self.pose).any():
             self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
         plane = next((plane for name, plane in PLANES.items() if self.active(name)), None)
@@ -245,11 +245,11 @@ class ModalState(ABC):
         if abs(end_radius - radius) > ROUND:
             problem = f"radius {radius:g} mm at the start and {end_radius:g} mm at the end of the arc"
             self.fail(first, f"{problem}; correct its centre")
-        angle, left = 2 * np.pi, self.active("G3")  # counter-clockwise, seen from the positive end of the normal
+        angle, positive = 2 * np.pi, self.active("G3")  # counter-clockwise, seen from the positive end of the normal
         if float(np.hypot(*(target + offset))) > STILL:
             turned = float(np.arctan2(offset[1] * target[0] - offset[0] * target[1], -offset @ target)) % (2 * np.pi)
-            angle = turned if left else 2 * np.pi - turned
-        angle = angle if left else -angle
+            angle = turned if positive else 2 * np.pi - turned
+        angle = angle if positive else -angle
         self.pose = end
         arc = Arc(plane, centre * MM, angle)
         self.motions.move(self.line, end * self.scale, self.feed * MM / MINUTE, True, exact, arc)

@@ -1,6 +1,6 @@
 """Reads tables of setpoints: rows that follow from each other, with struts that belong to their poses.
 
-Rates, accelerations and struts are not believed: each row must lead to the next within the jerk limits, and the struts
+Rates, accelerations and struts are checked: each row must lead to the next within the jerk limits, and the struts
 of a hexapod are computed again from pose, rates and accelerations.
 """
 
@@ -47,10 +47,10 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     """The numbers of a table.
 
     Args:
-        most: rows that the controller's memory holds.
+        most: largest number of rows in the controller's memory.
 
     Raises:
-        ProgramError: not such a table, or a cell that is not a number; with line and column.
+        ProgramError: the content is not such a table, or a cell is not a number; with line and column.
     """
     table = _parquet(content, file, columns) if content[:4] == PARQUET else _csv(content, file, columns)
     first, header, values = table
@@ -134,8 +134,8 @@ def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
     return (1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
 
 
-ROUNDING = np.array([1e-9, 1e-6]) * MM  # of poses and rates: a thousand times the last decimal of a table
-JERK_ROUNDING = 1e-3  # share of a jerk by which motions within its limit may be off in a table
+ROUNDING = np.array([1e-9, 1e-6]) * MM  # tolerance of poses and rates: a thousand times the last decimal of a table
+JERK_ROUNDING = 1e-3  # share of the jerk limit by which rounding in a table may exceed it
 STRUT_ROUNDING = np.array([1e-6, 1e-4, 1e-2]) * MM
 SAME_TIME = 1e-9  # [s]
 AT_HOME = 1e-9  # [m, rad]
@@ -188,7 +188,7 @@ class _Rows:
             self._require_struts(case.hexapod)
 
     def _require_sequence(self, jerk: Array) -> None:
-        """What a jerk within its limit J can make of a row by the next one, of the same mean jerk q J.
+        """Raises where no jerk within its limit J and with the mean q J can lead from a row to the next.
 
         Rates and poses differ from those of a constant jerk by a weighted mean of the jerk. It is largest where the
         jerk is J as long as its weight is large, and -J otherwise: J h^2 (1 - q^2) / 4 for rates, J h^3 (1 - q^2)
@@ -255,7 +255,7 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     """Reads a table.
 
     Args:
-        case: gives home, kinematics, cycle and the size of the controller's memory.
+        case: case with home, kinematics, cycle and the size of the controller's memory.
 
     Raises:
         ProgramError: anything that is not such a table, or rows that do not belong together, with their line.

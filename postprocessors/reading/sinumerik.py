@@ -28,12 +28,12 @@ from postprocessors.reading.sinumerik_words import (
 
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G710", "G500", "G60", "COMPOF", "SOFT"}  # modal words
-SAME_RADIUS = 1e-5  # [mm] of FGREF
+SAME_RADIUS = 1e-5  # [mm] tolerance of the radius of FGREF
 MM_A_DEGREE = 180.0 / np.pi
 
 
 class _SinumerikInterpreter(ModalState):
-    """What the words mean."""
+    """Meaning of the words."""
 
     name, groups, last, straight_word, block_time = "SINUMERIK", GROUPS, "M30", "G1", "F = 60 / seconds"
     feed_group = "FGROUP({})"
@@ -136,7 +136,7 @@ class _SinumerikInterpreter(ModalState):
             self.fail(word, f"{name} is not above 0 and at most {limit:g}, the tolerance of the case; correct it")
 
     def _action(self, word: Word) -> None:
-        """A non-modal synchronised action acts with the next executable block."""
+        """Reads a non-modal synchronised action, which acts with the next executable block."""
         output, index, value = word.arguments or ("", "", "")
         number = str(self.settings.trigger_output)
         if word.selector is not None:
@@ -236,7 +236,7 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        case: gives the words of the machine's transformation, or its axes, and the limits of its program memory.
+        case: case with the words of the machine's transformation, or its axes, and the limits of its program memory.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.

@@ -127,7 +127,7 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
 
 
 def _without_comment(text: str) -> str:
-    """Up to the first semicolon that stands in no string."""
+    """The text up to the first semicolon outside a string."""
     inside = False
     for k, character in enumerate(text):
         inside ^= character == '"'
@@ -176,7 +176,7 @@ def _remedy(bad: str) -> str:
     return "words are a letter and a number, NAME=number, or a keyword"
 
 
-COEFFICIENTS = 4  # of a piece beside its end: a2 to a5
+COEFFICIENTS = 4  # coefficients of a piece beside its end: a2 to a5
 
 _COEFFICIENT = re.compile(f"{_NUMBER}$")
 
@@ -184,14 +184,14 @@ _COEFFICIENT = re.compile(f"{_NUMBER}$")
 def polynomial(
     state: ModalState, settings: Sinumerik, seen: dict[str, Word], pieces: list[Word], first: Word
 ) -> TimedBlock:
-    """X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to pass evenly in time.
+    """Reads X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to be linear in time.
 
     Args:
         state: state of the controller; its pose becomes the piece's end.
         first: word of the motion, for messages.
 
     Raises:
-        ProgramError: no polynomial that the controller takes, or one that does not keep its time.
+        ProgramError: the controller does not accept the polynomial, or it would not last its time.
     """
     if not state.active("POLY"):
         state.fail(first, "PO without POLY; add POLY")

@@ -29,7 +29,7 @@ _COMMANDS_OF_OWN_AXES = ("#SLOPE", "#TRAFO OFF", "#FGROUP", "#MSG", "#MSG SYN", 
 
 
 class _TwinCatInterpreter(ModalState):
-    """What the words mean."""
+    """Meaning of the words."""
 
     name, groups, last, straight_word = "TwinCAT", GROUPS, "M30", "G01"
     block_time, inverse_time = "F, the block's time in seconds", False
@@ -159,7 +159,7 @@ class _TwinCatInterpreter(ModalState):
         self.pause(word, seconds, "G04 0.3")
 
     def _dwell(self, block: dict[str, Word]) -> None:
-        """`G04 3.0` or `G04 X3.0`, seconds."""
+        """Reads the dwell `G04 3.0` or `G04 X3.0` in seconds."""
         word = block["G4"]
         arguments = [w for name, w in block.items() if name not in ("G4", "N")]
         if len(arguments) != 1 or arguments[0].name not in ("", "X"):
@@ -228,7 +228,7 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        case: gives kinematics, sign of B or axes, M functions and the limits of the program memory.
+        case: case with kinematics, sign of B or axes, M functions and the limits of the program memory.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.

@@ -110,7 +110,7 @@ def twincat_words(text: str, line: int, file: str) -> list[Word]:
 
 
 def _without_comments(text: str) -> str:
-    """Comments as blanks: behind a semicolon, and in parentheses, which nest and need not be closed."""
+    """The text with comments as blanks: behind a semicolon, and in parentheses, which nest and need not be closed."""
     out: list[str] = []
     depth, inside = 0, False
     for k, character in enumerate(text):
@@ -155,7 +155,7 @@ def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
     return Word(letter, column, float(number))
 
 
-FEWEST_SPLINE_POINTS = 3  # of an AKIMA spline, its start included
+FEWEST_SPLINE_POINTS = 3  # fewest points of an AKIMA spline, its start included
 
 _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
 
@@ -166,7 +166,7 @@ class PointPath:
     def __init__(self, state: ModalState) -> None:
         self.state = state
         self.kind = ""  # SPLINE, HSC or CONTOUR while one is open
-        self.akima = self.contour = False  # whether what SPLINE and CONTOUR need was said
+        self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
         self.points = 0
         self.stopped = False  # whether an exact stop has ended the points
 
@@ -174,7 +174,7 @@ class PointPath:
         """Begins a path where the machine stands.
 
         Raises:
-            ProgramError: another one is open, it was not chosen, the pose is not known, or the machine moves on.
+            ProgramError: another path is open, its kind was not chosen, the pose is unknown, or the machine moves.
         """
         fail = self.state.fail
         if kind == "SPLINE" and not self.akima:
@@ -202,7 +202,7 @@ class PointPath:
         self.kind = ""
 
     def point(self, first: Word, exact: bool) -> None:
-        """A timed block is a point of the path; the very first move of a program needs none.
+        """Adds a timed block as a point of the path; the first move of a program needs no path.
 
         Raises:
             ProgramError: no path is open, or its points have ended.
@@ -218,10 +218,10 @@ class PointPath:
         self.stopped = exact
 
     def require_deviations(self, word: Word, kind: str, settings: TwinCat) -> None:
-        """The curve may leave its points by what the case allows; both must be stated, the defaults are loose.
+        """Refuses a curve that may leave its points by more than the case allows; both deviations must be stated.
 
         Raises:
-            ProgramError: they are not stated, or larger.
+            ProgramError: the deviations are not stated, or larger.
         """
         s, arguments = settings, word.arguments or ()
         limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}

@@ -1,6 +1,6 @@
 """Reads URScript programs: the statements that an excitation needs, and an error for all else.
 
-Meanings follow Universal Robots' script manual: `a` and `v` of `movej` are those of the leading joint, a time outranks
+Meanings follow Universal Robots' script manual: `a` and `v` of `movej` are those of the leading joint, a time overrides
 both, a blend radius of 0 stops at the point; outputs switch when the statement before has ended.
 """
 
@@ -35,7 +35,7 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        case: its chain is the robot's; its settings name the trigger's output.
+        case: case with the robot's chain and the settings of the trigger's output.
 
     Raises:
         ProgramError: anything that is not understood, with its line; no end of the program.
@@ -104,7 +104,7 @@ class _Interpreter:
         self.statements[name](self._named(name, call[2], column))
 
     def _named(self, call: str, text: str, column: int) -> dict[str, str]:
-        """Arguments by name; those without a name come first, in their order."""
+        """Arguments by name; those without a name are first, in their order."""
         names, values, position = self.arguments[call], dict[str, str](), 0
         while position < len(text):
             part = _PARTS.match(text, position)
