@@ -106,7 +106,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     by_pose = np.hypot(disturbances.pose_error_N, of_load)
     floor = float(np.sqrt(noise.sensors**2 + by_pose**2 / low_pass.noise_gain))  # slow errors pass the filter whole
     shift, s0 = _shift(columns[:, :-1], added, floor, low_pass)
-    if _tells_smoothing(columns, u, s0, low_pass):
+    if _determines_smoothing(columns, u, s0, low_pass):
         shift, s0 = _shift(columns, added, floor, low_pass)
     shift = shift[: len(u)]
     form, none = physical_form(model), np.zeros((len(u), len(u)))
@@ -120,7 +120,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     return Vibration(frequency, deviations, mean_ratio(deviations, white), s0)
 
 
-def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:
+def _determines_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:
     """Whether identification estimates the smoothing too, by its own rule: differences of evaluated samples decide."""
     from identification.runs.evaluation import SAMPLED  # all of identification, which most plans do without
 
