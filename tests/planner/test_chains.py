@@ -256,8 +256,8 @@ def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
 def test_a_chain_is_drawn_with_its_joints(name: str, tmp_path: Path):
     assert call("case", "show", name, "-o", tmp_path / "chain.svg").code == 0
     text = (tmp_path / "chain.svg").read_text(encoding="utf-8")
-    for joint in load_case(name).chain.names:
-        assert f"<!-- {joint} -->" in text
+    labels = ", ".join(re.findall("<!-- (.*) -->", text)).split(", ")  # joints at one place are named together
+    assert set(labels) >= set(load_case(name).chain.names)
 
 
 @pytest.mark.parametrize("command", ["validate ur10_wrist", "validate strut_sensors"])
