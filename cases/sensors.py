@@ -107,7 +107,7 @@ class StrutSensors(Part):
     viscous_friction_Nms: tuple[NonNegative, NonNegative] | None = None
     """Viscous friction in base and platform joints; part of the model where it is given."""
     coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
-    """Friction in base and platform joints that does not depend on the speed."""
+    """Friction in the same joints, independent of the speed; part of the model where it is given."""
 
 
 class SensorFrame(Part):

@@ -52,7 +52,7 @@ class Samples(Protocol):
 
     @property
     def filtered(self) -> Filtered:
-        """Effect of the filter on white noise of the recorded forces."""
+        """Effect of filtering or averaging on white noise of the recorded forces."""
 
     @property
     def noise_correlation(self) -> float:

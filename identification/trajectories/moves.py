@@ -123,7 +123,7 @@ def fastest_profile(distance: float, velocity: float, acceleration: float, jerk:
 
 
 def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
-    """Limits of the share of a straight way, from those of each coordinate.
+    """Limits of the rates of the share of a straight way, from those of each coordinate.
 
     Args:
         way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
