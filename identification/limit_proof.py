@@ -159,7 +159,7 @@ _BY_POWER = (
 def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple[Array, Array, Array]:
     """Share that is used at each instant of any limit of velocities, of accelerations and of jerks, each of shape (n,).
 
-    Slowing down always helps against these limits: their shares shrink with the first, second and third power of the pace.
+    Slowing down helps against these limits: their shares shrink with the first, second and third power of the pace.
     """
     parts = [
         [

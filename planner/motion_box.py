@@ -133,7 +133,7 @@ class _Search:
         return np.maximum(low * sides, NARROWEST)
 
     def _grown(self, start: Array) -> Array:
-        """The local optimum that is reached from a box, or a box between them that satisfies the limits."""
+        """The local optimum that is reached from a box; where the search fails, the larger of both after shrinking."""
         from scipy.optimize import minimize  # most of a second to import
 
         sides = start

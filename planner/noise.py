@@ -1,6 +1,6 @@
 """The expected noise of a run, as the case states it, and its effect on the information of a motion.
 
-Errors of force sensors do not depend on motion; noise of accelerations acts on the body that is moved, so that payloads
+Errors of force sensors do not depend on which body moves; noise of accelerations acts on that body, so that payloads
 change it. A motion is planned for the weights that its identification will use, and its standard deviations are
 predicted for these weights and this noise, whether the weights are right for it or not.
 """

@@ -145,7 +145,7 @@ def case_line(case: Case) -> str:
 
 
 def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
-    """Reads a program; the error says where a program that cannot be read is for another state of the case.
+    """Reads a program; where one that cannot be read is for another state of the case, the error says so.
 
     Raises:
         ProgramError: it cannot be read or understood.

@@ -41,7 +41,7 @@ from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # number of the best orders and periods that get more starts
-ROUND = max(2, min(8, os.cpu_count() or 1))  # starts in parallel
+ROUND = max(2, min(8, os.cpu_count() or 1))  # starts in a round
 
 
 def shipped_start(family: Family, case: Case) -> Array | None:

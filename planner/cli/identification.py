@@ -127,8 +127,8 @@ def method_of(
     """The method that a user asks for, by the options as typed.
 
     Raises:
-        HexciteError: a value is not understood, the model does not have a name, the estimator is unknown, or a
-            result is damaged or belongs to another case.
+        HexciteError: a value is not understood, a name is not one of the model, the estimator is unknown, or a
+            result does not exist, is damaged, or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
     constants = read_values(fix or (), units, model.number)

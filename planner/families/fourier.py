@@ -23,7 +23,7 @@ FIRST = 2  # every second of them is constrained from the start, others where li
 
 
 def _null_space(matrix: Array) -> Array:
-    """Orthonormal basis of the null space; SciPy is loaded here, for every command loads this module."""
+    """Orthonormal basis of the null space; SciPy is loaded here: every command that reads a plan loads this module."""
     from scipy.linalg import null_space
 
     return np.asarray(null_space(matrix))

@@ -266,7 +266,7 @@ class PointToPoint(FamilySettings):
         return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """Raises HexciteError where moves are too short: four phases of jerk, or two of acceleration, of three cycles.
+        """Raises HexciteError where a move is too short for four phases of jerk, or two of acceleration, of 3 cycles.
 
         A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
         would take minutes to make few moves of many, and find less than with few.

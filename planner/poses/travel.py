@@ -92,7 +92,7 @@ def _laws(profiles: list[Profile], instants: int) -> Array:
 
 
 def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
-    """Factor by which the struts need each move slowed; below 1 where it need not be, shape (n,).
+    """Factor by which each move must be slowed for the struts; below 1 where it need not be, shape (n,).
 
     Args:
         start: shape (n, 6) [m, rad].

@@ -51,7 +51,7 @@ class Feasible(NamedTuple):
 def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Feasible:
     """Shrinks a motion towards the box's middle until it satisfies every limit, less a margin, on a grid of `rate`.
 
-    The steps grow from small to large: strut lengths need not fall with them, so that a smaller motion is not always
+    The steps grow from small to large: strut lengths need not fall on the way, so that a smaller motion is not always
     further inside.
 
     Raises:

@@ -182,7 +182,7 @@ def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
 
 
 def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Callable[[TaskEnd], None]) -> int:
-    """Computes the missing rows of a study folder, writes each cell as it arrives, and returns the number of cells.
+    """Computes the missing rows of a study folder, writes each cell as it arrives, calls `done`, and counts them.
 
     Raises:
         HexciteError: the folder is another study's, or the cluster is lost; finished cells stay in the folder.

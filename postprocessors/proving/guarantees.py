@@ -122,7 +122,7 @@ def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of SINUMERIK: SOFT limits jerk; it times blocks by its own law and must enforce the other limits."""
+    """Guarantees of SINUMERIK: SOFT limits jerk; the control times blocks by its law and must enforce other limits."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     polynomial = bool(_polynomials(reading))
     return Guarantees(
@@ -149,7 +149,7 @@ def sinumerik_tolerance(case: Case) -> Array:
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
-    """Guarantees of TwinCAT: `#SLOPE` decides on the jerk; it chooses the curve between the points of a path."""
+    """Guarantees of TwinCAT, which chooses the curve between the points of a path; `#SLOPE` decides on the jerk."""
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(

@@ -60,7 +60,7 @@ PARTS = 1e-3  # share of a cycle by which a block may differ from whole ones: ro
 
 
 def _require_timing(part: Timed, by: Judge) -> None:
-    """Raises ProgramError for a block shorter than the cycle, which lasts longer, or too long for a known law."""
+    """Raises ProgramError for a block that is below a cycle, and would last longer, or too long for a known law."""
     own, steps = by.guarantees, np.diff(part.points.times)
     cycles = steps / own.shortest_block if own.whole_cycles else np.zeros(1)
     for mask, sentence in (

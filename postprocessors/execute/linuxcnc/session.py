@@ -72,7 +72,7 @@ def run_linuxcnc(
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
     The log starts just before the program does and ends just after it; dwells are as long in it as programmed: the
-    wall clock causes what they and the switching of outputs last longer. Commanded struts are the cubic B-spline
+    time beyond that, theirs and that of switching outputs, is the wall clock's. Commanded struts are the cubic B-spline
     (1, 4, 1)/6 of the inverse kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
 
     Args:
