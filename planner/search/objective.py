@@ -15,15 +15,18 @@ share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B
 B = y^T (dA - h) + (A - y - r)^T dA X and h = sum_j dC_ij w_j A_j X: a product of rows with slopes, like that of F.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from cases.units import Array
+from cases.units import Array, Indices
 from identification.estimation.fit import squared_distances
-from planner.families.states import SHARE, Kernel, state_size
+from planner.families.states import SHARE, Kernel, States, state_size
 from planner.noise import PoseErrors
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is taken as the derivative
 
@@ -116,6 +119,49 @@ def weighted_square(states: Array, regressors: Array, size: int) -> Array:
     """Mean of A^T A over states, shape (u, u)."""
     weighted = (regressors * states[:, SHARE, None]).reshape(-1, size)  # shares of moves may be negative on the way
     return np.asarray(weighted.T @ regressors.reshape(-1, size))
+
+
+def curvature_through_information(
+    states: States, unknowns: Array, local: Local, point: InformationOfStates, count: int
+) -> Array:
+    """Second derivative of a criterion through the information by the first `count` unknowns, shape (count, count)."""
+    size, index, slopes = len(point.information), states.index, states.slopes(unknowns)
+    blocks, width = index.shape
+    shares = point.states[:, SHARE, None, None]
+    # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
+    projections = (point.rows.reshape(-1, size) @ local.vectors).reshape(len(shares), -1)
+    turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
+    flat_slopes = slopes.reshape(len(shares), -1, width)
+    own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * shares
+    own = own.reshape(blocks, -1, width, projections.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
+    own = own.reshape(blocks, width, -1, size)
+    rows = projections.reshape(blocks, 1, -1, size)
+    products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
+    upper, lower = np.triu_indices(size)
+    elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
+    if flat_slopes[:, SHARE].any():
+        right = left = projections.reshape(len(shares), -1, size)
+        if point.own is not point.rows:
+            right = (point.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
+        squares = left.transpose(0, 2, 1) @ right
+        if point.own is not point.rows:
+            squares = (squares + squares.transpose(0, 2, 1)) / 2.0
+        squares = squares.reshape(blocks, -1, size * size)
+        lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
+        elements += lengths @ squares[:, :, upper * size + lower]
+    through = _spread(index, count) @ elements.reshape(-1, len(upper))
+    diagonal = upper == lower
+    weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
+    main = through[:, diagonal]
+    return np.asarray((through * weights) @ through.T + main @ local.second @ main.T)
+
+
+def _spread(index: Indices, unknowns: int) -> "csr_array":
+    """Adds what belongs to the blocks' unknowns up to all unknowns, shape (n, B m)."""
+    from scipy.sparse import csr_array
+
+    flat = index.ravel()
+    return csr_array((np.ones(len(flat)), (flat, np.arange(len(flat)))), shape=(unknowns, len(flat)))
 
 
 class FieldByStates:

@@ -5,8 +5,6 @@ in units of itself and satisfied where every component lies between -1 and 1. `i
 by other means.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import casadi as ca
@@ -16,19 +14,18 @@ from cases.schema import Case
 from cases.units import Array
 from identification.criteria import box_middle
 from identification.limit import LimitKind
-from identification.limited_quantities import Box
 from identification.model import Model, identification_model, machine_of
 from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
-from planner.families import Family, Layout
-from planner.families.rows import LinearRows, Rows, StateRows
+from planner.families import Family
+from planner.families.rows import Rows, StateRows
 from planner.families.states import Kernel, state_size
 from planner.noise import PoseErrors
 from planner.search.objective import FieldByStates
 from planner.search.program import NonlinearProgram, regressor_kernel
 
-SLIP_RATE = 1000.0  # [1/s] rate at which a motion is checked between the constrained instants
+CHECK_RATE = 1000.0  # [1/s] rate at which a motion is checked between the constrained instants
 
 
 class LimitGroup(NamedTuple):
@@ -40,73 +37,25 @@ class LimitGroup(NamedTuple):
     most: float = np.inf  # largest share in the motion box; infinity where it was not computed
 
 
-@dataclass(frozen=True)
-class Problem:
-    """Minimise a criterion of the mean information subject to the limits."""
+def largest_shares(program: NonlinearProgram, motion: Trajectory, case: Case) -> tuple[float, ...]:
+    """The largest share of each limit along the whole motion: rows constrain it at some instants only.
 
-    layout: Layout  # the family's motion as functions of the unknowns
-    program: NonlinearProgram  # program with all rows
-    limits: tuple[LimitGroup, ...]  # non-linear limits that can bind, one for each of the program's last rows
-    box: Box  # limits of the coordinates
-    middle: Array  # middle of the box, shape (n,) [m or rad]
-    half: Array  # half of its width, shape (n,) [m or rad]
-
-    def worst(self, unknowns: Array) -> float:
-        """The largest share of a limit that unknowns use, at all critical states, those without rows included."""
-        return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.program.rows if not _equation(part))
-
-    def with_rows_above(self, unknowns: Array, share: float) -> "Problem":
-        """The problem with further rows for all that use more than a share of a limit."""
-        rows: list[Rows] = []
-        for part in self.program.rows:
-            if not _equation(part):
-                part = replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share))
-            rows.append(part)
-        return replace(self, program=replace(self.program, rows=tuple(rows)))
-
-    def within(self, layout: Layout) -> "Problem":
-        """The problem within the bounds of unknowns of another layout of the same family."""
-        return replace(self, program=replace(self.program, lower=layout.lower, upper=layout.upper))
-
-    def outside(self, unknowns: Array) -> float:
-        """By how much unknowns are outside their bounds."""
-        program = self.program
-        return float(max((program.lower - unknowns).max(), (unknowns - program.upper).max(), 0.0))
-
-    def slips(self, motion: Trajectory) -> tuple[float, ...]:
-        """The largest share of each limit along the whole motion: rows constrain it at some instants only.
-
-        One number for each order of the coordinates (pose, rates, accelerations, jerks), then one for each of `limits`.
-        """
-        box, samples = self.box, motion.at(np.linspace(0.0, motion.duration, max(2, int(motion.duration * SLIP_RATE))))
-        pose = (samples.pose - self.middle) / self.half
-        shares = [pose, samples.rates / box.rate, samples.accelerations / box.acceleration, samples.jerks / box.jerk]
-        states = np.hstack([samples.pose, samples.rates, samples.accelerations, np.zeros((len(pose), 1))])
-        shares += [group.kernel.values(states) for group in self.limits]
-        return tuple(float(np.abs(share).max()) for share in shares)
-
-    def tightened(self, slips: Sequence[float], bound: float) -> "Problem":
-        """The problem with bounds lowered by as much as `slips` exceed a bound that all should satisfy."""
-        factors = [bound / max(bound, slip) for slip in slips]  # a jerk that nothing limits slips by 0
-        before = len(self.program.rows) - len(self.limits)
-        rows: list[Rows] = []
-        for k, part in enumerate(self.program.rows):
-            if isinstance(part, LinearRows) and part.equal is None:
-                part = replace(part, bound=part.bound * np.array(factors)[part.order])
-            elif isinstance(part, StateRows) and k >= before:
-                part = replace(part, bound=part.bound * factors[4 + k - before])
-            rows.append(part)
-        return replace(self, program=replace(self.program, rows=tuple(rows)))
+    One number for each order of the coordinates (pose, rates, accelerations, jerks), then one for each of the program's
+    non-linear limits.
+    """
+    box, (middle, half) = case.need_motion("planning")[1], box_middle(case)
+    samples = motion.at(np.linspace(0.0, motion.duration, max(2, int(motion.duration * CHECK_RATE))))
+    pose = (samples.pose - middle) / half
+    shares = [pose, samples.rates / box.rate, samples.accelerations / box.acceleration, samples.jerks / box.jerk]
+    states = np.hstack([samples.pose, samples.rates, samples.accelerations, np.zeros((len(pose), 1))])
+    shares += [kernel.values(states) for kernel in program.limits]
+    return tuple(float(np.abs(share).max()) for share in shares)
 
 
-def _equation(part: Rows) -> bool:
-    return isinstance(part, LinearRows) and part.equal is not None
-
-
-def build_problem(
+def build_program(
     case: Case, model: Model, family: Family, scaling: Array, margin: float, errors: PoseErrors | None = None
-) -> Problem:
-    """Builds the program of criterion D.
+) -> NonlinearProgram:
+    """The program of criterion D with every limit of a family that can bind.
 
     Args:
         scaling: reference scaling, shape (u,).
@@ -131,15 +80,15 @@ def build_problem(
             for group in limits
             if group.order == 0
         )
-    program = NonlinearProgram(
+    return NonlinearProgram(
         layout.states,
         regressor_kernel(model, scaling),
         (*layout.rows, *first, *rows),
         layout.lower,
         layout.upper,
         errors=None if errors is None else FieldByStates(errors, family.duration),
+        limits=tuple(group.kernel for group in limits),
     )
-    return Problem(layout, program, limits, case.need_motion("planning")[1], *box_middle(case))
 
 
 RIGID_BODY = 6  # the smallest model with mass, first moments and inertia

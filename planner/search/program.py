@@ -4,21 +4,25 @@ The criterion couples all unknowns, so that its second derivative is full; yet i
 (`planner.search.objective`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from cases.units import Array, Indices
 from identification.model import Model
-from planner.families.rows import Rows, StateRows, curvature_at_states, pulled_back
+from planner.families.rows import LinearRows, Rows, StateRows, curvature_at_states, pulled_back
 from planner.families.states import SHARE, Kernel, States, state_size
-from planner.search.objective import FieldByStates, InformationOfStates, Local, criterion_at, weighted_square
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
+from planner.search.objective import (
+    FieldByStates,
+    InformationOfStates,
+    Local,
+    criterion_at,
+    curvature_through_information,
+    weighted_square,
+)
 
 
 def regressor_kernel(model: Model, scaling: Array) -> Kernel:
@@ -39,7 +43,7 @@ class NonlinearProgram:
 
     states: States  # states over which the information is averaged, with their shares of the duration
     regressor: Kernel  # regressor of one state, see `regressor_kernel`
-    rows: tuple[Rows, ...]  # rows of the limits
+    rows: tuple[Rows, ...]  # rows of the limits; those of non-linear limits that can bind are the last, one for each
     lower: Array  # lower limit of each unknown, shape (n,)
     upper: Array  # upper limit of each unknown, shape (n,)
     letter: str = "D"  # letter of the criterion, Table 4
@@ -50,6 +54,7 @@ class NonlinearProgram:
     convex: bool = False
     # errors of the pose, which the information then counts; second derivatives are convex with them
     errors: FieldByStates | None = None
+    limits: tuple[Kernel, ...] = ()  # state -> shares of each non-linear limit that can bind
 
     @property
     def unknowns(self) -> int:
@@ -65,6 +70,36 @@ class NonlinearProgram:
     def size(self) -> int:
         """Number of parameters u."""
         return self.regressor.size // 6
+
+    def worst(self, unknowns: Array) -> float:
+        """The largest share of a limit that unknowns use, at all critical states, those without rows included."""
+        return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.rows if not _equation(part))
+
+    def outside(self, unknowns: Array) -> float:
+        """By how much unknowns are outside their bounds."""
+        return float(max((self.lower - unknowns).max(), (unknowns - self.upper).max(), 0.0))
+
+    def with_rows_above(self, unknowns: Array, share: float) -> "NonlinearProgram":
+        """The program with further rows for all that use more than a share of a limit."""
+        rows: list[Rows] = []
+        for part in self.rows:
+            if not _equation(part):
+                part = replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share))
+            rows.append(part)
+        return replace(self, rows=tuple(rows))
+
+    def tightened(self, shares: Sequence[float], bound: float) -> "NonlinearProgram":
+        """The program with bounds lowered by as much as `largest_shares` exceed a bound that all should satisfy."""
+        factors = [bound / max(bound, share) for share in shares]  # of a jerk that nothing limits the share is 0
+        before = len(self.rows) - len(self.limits)
+        rows: list[Rows] = []
+        for k, part in enumerate(self.rows):
+            if isinstance(part, LinearRows) and part.equal is None:
+                part = replace(part, bound=part.bound * np.array(factors)[part.order])
+            elif isinstance(part, StateRows) and k >= before:
+                part = replace(part, bound=part.bound * factors[4 + k - before])
+            rows.append(part)
+        return replace(self, rows=tuple(rows))
 
     @cached_property
     def row_bounds(self) -> tuple[Array, Array]:
@@ -161,8 +196,16 @@ class NonlinearProgram:
         size, beyond = self.informative, np.zeros(len(self._beyond))
         total = np.zeros((size, size))
         blocks = self._curvatures_of_rows(unknowns, multipliers)
-        if factor != 0.0 and (curvature := self._bent(unknowns, factor, total)) is not None:
-            blocks.append((self.states.index, curvature))
+        if factor != 0.0:
+            point = self._point(unknowns)
+            local = criterion_at(self.letter, point.information, self.halvings)
+            total += factor * curvature_through_information(self.states, unknowns, local, point, size)
+            if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
+                white = InformationOfStates.white(point.states, point.regressors, point.changes, self.size)
+                local = criterion_at("D", white.information)
+                total += factor * curvature_through_information(self.states, unknowns, local, white, size)
+            elif not self.convex:
+                blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))
         for index, matrices in blocks:
             if len(places := self._places(index)):
                 rows, columns = np.triu_indices(index.shape[1])
@@ -184,21 +227,9 @@ class NonlinearProgram:
                 at_states.setdefault(id(part.states), []).append((part, own))
         return [(parts[0][0].states.index, curvature_at_states(unknowns, parts)) for parts in at_states.values()]
 
-    def _bent(self, unknowns: Array, factor: float, total: Array) -> Array | None:
-        """Second derivative of the criterion: adds the part through F to total, returns that along the states' blocks.
-
-        Shape (B, m, m); None where that part is omitted.
-        """
-        point, size = self._point(unknowns), self.size
-        local = criterion_at(self.letter, point.information, self.halvings)
-        self._add_through(unknowns, factor, local, point, total)
-        if self.errors is not None:  # where field and motion change together the part above is flat, and steps too long
-            white = InformationOfStates.white(point.states, point.regressors, point.changes, size)
-            self._add_through(unknowns, factor, criterion_at("D", white.information), white, total)
-            return None
-        if self.convex:
-            return None
-        slopes = self.states.slopes(unknowns)
+    def _curvature_at_states(self, unknowns: Array, local: Local, point: InformationOfStates) -> Array:
+        """Second derivative of the criterion that the information's own makes, along the blocks, shape (B, m, m)."""
+        size, slopes = self.size, self.states.slopes(unknowns)
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
         projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
@@ -210,41 +241,7 @@ class NonlinearProgram:
         along *= shares[:, None, None]
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
         shape = slopes.shape[:3]
-        matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape))
-        return factor * matrices
-
-    def _add_through(
-        self, unknowns: Array, factor: float, local: Local, point: InformationOfStates, total: Array
-    ) -> None:
-        """Adds the second derivative of the criterion through the information."""
-        size, index, slopes, states = self.size, self.states.index, self.states.slopes(unknowns), point.states
-        blocks, width = index.shape
-        # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
-        projections = (point.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
-        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
-        flat_slopes = slopes.reshape(len(states), -1, width)
-        own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * states[:, SHARE, None, None]
-        own = own.reshape(blocks, -1, width, projections.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
-        own = own.reshape(blocks, width, -1, size)
-        rows = projections.reshape(blocks, 1, -1, size)
-        products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
-        upper, lower = np.triu_indices(size)
-        elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
-        if flat_slopes[:, SHARE].any():
-            right = left = projections.reshape(len(states), -1, size)
-            if point.own is not point.rows:
-                right = (point.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
-            squares = left.transpose(0, 2, 1) @ right
-            if point.own is not point.rows:
-                squares = (squares + squares.transpose(0, 2, 1)) / 2.0
-            squares = squares.reshape(blocks, -1, size * size)
-            lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
-            elements += lengths @ squares[:, :, upper * size + lower]
-        through = _spread(index, len(total)) @ elements.reshape(-1, len(upper))
-        diagonal = upper == lower
-        weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
-        main = through[:, diagonal]
-        total += factor * ((through * weights) @ through.T + main @ local.second @ main.T)
+        return pulled_back(self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape))
 
 
 def _flat(states: Array) -> Array:
@@ -252,9 +249,5 @@ def _flat(states: Array) -> Array:
     return states.reshape(-1, states.shape[2])
 
 
-def _spread(index: Indices, unknowns: int) -> "csr_array":
-    """Adds what belongs to the blocks' unknowns up to all unknowns, shape (n, B m)."""
-    from scipy.sparse import csr_array
-
-    flat = index.ravel()
-    return csr_array((np.ones(len(flat)), (flat, np.arange(len(flat)))), shape=(unknowns, len(flat)))
+def _equation(part: Rows) -> bool:
+    return isinstance(part, LinearRows) and part.equal is not None

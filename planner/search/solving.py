@@ -24,7 +24,7 @@ from planner.search import Failed, Tried
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
-from planner.search.problem import build_problem
+from planner.search.problem import build_program, largest_shares
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 PROPOSALS = 60  # proposals of the annealing that finds starts of point-to-point motions, for each pair of moves
@@ -182,7 +182,7 @@ class _Run:
         self.scaling = reference_scaling(task.case, model)
         noise = expected_noise(task.case, model, task.payload)
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
-        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
+        self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
         self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
         self.begun = np.zeros(0)  # where the solver began
 
@@ -199,14 +199,14 @@ class _Run:
         """Unknowns at which the solver begins."""
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
-            worst = self.problem.worst(begin)
+            worst = self.program.worst(begin)
             # What is good for white noise alone is far from what errors of the pose call for.
             self.close = task.step is not Step.REFINE and worst <= CLOSE and self.errors is None
             if self.close or task.step is Step.REFINE:
-                self.problem = self.problem.with_rows_above(begin, NEAR)
+                self.program = self.program.with_rows_above(begin, NEAR)
                 return begin
         if not isinstance(self.family, PointToPointFamily):
-            return self.family.start(draw, self.problem.worst) if begin is None else begin / max(worst, 1.0)
+            return self.family.start(draw, self.program.worst) if begin is None else begin / max(worst, 1.0)
         # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
         walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
         proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2
@@ -215,7 +215,7 @@ class _Run:
 
     def solve(self, unknowns: Array, stage: _Stage) -> Array:
         """Runs the solver once."""
-        program = replace(self.problem.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
+        program = replace(self.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
         solution = solve(program, unknowns, stage.iterations, self.stops, stage.options)
         self.iterations += solution.iterations
         self.status, self.converged = solution.status, solution.converged
@@ -227,18 +227,23 @@ class _Run:
     def constrained(self, unknowns: Array, stage: _Stage) -> Array:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
-        self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN + SLIPPED))
+        layout = self.family.layout(self.task.case, MARGIN + SLIPPED)
+        self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
         again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
-            slips = self.problem.slips(self.family.once.motion(unknowns))
-            satisfied = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
+            shares = self.largest_shares(unknowns)
+            satisfied = max(shares) <= 1.0 - MARGIN - FINER and self.program.outside(unknowns) < SLIPPED
             if self.stopped or satisfied:
                 break
-            self.problem = self.problem.with_rows_above(unknowns, NEAR)
+            self.program = self.program.with_rows_above(unknowns, NEAR)
             if number > 0 or self.close or self.task.step is Step.REFINE:
-                self.problem = self.problem.tightened(slips, 1.0 - MARGIN - SLIPPED)
+                self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, again)
         return unknowns
+
+    def largest_shares(self, unknowns: Array) -> tuple[float, ...]:
+        """Largest share of each limit between the constrained instants too."""
+        return largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
 
     def feasible(self, unknowns: Array) -> Feasible:
         """The motion shrunk inside every limit."""
@@ -258,8 +263,8 @@ class _Run:
         for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
             if candidates[-1].share >= DRAWN_BACK or self.stopped:
                 break
-            slips = self.problem.slips(self.family.once.motion(unknowns))
-            self.problem = self.problem.with_rows_above(unknowns, 0.0).tightened(slips, 1.0 - MARGIN - SLIPPED)
+            shares = self.largest_shares(unknowns)
+            self.program = self.program.with_rows_above(unknowns, 0.0).tightened(shares, 1.0 - MARGIN - SLIPPED)
             if len(candidates) > 1:
                 candidates.append(self.feasible(self.begun))
                 unknowns = max(candidates, key=worth).unknowns

@@ -15,7 +15,7 @@ from identification.trajectories.curves import FourierMotion
 from planner.families.fourier import FourierFamily
 from planner.noise import ExpectedNoise, expected_noise, mean_information, seen_through
 from planner.search.feasibility import MARGIN, keep_limits
-from planner.search.problem import build_problem
+from planner.search.problem import build_program
 from planner.search.solving import Task, run_start
 from tests.planner.command_line import call
 from tests.planner.monte_carlo import vibrating, vibrating_runs
@@ -98,10 +98,10 @@ def test_the_search_is_for_the_information_that_the_weights_leave(hexapod_case: 
         assert found.tried.criterion_value == pytest.approx(
             CRITERIA["D"](singular_values(information, model.names)), rel=1e-9
         )
-        problem = build_problem(case, seen, family, scaling, MARGIN)
+        problem = build_program(case, seen, family, scaling, MARGIN)
         at = family.start(np.random.default_rng(3), problem.worst)
         exact = np.linalg.slogdet(mean_information(seen, scaling, family.motion(at)))[1]
-        assert problem.program.value(at) == pytest.approx(-exact / 20, abs=1e-4)  # means over the grid, and over all
+        assert problem.value(at) == pytest.approx(-exact / 20, abs=1e-4)  # means over the grid, and over all
         scores.append(found.tried.criterion_value)
     assert scores[1] < scores[0] - 5.0  # with weights mounted, noise hides more
 

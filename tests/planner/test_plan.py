@@ -21,7 +21,7 @@ from planner.plans import Plan
 from planner.rating import PlannedMotion, notes
 from planner.request import Request
 from planner.search.feasibility import MARGIN, keep_limits
-from planner.search.problem import build_problem
+from planner.search.problem import build_program
 from tests.postprocessors.independent import strut_lengths
 
 INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's grid
@@ -90,7 +90,7 @@ def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan:
     scaling = reference_scaling(hexapod_case, model)
     half = np.ptp(hexapod_case.limits.motion.pose, axis=0) / 2
     family = FourierFamily(5, 3.0, 1, hexapod_case.machine.home.vector, half)
-    problem = build_problem(hexapod_case, model, family, scaling, MARGIN)
+    problem = build_program(hexapod_case, model, family, scaling, MARGIN)
     best = -math.inf
     for seed in range(12):
         random = family.start(np.random.default_rng(seed), problem.worst)

@@ -21,7 +21,7 @@ from planner.families.spline import SplineFamily
 from planner.noise import PoseErrors, expected_noise, information_of, mean_information, of_estimate, without_pose_errors
 from planner.plan_figures import predicted_std_at_poses, predicted_std_of
 from planner.pose_criteria import pose_regressors
-from planner.search.problem import build_problem
+from planner.search.problem import build_program
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope
 
@@ -122,8 +122,8 @@ FAMILIES: dict[str, Family] = {
 @pytest.mark.parametrize("letter", few(*"ADN"))
 def test_the_gradient_is_the_slope_of_the_criterion(name: str, letter: str):
     family, draw = FAMILIES[name], np.random.default_rng(0)
-    problem = build_problem(CASE, MODEL, family, SCALING, 1e-3, errors_of(SIZE, LENGTH))
-    program = replace(problem.program, letter=letter, halvings=1)
+    problem = build_program(CASE, MODEL, family, SCALING, 1e-3, errors_of(SIZE, LENGTH))
+    program = replace(problem, letter=letter, halvings=1)
     at = family.start(draw, problem.worst)
     at = at * (1.0 + 0.02 * draw.normal(size=len(at)))
     along = draw.normal(size=len(at))
@@ -140,9 +140,9 @@ def test_the_gradient_is_the_slope_of_the_criterion(name: str, letter: str):
 @pytest.mark.parametrize("name", FAMILIES)
 def test_the_search_sees_nearly_the_information_of_the_motion(name: str):
     family, errors = FAMILIES[name], errors_of(SIZE, LENGTH)
-    problem = build_problem(CASE, MODEL, family, SCALING, 1e-3, errors)
+    problem = build_program(CASE, MODEL, family, SCALING, 1e-3, errors)
     at = family.start(np.random.default_rng(0), problem.worst)
-    seen = np.linalg.slogdet(problem.program.information(at))[1]
+    seen = np.linalg.slogdet(problem.information(at))[1]
     whole = np.linalg.slogdet(information_of(MODEL, SCALING, family.motion(at), errors))[1]
     white = np.linalg.slogdet(mean_information(MODEL, SCALING, family.motion(at)))[1]
     assert seen == pytest.approx(whole, abs=1.0)  # of a log det of 20 parameters: 5 % of a variance
@@ -151,8 +151,8 @@ def test_the_search_sees_nearly_the_information_of_the_motion(name: str):
 
 def test_a_case_that_states_none_is_rated_as_before():
     family = FAMILIES["ptp"]
-    problem = build_problem(CASE, MODEL, family, SCALING, 1e-3, PoseErrors.of(CASE, expected_noise(CASE, MODEL)))
-    assert problem.program.errors is None
+    problem = build_program(CASE, MODEL, family, SCALING, 1e-3, PoseErrors.of(CASE, expected_noise(CASE, MODEL)))
+    assert problem.errors is None
     motion = family.motion(family.start(np.random.default_rng(0), problem.worst))
     assert np.array_equal(information_of(MODEL, SCALING, motion, None), mean_information(MODEL, SCALING, motion))
     assert PoseErrors.of(without_pose_errors(erring(SIZE, LENGTH)), expected_noise(CASE, MODEL)) is None
@@ -167,7 +167,7 @@ def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str)
     if name != "manual":
         family = FAMILIES[name]
         motion = family.motion(
-            family.start(np.random.default_rng(0), build_problem(CASE, MODEL, family, SCALING, 1e-3).worst)
+            family.start(np.random.default_rng(0), build_program(CASE, MODEL, family, SCALING, 1e-3).worst)
         )
     predicted = predicted_std_of(case, MODEL, SCALING, motion, expected_noise(case, MODEL), 0)
     true = over_machines(motion)

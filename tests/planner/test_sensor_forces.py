@@ -21,7 +21,7 @@ from planner.families.spline import SplineFamily
 from planner.families.states import state_size
 from planner.rating import PlannedMotion, notes
 from planner.request import Request
-from planner.search.problem import build_problem, near_limits, state_limits
+from planner.search.problem import build_program, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
 from tests.postprocessors.changed_case import changed
 
@@ -47,9 +47,9 @@ def family_of(case: Case, name: str) -> Family:
 def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
     """At the states at which limits are constrained: what the optimiser limits is what the proof proves."""
     some = family_of(weak, name)
-    problem = build_problem(weak, MODEL, some, SCALING, 0.0)
+    problem = build_program(weak, MODEL, some, SCALING, 0.0)
     start = some.start(np.random.default_rng(7), problem.worst)
-    states = problem.layout.critical.at(start).reshape(-1, state_size(6))
+    states = problem.rows[-1].states.at(start).reshape(-1, state_size(6))
     pose, rates, accelerations = states[:, :6], states[:, 6:12], states[:, 12:18]
     motion = Motion(np.arange(float(len(pose))), pose, rates, accelerations, np.zeros_like(pose))
     groups = [group for group in state_limits(weak, (0, 5)) if group.kind is LimitKind.SENSOR_FORCE]

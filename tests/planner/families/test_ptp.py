@@ -13,7 +13,8 @@ from planner.families.ptp import PointToPointFamily, controlled
 from planner.families.rows import StateRows
 from planner.noise import mean_information
 from planner.search.feasibility import MARGIN, keep_limits
-from planner.search.problem import Problem, build_problem
+from planner.search.problem import build_program
+from planner.search.program import NonlinearProgram
 from planner.search.solving import Start, Task, run_start
 from tests.helpers import pose_shares
 
@@ -32,21 +33,21 @@ def family(case: Case) -> PointToPointFamily:
 
 
 @pytest.fixture(scope="module")
-def problem(case: Case, family: PointToPointFamily) -> Problem:
+def problem(case: Case, family: PointToPointFamily) -> NonlinearProgram:
     model = identification_model(case, 9)
-    return build_problem(case, model, family, reference_scaling(case, model), MARGIN)
+    return build_program(case, model, family, reference_scaling(case, model), MARGIN)
 
 
 @pytest.fixture(scope="module")
-def start(family: PointToPointFamily, problem: Problem) -> np.ndarray:
+def start(family: PointToPointFamily, problem: NonlinearProgram) -> np.ndarray:
     return family.start(np.random.default_rng(3), problem.worst)
 
 
 def test_a_random_start_takes_the_duration_and_satisfies_the_limits_of_the_coordinates(
-    start: np.ndarray, family: PointToPointFamily, problem: Problem
+    start: np.ndarray, family: PointToPointFamily, problem: NonlinearProgram
 ):
     assert family.motion(start).duration == pytest.approx(4.0)
-    duration, peaks = problem.program.rows[:2]
+    duration, peaks = problem.rows[:2]
     assert isinstance(peaks, StateRows)
     assert 0.9 < np.abs(peaks.values(start)).max() <= 1.0 + 1e-9
     assert duration.values(start) == pytest.approx(1.0, abs=1e-12)
@@ -85,10 +86,10 @@ def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: Point
 
 
 def test_states_of_the_optimiser_are_states_of_the_motion(
-    start: np.ndarray, family: PointToPointFamily, problem: Problem
+    start: np.ndarray, family: PointToPointFamily, problem: NonlinearProgram
 ):
     """Of information and of limits: each is found along the motion of its move, at the share of its phase."""
-    states = problem.layout.states.at(start)
+    states = problem.states.at(start)
     assert states.shape == (MOVES, 5 if family.steps else 11, 19)
     assert states[:, :, 18].sum() == pytest.approx(1.0)  # shares of the duration
     motion = family.motion(start)
@@ -96,7 +97,7 @@ def test_states_of_the_optimiser_are_states_of_the_motion(
     assert lasting == pytest.approx(np.diff(motion.starts), abs=1e-12)
     fine = motion.at(np.linspace(0.0, motion.duration, 40_001))
     found = np.hstack([fine.pose, fine.rates])
-    for some in (states, problem.layout.critical.at(start)):
+    for some in (states, problem.rows[-1].states.at(start)):
         for state in some[::3].reshape(-1, 19)[:, :12]:
             assert np.abs(found - state).max(axis=1).min() < 2e-3
 
@@ -141,7 +142,7 @@ def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(found: St
 
 
 def test_limits_of_poses_are_constrained_at_every_waypoint(
-    start: np.ndarray, family: PointToPointFamily, problem: Problem, case: Case
+    start: np.ndarray, family: PointToPointFamily, problem: NonlinearProgram, case: Case
 ):
     """At the first as well, where no move ends: drawn out of reach alone, it is outside a row."""
     for waypoint in range(MOVES + 1):
@@ -150,5 +151,5 @@ def test_limits_of_poses_are_constrained_at_every_waypoint(
         poses = family.middle + family.split(far)[0] * family.half
         shares = pose_shares(case, poses)["strut length"].max(axis=1)
         assert np.flatnonzero(shares > 1.0).tolist() == [waypoint]
-        rows = [part for part in problem.program.rows if isinstance(part, StateRows)]
+        rows = [part for part in problem.rows if isinstance(part, StateRows)]
         assert max(np.abs(part.values(far)).max(initial=0.0) for part in rows) > 1.0

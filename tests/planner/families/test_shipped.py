@@ -18,7 +18,7 @@ from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import SHIPPED, shipped_start
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.problem import build_problem
+from planner.search.problem import build_program
 from planner.search.solving import CLOSE
 from tests.bench.shipped_starts import table_of
 
@@ -61,7 +61,7 @@ def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name
     stated = json.loads(SHIPPED.read_text())[name]["d_efficiency"]
     assert box_bound(case, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
     assert prove(family.motion(start), case).worst_ratio < 1.0
-    assert build_problem(case, model, family, scaling, 0.0).worst(start) <= CLOSE  # rows may hold a bound of a limit
+    assert build_program(case, model, family, scaling, 0.0).worst(start) <= CLOSE  # rows may hold a bound of a limit
 
 
 def test_fourier_series_of_another_order_are_not_like_it():

@@ -11,7 +11,8 @@ from identification.motion import sample
 from planner.families.rows import LinearRows
 from planner.families.spline import FINE, SplineFamily
 from planner.families.states import state_size
-from planner.search.problem import Problem, build_problem, state_limits
+from planner.search.problem import build_program, state_limits
+from planner.search.program import NonlinearProgram
 
 
 @pytest.fixture(scope="module")
@@ -20,13 +21,13 @@ def family(hexapod_case: Case) -> SplineFamily:
 
 
 @pytest.fixture(scope="module")
-def problem(hexapod_case: Case, family: SplineFamily) -> Problem:
+def problem(hexapod_case: Case, family: SplineFamily) -> NonlinearProgram:
     model = identification_model(hexapod_case, 9)
-    return build_problem(hexapod_case, model, family, reference_scaling(hexapod_case, model), 0.0)
+    return build_program(hexapod_case, model, family, reference_scaling(hexapod_case, model), 0.0)
 
 
 @pytest.fixture(scope="module")
-def start(family: SplineFamily, problem: Problem) -> np.ndarray:
+def start(family: SplineFamily, problem: NonlinearProgram) -> np.ndarray:
     return family.start(np.random.default_rng(2), problem.worst)
 
 
@@ -48,11 +49,11 @@ def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: Splin
 
 @pytest.mark.parametrize("seed", range(6))
 def test_what_satisfies_the_rows_satisfies_the_limits_at_every_instant(
-    seed: int, family: SplineFamily, problem: Problem, hexapod_case: Case
+    seed: int, family: SplineFamily, problem: NonlinearProgram, hexapod_case: Case
 ):
     """The slip between the instants of positions and rates is left free by the rows, not taken from the limits."""
     draw = np.random.default_rng(seed).normal(size=(family.unknowns, 6)).cumsum(axis=0).ravel()
-    rows = problem.program.rows[0]
+    rows = problem.rows[0]
     assert isinstance(rows, LinearRows)
     draw /= np.abs(rows.all_values(draw)).max()
     motion, box = sample(family.motion(draw), 20_000.0), hexapod_case.limits.motion
@@ -64,14 +65,14 @@ def test_what_satisfies_the_rows_satisfies_the_limits_at_every_instant(
 
 @pytest.mark.parametrize("seed", range(4))
 def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
-    seed: int, family: SplineFamily, problem: Problem, hexapod_case: Case
+    seed: int, family: SplineFamily, problem: NonlinearProgram, hexapod_case: Case
 ):
     """Constrained at the knots alone, they would exceed their limit by much more: they peak between them."""
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     unknowns *= 0.9 / problem.worst(unknowns)
     (velocity,) = (group for group in state_limits(hexapod_case) if group.kind == "strut velocity")
-    shares = np.abs(velocity.kernel.values(problem.layout.critical.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
-    constrained = problem.layout.peaks[1].ravel()
+    shares = np.abs(velocity.kernel.values(problem.rows[-1].states.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
+    constrained = family.layout(hexapod_case, 0.0).peaks[1].ravel()
     motion = sample(family.motion(unknowns), 5_000.0)
     lengths = Hexapod.of(hexapod_case).strut_lengths(motion.pose)
     peak = np.abs(np.gradient(lengths, motion.t, axis=0)).max() / hexapod_case.limits.motion.strut_velocity_m_s

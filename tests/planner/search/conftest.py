@@ -10,9 +10,10 @@ from planner.families import Family
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.search.problem import Problem, build_problem
+from planner.search.problem import build_program
+from planner.search.program import NonlinearProgram
 
-Small = tuple[Family, Problem, np.ndarray]
+Small = tuple[Family, NonlinearProgram, np.ndarray]
 """A family, its problem, and unknowns inside the limits."""
 
 
@@ -40,6 +41,6 @@ def small(request: pytest.FixtureRequest, hexapod_case: Case) -> Small:
     """Model 5, and every limit a row at some states."""
     model = identification_model(hexapod_case, 5)
     family = family_of(hexapod_case, request.param)
-    problem = build_problem(hexapod_case, model, family, reference_scaling(hexapod_case, model), 1e-3)
+    problem = build_program(hexapod_case, model, family, reference_scaling(hexapod_case, model), 1e-3)
     unknowns = family.start(np.random.default_rng(4), problem.worst)
     return family, problem.with_rows_above(unknowns, 0.2), unknowns

@@ -94,7 +94,7 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
             passed.append((self.value(unknowns), unknowns[: len(at)].copy()))
             return super().gradient(unknowns)
 
-    program = problem.program
+    program = problem
     watched = Watched(**{name: getattr(program, name) for name in NonlinearProgram.__dataclass_fields__})
     reached = solve(watched, at, iterations, lambda objective: False, {"mu_strategy": "adaptive"})
     lower, upper = program.row_bounds
@@ -116,7 +116,7 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
 )
 def test_it_ends_where_no_more_is_gained(small: Small):
     _, problem, at = small
-    program = replace(problem.program, convex=True)
+    program = replace(problem, convex=True)
     reached = solve(program, at, 400, lambda objective: False, {"mu_strategy": "adaptive"})
     assert reached.converged
     assert reached.iterations < 400

@@ -16,7 +16,8 @@ from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import state_size
 from planner.planning import seeds_of
 from planner.search.feasibility import CLOSE_ENOUGH, MARGIN, keep_limits
-from planner.search.problem import Problem, build_problem, near_limits, state_limits
+from planner.search.problem import build_program, near_limits, state_limits
+from planner.search.program import NonlinearProgram
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.helpers import few
@@ -30,9 +31,9 @@ def fourier(case: Case, order: int = 4, period: float = 2.0) -> FourierFamily:
 
 
 @pytest.fixture(scope="module")
-def problem(hexapod_case: Case) -> Problem:
+def problem(hexapod_case: Case) -> NonlinearProgram:
     model = identification_model(hexapod_case, 0)
-    return build_problem(hexapod_case, model, fourier(hexapod_case), reference_scaling(hexapod_case, model), MARGIN)
+    return build_program(hexapod_case, model, fourier(hexapod_case), reference_scaling(hexapod_case, model), MARGIN)
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +41,8 @@ def unknowns(hexapod_case: Case) -> np.ndarray:
     return np.random.default_rng(8).normal(size=fourier(hexapod_case).unknowns * 6)
 
 
-def linear(problem: Problem) -> LinearRows:
-    part = problem.program.rows[0]
+def linear(problem: NonlinearProgram) -> LinearRows:
+    part = problem.rows[0]
     assert isinstance(part, LinearRows)
     return part
 
@@ -55,7 +56,7 @@ def box_shares(case: Case, some: FourierFamily, unknowns: np.ndarray) -> np.ndar
     return np.array([np.abs(v).max() for v in values])
 
 
-def test_rows_are_shares_of_the_limits(problem: Problem, unknowns: np.ndarray, hexapod_case: Case):
+def test_rows_are_shares_of_the_limits(problem: NonlinearProgram, unknowns: np.ndarray, hexapod_case: Case):
     values = np.abs(linear(problem).all_values(unknowns))
     assert values.max() == pytest.approx(box_shares(hexapod_case, fourier(hexapod_case), unknowns).max())
 
@@ -67,7 +68,7 @@ def test_limits_without_rows_are_satisfied_by_every_motion_that_satisfies_the_ro
     """Bernstein: a slow series cannot reach the limits of the higher derivatives; the optimiser saves their rows."""
     some = fourier(hexapod_case, order, period)
     model = identification_model(hexapod_case, 0)
-    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     for seed in range(20):
         draw = np.random.default_rng(seed).normal(size=some.unknowns * 6)
         draw /= np.abs(linear(problem).all_values(draw)).max()
@@ -75,7 +76,7 @@ def test_limits_without_rows_are_satisfied_by_every_motion_that_satisfies_the_ro
     assert linear(problem).matrix.shape[0] <= 4 * 6 * len(some.grid)
 
 
-def test_strut_limits_are_the_struts_of_the_motion(problem: Problem, unknowns: np.ndarray, hexapod_case: Case):
+def test_strut_limits_are_the_struts_of_the_motion(problem: NonlinearProgram, unknowns: np.ndarray, hexapod_case: Case):
     """Velocities and accelerations against differences of lengths that follow from the definition."""
     some, h = fourier(hexapod_case), 1e-4
     motion = some.motion(0.1 * unknowns)
@@ -87,7 +88,7 @@ def test_strut_limits_are_the_struts_of_the_motion(problem: Problem, unknowns: n
         "strut velocity": (after - before) / (2 * h) / box.strut_velocity_m_s,
         "strut acceleration": (after - 2 * now + before) / h**2 / box.strut_acceleration_m_s2,
     }
-    states = problem.layout.critical.at(0.1 * unknowns).reshape(-1, state_size(6))
+    states = problem.rows[-1].states.at(0.1 * unknowns).reshape(-1, state_size(6))
     for group in state_limits(hexapod_case):
         if group.kind in expected:
             assert group.kernel.values(states) == pytest.approx(expected.pop(group.kind), abs=1e-5)
@@ -117,9 +118,9 @@ def chosen(part: Rows) -> np.ndarray | None:
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.8])
 def test_rows_above_a_share_are_added_and_none_is_taken_away(share: float, small: Small):
     _, problem, at = small
-    before = build_problem_without(problem)
+    before = without_some_rows(problem)
     after = before.with_rows_above(at, share)
-    for old, new in zip(before.program.rows, after.program.rows, strict=True):
+    for old, new in zip(before.rows, after.rows, strict=True):
         if (had := chosen(old)) is None or (has := chosen(new)) is None:
             assert old is new
             continue
@@ -129,18 +130,18 @@ def test_rows_above_a_share_are_added_and_none_is_taken_away(share: float, small
         else:
             assert np.array_equal(has, had | (values > share))
         assert len(new.values(at)) == has.sum() == len(new.upper)
-    assert np.all(np.isin(np.round(before.program.row_values(at), 12), np.round(after.program.row_values(at), 12)))
+    assert np.all(np.isin(np.round(before.row_values(at), 12), np.round(after.row_values(at), 12)))
 
 
-def build_problem_without(problem: Problem) -> Problem:
+def without_some_rows(problem: NonlinearProgram) -> NonlinearProgram:
     """Every third row of what can be left out."""
     rows = []
-    for part in problem.program.rows:
+    for part in problem.rows:
         if isinstance(part, StateRows) or (isinstance(part, LinearRows) and part.equal is None):
             some = part.chosen & (np.arange(part.chosen.size).reshape(part.chosen.shape) % 3 == 0)
             part = replace(part, chosen=some)
         rows.append(part)
-    return replace(problem, program=replace(problem.program, rows=tuple(rows)))
+    return replace(problem, rows=tuple(rows))
 
 
 def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
@@ -149,16 +150,16 @@ def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
     tighter = problem.tightened(slips, 1.0 - MARGIN)
     again = tighter.tightened([0.1] * len(slips), 1.0 - MARGIN)
     for other in (tighter, again):
-        for old, new in zip(problem.program.rows, other.program.rows, strict=True):
+        for old, new in zip(problem.rows, other.rows, strict=True):
             assert np.all(new.upper <= old.upper)
             assert np.all(new.lower >= old.lower)
     factors = [min(1.0, (1.0 - MARGIN) / slip) for slip in slips]
-    last = list(zip(problem.program.rows, tighter.program.rows, strict=True))[-len(problem.limits) :]
+    last = list(zip(problem.rows, tighter.rows, strict=True))[-len(problem.limits) :]
     for (old, new), factor in zip(last, factors[4:], strict=True):
         assert isinstance(old, StateRows)
         assert isinstance(new, StateRows)
         assert new.bound == pytest.approx(old.bound * factor)
-    for old, new in zip(problem.program.rows, tighter.program.rows, strict=True):
+    for old, new in zip(problem.rows, tighter.rows, strict=True):
         if isinstance(old, LinearRows) and old.equal is None:
             assert new.bound == pytest.approx(old.bound * np.array(factors)[old.order])
 
@@ -168,7 +169,7 @@ def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
 def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, name: str, hexapod_case: Case):
     model = identification_model(hexapod_case, 0)
     some = family_of(hexapod_case, name)
-    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     start = some.start(np.random.default_rng(seed), problem.worst)
     assert problem.worst(start) <= START_SHARE * (1 + 1e-9)
     assert np.abs(linear(problem).all_values(start)).max() > 0.1
@@ -189,7 +190,7 @@ def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed
 ):
     some = family_of(hexapod_case, name)
     model = identification_model(hexapod_case, 0)
-    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     at = some.start(np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, far / problem.worst(at))
     inside = keep_limits(hexapod_case, some, at, 1000.0)
@@ -205,7 +206,7 @@ def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed
 def test_what_is_inside_is_not_drawn_back(name: str, hexapod_case: Case):
     some: Family = family_of(hexapod_case, name)
     model = identification_model(hexapod_case, 0)
-    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     at = some.start(np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, 0.9)
     inside = keep_limits(hexapod_case, some, at, 1000.0)

@@ -39,7 +39,7 @@ def square(program: NonlinearProgram, unknowns: np.ndarray, factor: float, multi
 @pytest.mark.parametrize(("letter", "halvings"), LETTERS)
 def test_the_gradient_is_the_slope_of_the_criterion(letter: str, halvings: int, small: Small):
     _, problem, at = small
-    program = replace(problem.program, letter=letter, halvings=halvings)
+    program = replace(problem, letter=letter, halvings=halvings)
     along = direction(1, at)
     slope = np.array([program.gradient(at) @ along])
     assert taylor_slope(lambda h: np.array([program.value(at + h * along)]), 0.0, slope, STEP) == pytest.approx(
@@ -49,7 +49,7 @@ def test_the_gradient_is_the_slope_of_the_criterion(letter: str, halvings: int, 
 
 def test_the_jacobian_is_the_slope_of_every_row(small: Small):
     _, problem, at = small
-    program, along = problem.program, direction(2, at)
+    program, along = problem, direction(2, at)
     assert len(program.row_values(at)) == len(program.row_bounds[0]) == len(program.row_bounds[1])
     jacobian = table(program, at)
     assert taylor_slope(lambda h: program.row_values(at + h * along), 0.0, jacobian @ along, STEP) == pytest.approx(
@@ -60,7 +60,7 @@ def test_the_jacobian_is_the_slope_of_every_row(small: Small):
 @pytest.mark.parametrize(("letter", "halvings"), LETTERS)
 def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(letter: str, halvings: int, small: Small):
     _, problem, at = small
-    program = replace(problem.program, letter=letter, halvings=halvings)
+    program = replace(problem, letter=letter, halvings=halvings)
     multipliers = np.random.default_rng(3).normal(size=len(program.row_bounds[0]))
     along, factor = direction(4, at), 0.7
     hessian = square(program, at, factor, multipliers)
@@ -74,7 +74,7 @@ def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(letter: str, halvi
 
 def test_a_hessian_without_the_criterion_is_that_of_the_rows_alone(small: Small):
     _, problem, at = small
-    program, none = problem.program, np.zeros(len(problem.program.row_bounds[0]))
+    program, none = problem, np.zeros(len(problem.row_bounds[0]))
     multipliers = np.random.default_rng(3).normal(size=len(none))
     both = program.hessian(at, 0.7, multipliers)
     parts = program.hessian(at, 0.7, none) + program.hessian(at, 0.0, multipliers)
@@ -84,7 +84,7 @@ def test_a_hessian_without_the_criterion_is_that_of_the_rows_alone(small: Small)
 def test_a_convex_program_leaves_out_what_makes_d_more_concave(small: Small):
     """Along the states F = A^T A of a linear A would bend upwards alone: log det bends downwards by that."""
     family, problem, at = small
-    exact = problem.program
+    exact = problem
     convex = replace(exact, convex=True)
     none = np.zeros(len(exact.row_bounds[0]))
     whole, kept = (square(program, at, 1.0, none) for program in (exact, convex))
@@ -101,9 +101,9 @@ def test_its_information_is_the_time_average_over_the_motion(small: Small, hexap
     family, problem, at = small
     model = identification_model(hexapod_case, 5)
     fine = mean_information(model, reference_scaling(hexapod_case, model), family.motion(at), 20_000.0)
-    assert problem.program.information(at) == pytest.approx(fine, abs=2e-3 * np.abs(fine).max())
+    assert problem.information(at) == pytest.approx(fine, abs=2e-3 * np.abs(fine).max())
     logdet = np.linalg.slogdet(fine)[1]
-    assert problem.program.value(at) == pytest.approx(-logdet / len(fine), abs=5e-3)
+    assert problem.value(at) == pytest.approx(-logdet / len(fine), abs=5e-3)
 
 
 def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Model):
@@ -111,7 +111,7 @@ def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Mode
     _, problem, at = small
     whitened = replace(model, whitening=2.0 * np.eye(6))
     plain, other = (regressor_kernel(m, np.ones(len(model.names))) for m in (model, whitened))
-    states = problem.layout.states.at(at).reshape(-1, 19)
+    states = problem.states.at(at).reshape(-1, 19)
     assert other.values(states) == pytest.approx(2.0 * plain.values(states), rel=1e-12)
 
 
@@ -121,8 +121,8 @@ SERIES = pytest.mark.parametrize("small", few("fourier", "led"), indirect=True)
 @SERIES
 def test_states_as_unknowns_change_neither_criterion_nor_limits(small: Small):
     _, problem, at = small
-    program, unknowns = lifted(problem.program, at)
-    before, after = problem.program, program
+    program, unknowns = lifted(problem, at)
+    before, after = problem, program
     assert after.value(unknowns) == before.value(at)
     assert after.gradient(unknowns)[: len(at)] == pytest.approx(before.gradient(at))
     assert not after.gradient(unknowns)[len(at) :].any()
@@ -139,8 +139,8 @@ def test_states_as_unknowns_change_neither_criterion_nor_limits(small: Small):
 def test_states_as_unknowns_have_the_derivatives_of_the_program(small: Small):
     """With dz = E dx: rows J_x + J_z E are the rows before, and Hessians are drawn back alike."""
     _, problem, at = small
-    program, unknowns = lifted(problem.program, at)
-    before, n = problem.program, len(at)
+    program, unknowns = lifted(problem, at)
+    before, n = problem, len(at)
     count = len(before.row_values(at))
     whole = table(program, unknowns)
     ties = whole[count:, :n]
@@ -156,8 +156,8 @@ def test_states_as_unknowns_have_the_derivatives_of_the_program(small: Small):
 def test_only_series_take_states_as_unknowns_and_become_sparser(small: Small):
     """Splines and moves depend on few unknowns at each state as they are."""
     family, problem, at = small
-    program, _ = lifted(problem.program, at)
+    program, _ = lifted(problem, at)
     if family.name == "fourier":
-        assert len(program.pattern[0]) < len(problem.program.pattern[0])
+        assert len(program.pattern[0]) < len(problem.pattern[0])
     else:
-        assert program is problem.program
+        assert program is problem
