@@ -17,7 +17,7 @@ from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
 from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
-from planner.search.parallel import SILENT, Listener, without_gain
+from planner.search.parallel import silent, without_gain
 from planner.search.solving import Start
 
 Told = Callable[[str], None]
@@ -104,8 +104,7 @@ def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        reporter = None if progress is None else Progress(request, case, progress)
-        listener = SILENT if reporter is None else Listener(reporter.begin, reporter.done, reporter.show)
+        listener = silent if progress is None else Progress(request, case, progress)
 
         def make(wanted: Request) -> Plan:
             return make_until_ctrl_c(wanted, case, listener)
@@ -206,18 +205,19 @@ class Progress:
         if request.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
             remark("the limit of information")
             self.bound = box_bound(case, model)
-        self.begin(request)
+        self(request)
 
-    def begin(self, request: Request) -> None:
-        """Another search begins."""
-        self.request, self.began = request, time.monotonic()
-        self.results: list[Start | Failed] = []
-
-    def done(self, result: Start | Failed) -> None:
-        """A start has ended."""
-        if isinstance(result, Failed) or result.family.name == self.request.family.name:
-            self.results.append(result)
-            self.show()
+    def __call__(self, event: Request | Start | Failed | None) -> None:
+        """Follows a search as a `planner.search.parallel.Listener`."""
+        if isinstance(event, Request):
+            self.request, self.began = event, time.monotonic()
+            self.results: list[Start | Failed] = []
+            return
+        if event is not None:
+            if isinstance(event, Start) and event.family.name != self.request.family.name:
+                return
+            self.results.append(event)
+        self.show()
 
     def show(self) -> None:
         """Shows one line: a start is under way, or has ended."""

@@ -25,7 +25,6 @@ from planner.request import LONGEST, Request, parse_targets
 from planner.search import Failed
 from planner.search.feasibility import keep_limits, remedy, require_identifiable, require_rest
 from planner.search.parallel import (
-    SILENT,
     Listener,
     Outcome,
     Runner,
@@ -102,7 +101,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
-    listener.begin(request)
+    listener(request)
     explored_until, until = deadlines(request)
     controlled = request.family.controlled(case)
     rival = _rival(request, case)
@@ -119,8 +118,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         for s in promising[:count]
     ]  # fmt: skip
     if explored and (refinements or later) and not interrupted:
-        second = run([*refinements, *later], listener, until)
-        results, interrupted = results + second.results, second.interrupted
+        second, interrupted = run([*refinements, *later], listener, until)
+        results += second
     starts = sorted(_own(results, request), key=lambda s: -s.tried.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:
@@ -134,8 +133,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         plain = without_pose_errors(controlled.case)
         task = Task(plain, request.model, family, "D", best.tried.seed, request.payload,
                     begin=shipped_start(family, case))  # fmt: skip
-        answer = run([task], replace(SILENT, news=listener.news), until)
-        white, interrupted = next(_starts(answer.results), None), answer.interrupted
+        answer, interrupted = run([task], lambda _: listener(None), until)
+        white = next(_starts(answer), None)
     unknowns, report, _ = keep_limits(controlled.case, best.family, best.unknowns, PROOF_RATE)
     motion = best.family.motion(unknowns)
     report = controlled.reported(prove(motion, case)) if controlled.step_time else report
@@ -206,11 +205,11 @@ def _explored(
     everything: list[Start | Failed] = []
     tasks += beside
     while True:
-        outcome = run(tasks, listener, until)
-        everything += outcome.results
+        more, interrupted = run(tasks, listener, until)
+        everything += more
         results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
-        if outcome.interrupted or time.monotonic() >= until or enough(results, request, parameters):
-            return Outcome(everything, outcome.interrupted)
+        if interrupted or time.monotonic() >= until or enough(results, request, parameters):
+            return everything, interrupted
         starts = sorted(_starts(results), key=lambda s: -s.promise)
         ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
         best = [families[k] for k in ranked] or families

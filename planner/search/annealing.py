@@ -12,7 +12,6 @@ most of them out before anything else is computed.
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -96,13 +95,9 @@ def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
     return ca.vertcat(excess, pose)
 
 
-class Proposals(NamedTuple):
-    """Walks that are proposed."""
-
-    points: Array  # waypoints in half widths, shape (P, moves + 1, n)
-    source: Indices  # which of the present waypoints each was, shape (P, moves + 1)
-    new: Flags  # which waypoints are at a new place, shape (P, moves + 1)
-    valid: Flags  # whether no move is longer than a step, shape (P,)
+Proposals = tuple[Array, Indices, Flags]
+"""Walks that are proposed: their waypoints in half widths, shape (P, moves + 1, n); which of the present waypoints each
+was, and which are at a new place, shapes (P, moves + 1)."""
 
 
 class Walk:
@@ -139,25 +134,26 @@ class Walk:
         kinds = (self._shifted, self._with_new_waypoint, self._with_moved_excursion)
         while proposals > 0:
             kind = kinds[int(self.draw.choice(len(kinds), p=KINDS))]
-            attempts, accepted = self._try(kind(self.batch), temperature)
+            attempts, accepted = self._try(*kind(self.batch), temperature)
             proposals -= attempts
             self.batch = max(FEWEST, self.batch // 2) if accepted else min(MOST, self.batch * 2)
 
-    def _try(self, proposed: Proposals, temperature: float) -> tuple[int, bool]:
-        """Takes the first proposal that is accepted; returns how many were looked at, and whether one was."""
-        count = len(proposed.points)
+    def _try(self, points: Array, source: Indices, new: Flags, temperature: float) -> tuple[int, bool]:
+        """Takes the first of `Proposals` that is accepted; returns how many were looked at, and whether one was."""
+        count = len(points)
+        valid = np.all(np.abs(np.diff(points, axis=1)) <= self.ways, axis=(1, 2))  # no move is longer than a step
         chances = self.value + temperature * np.log1p(-self.draw.random(count))
-        present = ~(proposed.new[:, :-1] | proposed.new[:, 1:]) & (np.diff(proposed.source, axis=1) == 1)
-        origin = np.where(present, proposed.source[:, :-1], 0)
-        number, place = np.nonzero(~present & proposed.valid[:, None])
-        starts, ends = proposed.points[number, place], proposed.points[number, place + 1]
+        present = ~(new[:, :-1] | new[:, 1:]) & (np.diff(source, axis=1) == 1)
+        origin = np.where(present, source[:, :-1], 0)
+        number, place = np.nonzero(~present & valid[:, None])
+        starts, ends = points[number, place], points[number, place + 1]
         rows = _in_blocks(self.moves.rows, starts, ends)
         size = self.moves.size
         traces = ((rows.reshape(-1, size) @ self.root) ** 2).reshape(len(rows), rows.shape[1] * size).sum(axis=1)
         gains = np.bincount(number, traces, count) + np.where(present, self.traces[origin], 0.0).sum(axis=1)
         remainder = np.where(present, self.passed[origin], 0.0).sum(axis=1)
         bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * remainder
-        for k in np.flatnonzero(proposed.valid & (bound >= chances)):
+        for k in np.flatnonzero(valid & (bound >= chances)):
             own = number == k
             excess = _in_blocks(self.moves.excess, starts[own], ends[own])
             if excess[:, 1].max(initial=0.0) > POSE_REACHED:
@@ -170,7 +166,7 @@ class Walk:
             if sign > 0 and value >= chances[k]:
                 violations = np.empty(self.count)
                 violations[present[k]], violations[place[own]] = self.passed[origin[k][present[k]]], excess[:, 0]
-                self.points, self.rows, self.passed = proposed.points[k], all_rows, violations
+                self.points, self.rows, self.passed = points[k], all_rows, violations
                 self._take()
                 if self.value > self.best:
                     self.best, self.best_points = self.value, self.points
@@ -194,7 +190,7 @@ class Walk:
             index = np.arange(count)
             column = points[index, :, k]
             points[index, :, k] = np.where(run, np.clip(column + by[:, None], -1.0, 1.0), column)
-        return self._proposals(points, np.tile(at, (count, 1)), run)
+        return points, np.tile(at, (count, 1)), run
 
     def _next_to(self, places: Array) -> Array:
         """Places one move from others: most coordinates go a full step, into the box rather than out of it."""
@@ -211,7 +207,7 @@ class Walk:
         place = self.draw.integers(self.count + 1, size=count)
         points = np.repeat(self.points[None], count, axis=0)
         points[index, place] = self._next_to(self.points[np.where(place > 0, place - 1, 1)])
-        return self._proposals(points, np.tile(at, (count, 1)), at == place[:, None])
+        return points, np.tile(at, (count, 1)), at == place[:, None]
 
     def _with_moved_excursion(self, count: int) -> Proposals:
         """Proposals without two waypoints and with an excursion to a new place elsewhere."""
@@ -223,11 +219,7 @@ class Walk:
         points = self.points[source]
         point = points[index, place[:, 0]]
         points[index, place[:, 0] + 1] = self._next_to(point)
-        return self._proposals(points, source, at == place + 1)
-
-    def _proposals(self, points: Array, source: Indices, new: Flags) -> Proposals:
-        valid = (np.abs(np.diff(points, axis=1)) <= self.ways).all(axis=(1, 2))
-        return Proposals(points, source, new, np.asarray(valid))
+        return points, source, at == place + 1
 
 
 def _inside(moves: EqualMoves, points: Array) -> Array:

@@ -14,11 +14,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from threading import Event, Thread, current_thread, main_thread
 from types import FrameType, ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -84,23 +83,16 @@ NEWS = 0.3  # [s] between two signs of a worker that it gets on
 POLL = 0.1  # [s]
 
 
-@dataclass(frozen=True, slots=True)
-class Listener:
-    """Calls by which the progress of a search is followed."""
+Listener = Callable[[Request | Start | Failed | None], None]
+"""Follows a search: called with a request as a search begins (one plan may take several), with each result as it
+arrives, and with None between the results, while starts are running."""
 
-    begin: Callable[[Request], None]  # when a search begins: one plan may take several
-    done: Callable[[Start | Failed], None]  # with each result as it arrives
-    news: Callable[[], None]  # between the results, while starts are running
-
-
-SILENT = Listener(lambda request: None, lambda result: None, lambda: None)
+Outcome = tuple[list[Start | Failed], bool]
+"""Results of a round of starts, and whether Ctrl-C ended it early."""
 
 
-class Outcome(NamedTuple):
-    """Results of a round of starts, and whether Ctrl-C ended it early."""
-
-    results: list[Start | Failed]
-    interrupted: bool
+def silent(event: Request | Start | Failed | None) -> None:
+    """The listener that shows nothing."""
 
 
 _stop: Any = None
@@ -148,9 +140,9 @@ def run_here(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome
         if time.monotonic() >= until and results:
             break
         result = run_safely(task, lambda objective: time.monotonic() >= until)
-        listener.done(result)
+        listener(result)
         results.append(result)
-    return Outcome(results, False)
+    return results, False
 
 
 def cores() -> int:
@@ -217,7 +209,7 @@ def workers(pressed: Event) -> Iterator[Runner]:
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         if pressed.is_set():
-            return Outcome([], True)
+            return [], True
         stop.clear()
         results: dict[int, Start | Failed] = {}
         with ctrl_c_waits(), _without_script():
@@ -227,14 +219,14 @@ def workers(pressed: Event) -> Iterator[Runner]:
             finished, pending = wait(pending, POLL, FIRST_COMPLETED)
             while not news.empty():
                 news.get()
-                listener.news()
+                listener(None)
             for future in finished:
                 results[places[future]] = _result(future)
-                listener.done(results[places[future]])
+                listener(results[places[future]])
             if pressed.is_set() or time.monotonic() >= until:
                 stop.set()
                 pending = {f for f in pending if not f.cancel()}
-        return Outcome([result for _, result in sorted(results.items())], pressed.is_set())
+        return [result for _, result in sorted(results.items())], pressed.is_set()
 
     try:
         yield run

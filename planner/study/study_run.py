@@ -66,10 +66,10 @@ def work(job: Job) -> list[dict[str, Any]]:
 
 def _plan(job: Job) -> tuple[dict[str, Any], Any]:
     from planner.planning import make
-    from planner.search.parallel import SILENT, run_here
+    from planner.search.parallel import run_here, silent
 
     begin = time.perf_counter()
-    plan = make(job.request, job.case, SILENT, run_here)
+    plan = make(job.request, job.case, silent, run_here)
     worth = plan.of_motion[1]
     row = {
         "noise_seed": PLANNED,

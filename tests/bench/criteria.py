@@ -14,7 +14,7 @@ from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import SILENT, workers
+from planner.search.parallel import silent, workers
 from tests.bench.least_condition import least_condition
 
 MODEL = 9
@@ -44,7 +44,7 @@ def criteria_table() -> None:
         for letter in sorted(CRITERIA, key=lambda letter: letter != "D"):
             request = Request(family_class(family)(**settings), criterion=letter, model=MODEL)
             with workers(Event()) as run:
-                found = search(request, case, SILENT, run)
+                found = search(request, case, silent, run)
             values[letter] = criteria_of(case, found.motion)
             seconds = [start.tried.seconds for start in found.starts]
             rows.append(

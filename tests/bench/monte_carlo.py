@@ -11,7 +11,7 @@ from planner.cli.console import print_table
 from planner.families.settings import Fourier
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import SILENT, workers
+from planner.search.parallel import silent, workers
 from tests.planner.monte_carlo import monte_carlo, vibrating, vibrating_runs
 
 ACCELERATION_NOISE = 0.1  # [m/s^2, rad/s^2] of measured accelerations, in the regressor
@@ -23,7 +23,7 @@ def monte_carlo_table() -> None:
     case = load_case("hexapod")
     request = Request(Fourier(), duration=3.0, starts=2)
     with workers(Event()) as run:
-        motion = search(request, case, SILENT, run).motion
+        motion = search(request, case, silent, run).motion
     white = monte_carlo(case, motion, 500, 1.0, 0.0)
     noisy = monte_carlo(case, motion, 50, 1.0, ACCELERATION_NOISE)
     rows = [

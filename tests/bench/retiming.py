@@ -11,7 +11,7 @@ from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.planning import search
 from planner.request import Request
 from planner.retiming.retimed import retimed
-from planner.search.parallel import SILENT, run_here
+from planner.search.parallel import run_here, silent
 
 SPLINE = ("ipopt",)
 MOVES = ("ruckig", "ipopt")
@@ -19,9 +19,9 @@ MOVES = ("ruckig", "ipopt")
 
 def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
     """A motion of each family, and the methods that it can be re-timed with."""
-    fourier = search(Request(Fourier(), criterion="N", starts=2), case, SILENT, run_here).motion
-    ptp = search(Request(PointToPoint(moves=12), duration=4.0, starts=1), case, SILENT, run_here).motion
-    spline = search(Request(Spline(knots=40), duration=4.0, starts=1), case, SILENT, run_here).motion
+    fourier = search(Request(Fourier(), criterion="N", starts=2), case, silent, run_here).motion
+    ptp = search(Request(PointToPoint(moves=12), duration=4.0, starts=1), case, silent, run_here).motion
+    spline = search(Request(Spline(knots=40), duration=4.0, starts=1), case, silent, run_here).motion
     return {
         "manual, 23 s": (manual_motion(case, sequence_file(case)), MOVES),
         "fourier, order 5, for N": (fourier, SPLINE),

@@ -27,7 +27,7 @@ from planner.plan_program import write
 from planner.planning import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
-from planner.search.parallel import SILENT, run_here
+from planner.search.parallel import run_here, silent
 
 DURATION, WALKS, RUNS = 10.0, 100, 20
 BY_HAND = np.deg2rad([
@@ -41,7 +41,7 @@ def robot_figures() -> None:
     model = identification_model(case, 6)
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     began = process_time()
-    plan = make(Request(PointToPoint(), DURATION, model=6), case, SILENT, run_here)
+    plan = make(Request(PointToPoint(), DURATION, model=6), case, silent, run_here)
     seconds, worth = process_time() - began, plan.of_motion[1]
     family = PointToPointFamily.of(case, PointToPoint().count(case, DURATION), DURATION)
     chance = []

@@ -26,7 +26,7 @@ from planner.noise import mean_information
 from planner.planning import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
-from planner.search.parallel import SILENT, run_here
+from planner.search.parallel import run_here, silent
 
 ROBOTS = Path(__file__).parent / "robots"
 DURATION, RATE = 10.0, 1000.0  # [s], [1/s]
@@ -38,7 +38,7 @@ def planned(name: str, seconds: float, walks: int) -> list[str]:
     model = identification_model(case, 6)
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     began = process_time()
-    plan = make(Request(PointToPoint(), DURATION, model=6, seconds=seconds), case, SILENT, run_here)
+    plan = make(Request(PointToPoint(), DURATION, model=6, seconds=seconds), case, silent, run_here)
     cost = process_time() - began
     family = PointToPointFamily.of(case, PointToPoint().count(case, DURATION), DURATION)
     chance = []

@@ -30,7 +30,7 @@ from planner.planning import make
 from planner.plans import Plan
 from planner.reports.plan import plan_page
 from planner.request import Request
-from planner.search.parallel import SILENT, run_here
+from planner.search.parallel import run_here, silent
 from tests.chains import chain_case
 from tests.helpers import few
 from tests.planner.command_line import call, refused
@@ -45,7 +45,7 @@ class Plans(dict[int, Plan]):
         self.folder = folder
 
     def __missing__(self, joints: int) -> Plan:
-        plan = make(Request(PLANS[joints], 3.0, starts=1, model=6), chain_case(joints), SILENT, run_here)
+        plan = make(Request(PLANS[joints], 3.0, starts=1, model=6), chain_case(joints), silent, run_here)
         plan.save(self.folder / str(joints))
         self[joints] = Plan.load(self.folder / str(joints), chain_case(joints))
         return self[joints]
@@ -186,7 +186,7 @@ def test_a_chain_that_turns_about_one_axis_names_what_it_cannot_identify():
     data["limits"]["motion"]["joints"] = data["limits"]["motion"]["joints"][:1]
     upright = Case.model_validate(data).found_at("ur10_wrist")  # it turns about the vertical alone
     with pytest.raises(HexciteError, match=r"no motion in this box determines .*mzC"):
-        make(Request(Fourier(order=3), 4.0, starts=1, model=6), upright, SILENT, run_here)
+        make(Request(Fourier(order=3), 4.0, starts=1, model=6), upright, silent, run_here)
 
 
 @pytest.mark.parametrize("number", [1, 5, 9])
@@ -213,7 +213,7 @@ def test_sensors_too_weak_for_the_load_at_rest_are_named():
     data["sensors"]["range_N"] = 20.0
     weak = Case.model_validate(data).found_at("ur10_wrist")
     with pytest.raises(HexciteError, match=r"sensor force .* limit .*16; .*sensors\.range_N"):
-        make(Request(PointToPoint(moves=8), 4.0, starts=1, model=6), weak, SILENT, run_here)
+        make(Request(PointToPoint(moves=8), 4.0, starts=1, model=6), weak, silent, run_here)
 
 
 def test_standing_outside_a_joints_end_is_reported():

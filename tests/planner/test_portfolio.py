@@ -14,7 +14,7 @@ from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
 from planner.search.feasibility import require_rest
-from planner.search.parallel import SILENT, run_here
+from planner.search.parallel import run_here, silent
 from tests.bench.machines.description import case_of, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED
 from tests.bench.machines.drawn import HOME, drawn, of_poses
@@ -55,7 +55,7 @@ def test_moves_of_a_small_platform_are_not_drawn_back_for_a_per_mille(
 ):
     """A strut that is 0.2 % too long at one instant is mended there; a smaller motion would be half as large."""
     request = Request(PointToPoint(controller=controller), duration, starts=1, seed=seed)
-    found = search(request, case_of("small", DESIGNED["small"]), SILENT, run_here)
+    found = search(request, case_of("small", DESIGNED["small"]), silent, run_here)
     assert found.limits.kept
     assert found.starts[0].shrunk > 0.98
     case = case_of("small", DESIGNED["small"])

@@ -1,6 +1,5 @@
 """What a structural mode makes of planned moves, against a simulated machine that is identified from its recording."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +20,7 @@ from planner.plan_figures import predicted_std_of
 from planner.planning import make
 from planner.plans import Plan
 from planner.request import Request
-from planner.search.parallel import SILENT, Listener, run_here
+from planner.search.parallel import Listener, run_here, silent
 from planner.vibration import both_laws, vibration, with_other_law
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
@@ -112,7 +111,7 @@ def test_the_better_law_follows_from_the_mode(hexapod_case: Case):
     assert both_laws(with_mode(hexapod_case, 5000.0), 9, smooth, 0).better == "steps of acceleration"
 
 
-def chosen(frequency: float, case: Case, may_be_smooth: bool = True, told: Listener = SILENT) -> Plan:
+def chosen(frequency: float, case: Case, may_be_smooth: bool = True, told: Listener = silent) -> Plan:
     """What a second of search finds for a controller whose accelerations step."""
     request = Request(PointToPoint(controller="linuxcnc"), 3.0, seconds=1.0, may_be_smooth=may_be_smooth)
     return make(request, with_mode(case, frequency), told, run_here)
@@ -121,7 +120,11 @@ def chosen(frequency: float, case: Case, may_be_smooth: bool = True, told: Liste
 def test_where_steps_shake_the_machine_a_spline_takes_their_place(hexapod_case: Case):
     """Unless moves were asked for; the errors to be expected of what is chosen are the smaller ones."""
     begun: list[str] = []
-    told = replace(SILENT, begin=lambda request: begun.append(request.family.name))
+
+    def told(event: object) -> None:
+        if isinstance(event, Request):
+            begun.append(event.family.name)
+
     smooth, moves = chosen(40.0, hexapod_case, told=told), chosen(40.0, hexapod_case, may_be_smooth=False)
     assert (smooth.family, moves.family) == ("spline", "ptp")
     assert begun == ["ptp", "spline"]  # progress tells which of them is searched for

@@ -13,8 +13,8 @@ from identification.model import Model, identification_model
 from identification.trajectories.moves import fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
-from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Proposals, Walk, annealed_start
-from planner.search.problem import build_problem
+from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Walk, annealed_start
+from planner.search.problem import build_program
 from tests.bench.machines.description import case_of, reachable
 from tests.bench.machines.designed import DESIGNED
 from tests.helpers import pose_shares
@@ -129,33 +129,34 @@ def test_what_a_walk_remembers_is_what_is_computed_anew(walk: Walk, moves: Equal
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_source_and_new_describe_the_points_of_every_proposal(kind: str, walk: Walk, moves: EqualMoves):
-    proposed: Proposals = getattr(walk, kind)(500)
-    assert proposed.points.shape == (500, MOVES + 1, 6)
-    assert np.abs(proposed.points).max() <= 1.0
-    assert proposed.valid.sum() > 20
-    old = ~proposed.new
-    assert np.array_equal(proposed.points[old], walk.points[proposed.source[old]])
-    longest = np.abs(np.diff(proposed.points, axis=1)).max(axis=1)
-    assert np.array_equal(proposed.valid, (longest <= moves.steps + SLACK).all(axis=1))
+    points, source, new = getattr(walk, kind)(500)
+    assert points.shape == (500, MOVES + 1, 6)
+    assert np.abs(points).max() <= 1.0
+    assert valid(points, moves).sum() > 20
+    assert np.array_equal(points[~new], walk.points[source[~new]])
     if kind != "_with_moved_excursion":
-        assert np.array_equal(proposed.source, np.tile(np.arange(MOVES + 1), (500, 1)))
-    assert proposed.new.any(axis=1).all()
+        assert np.array_equal(source, np.tile(np.arange(MOVES + 1), (500, 1)))
+    assert new.any(axis=1).all()
+
+
+def valid(points: np.ndarray, moves: EqualMoves) -> np.ndarray:
+    return (np.abs(np.diff(points, axis=1)).max(axis=1) <= moves.steps + SLACK).all(axis=1)
 
 
 def test_a_moved_excursion_goes_there_and_back(walk: Walk):
     """Two waypoints less, two more: the walk goes to a new place and returns to where it was."""
-    proposed = walk._with_moved_excursion(300)
-    index, place = np.nonzero(proposed.new)
+    points, _, new = walk._with_moved_excursion(300)
+    index, place = np.nonzero(new)
     assert np.array_equal(index, np.arange(300))
-    assert np.array_equal(proposed.points[index, place - 1], proposed.points[index, place + 1])
+    assert np.array_equal(points[index, place - 1], points[index, place + 1])
 
 
 def test_the_bound_by_concavity_is_never_below_the_exact_value(walk: Walk, moves: EqualMoves):
     """Log det F + trace(F^-1 dF), by which proposals are ruled out."""
     looked_at = 0
     for kind in KINDS:
-        proposed: Proposals = getattr(walk, kind)(60)
-        for points in proposed.points[proposed.valid]:
+        proposed = getattr(walk, kind)(60)[0]
+        for points in proposed[valid(proposed, moves)]:
             rows = np.array([moves.rows(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
             traces = ((rows.reshape(-1, moves.size) @ walk.root) ** 2).sum()
             bound = walk.logdet + (traces - walk.traces.sum()) / MOVES
@@ -188,7 +189,7 @@ def test_annealing_finds_more_than_chance_and_the_same_again(
     def logdet(unknowns: np.ndarray) -> float:
         return float(np.linalg.slogdet(mean_information(model, scaling, family.motion(unknowns)))[1])
 
-    problem = build_problem(hexapod_case, model, family, scaling, 0.0)
+    problem = build_program(hexapod_case, model, family, scaling, 0.0)
     by_chance = max(logdet(family.start(np.random.default_rng(seed), problem.worst)) for seed in range(5))
     first = annealed(1)
     assert logdet(first) > by_chance + 20 * np.log(2.0)  # twice the efficiency of the best of five

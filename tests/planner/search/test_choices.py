@@ -13,7 +13,7 @@ from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import Request
 from planner.search import Tried
-from planner.search.parallel import SILENT, Listener, Outcome
+from planner.search.parallel import Listener, Outcome, silent
 from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line
 
@@ -107,9 +107,9 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         tried.extend(tasks)
-        return Outcome([_made_up(task) for task in tasks], False)
+        return [_made_up(task) for task in tasks], False
 
-    found = search(request, hexapod_case, SILENT, run)
+    found = search(request, hexapod_case, silent, run)
     assert len(periods) > KEPT
     explored = [task for task in tried if task.step is Step.EXPLORE]
     assert len({task.seed for task in explored}) == len(explored) == request.starts
@@ -130,9 +130,9 @@ def test_the_best_of_two_series_is_refined_and_another_family_looked_at_beside_i
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         rounds.append([task.step for task in tasks])
-        return Outcome([_made_up(task) for task in tasks], False)
+        return [_made_up(task) for task in tasks], False
 
-    found = search(Request(Fourier(order=2), duration=3.0), hexapod_case, SILENT, run)
+    found = search(Request(Fourier(order=2), duration=3.0), hexapod_case, silent, run)
     assert rounds == [[Step.EXPLORE, Step.EXPLORE], [Step.REFINE, Step.GLANCE]]
     assert found.rival is not None
     assert found.rival.family.name == "ptp"

@@ -13,7 +13,7 @@ from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import SILENT, Listener, Outcome, run_here
+from planner.search.parallel import Listener, Outcome, run_here, silent
 from planner.search.solving import Step, Task
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
@@ -31,7 +31,7 @@ def logdet(family: str, box: float = 1.0, limits: float = 1.0, starts: int = 1) 
     """Of the plan's mean information, always in the scaling of the same case."""
     case = looser(wider(SMALL, box), limits)
     request = Request(family_class(family)(**FAMILIES[family]), model=MODEL, duration=2.0, starts=starts)
-    motion = search(request, case, SILENT, without_glances).motion
+    motion = search(request, case, silent, without_glances).motion
     model = identification_model(SMALL, MODEL)
     return float(np.linalg.slogdet(mean_information(model, reference_scaling(SMALL, model), motion))[1])
 
