@@ -18,7 +18,7 @@ from identification.motion import Joined, Trajectory
 from identification.recording import Recording, about_case
 from identification.simulate import UNDISTURBED, Circumstances, circumstances, simulate_recording
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
-from planner.bounds.information_limit import Bound, box_bound
+from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
 from planner.plan_program import of_another, plan_of_program, read_for, written_for_another
 from postprocessors.dialects import Program
@@ -147,7 +147,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> dict[str, Any]:
     """Entries of `recording.json` on how a moving excitation was executed."""
     model = identification_model(case, full_model(case))
-    scaling, bound = reference_scaling(case, model), box_bound(case, model)
+    scaling, bound = reference_scaling(case, model), information_limit(case, model)
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
         case.missing("recording.filter_cutoff_Hz", "the rating of a run")

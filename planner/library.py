@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from cases.errors import InfeasiblePlan, Interrupted
 from cases.schema import Case
 from identification.model import full_model, identification_model, static_model
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable
@@ -204,7 +204,7 @@ class Progress:
         noise = expected_noise(case, model, request.payload)
         if request.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
             remark("the limit of information")
-            self.bound = box_bound(case, model)
+            self.bound = information_limit(case, model)
         self(request)
 
     def __call__(self, event: Request | Start | Failed | None) -> None:

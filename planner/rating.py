@@ -11,7 +11,7 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
-from planner.bounds.information_limit import box_bound, known_tight_bound
+from planner.bounds.information_limit import information_limit, known_bound
 from planner.families.fourier import FourierFamily
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
@@ -63,7 +63,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     model, motion = identification_model(case, request.model), planned.motion
     scaling = reference_scaling(case, model)
     figures, noise, worst = figures_of(case, model, motion, request.payloads, request.criterion)
-    bound, parameters = box_bound(case, model), len(scaling)
+    bound, parameters = information_limit(case, model), len(scaling)
     rival = None
     if planned.rival is not None:
         efficiency = planned.of_rival(parameters) * bound.efficiency(figures["logdet"])
@@ -80,7 +80,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         logdet=figures["logdet"],
         condition=figures["condition"],
         bound=bound,
-        bound_tight=known_tight_bound(case, model) if at_rest else None,  # it is one of motions from rest to rest
+        bound_tight=known_bound(case, model, tight=True) if at_rest else None,  # it is one of motions from rest to rest
         assumed_noise_of_channels=tuple(noise.std.tolist()),
         noise_of_accelerations=noise.shaken,
         weights=noise.weights,
@@ -132,7 +132,7 @@ def _pose_error_remarks(
     )
     if planned.white is None:
         return (remark + "D-efficiency counts white noise alone",)
-    bound, white = box_bound(case, model), planned.white
+    bound, white = information_limit(case, model), planned.white
     own, other = (
         bound.efficiency(float(np.linalg.slogdet(mean_information(model, scaling, motion))[1]))
         for motion in (planned.motion, white.family.motion(white.unknowns))

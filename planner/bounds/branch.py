@@ -19,16 +19,11 @@ BATCH = 8  # cells halved at once: calls into NumPy cost as much as the arithmet
 REPORT = 0.5  # [s] between two reports of progress
 
 
-class Bounded(NamedTuple):
-    """Bounds of a function over cells, one row a cell."""
+Bounds = tuple[Array, Array, Array, Indices]
+"""Of a function over n cells: upper bounds, shape (n,); values at a point of each, shape (n,); these points, shape
+(n, dimensions of the points); and the coordinate of each cell to halve next, shape (n,)."""
 
-    upper: Array  # no point of the cell has a larger value, shape (n,)
-    lower: Array  # value at the point below, shape (n,)
-    point: Array  # a point of the cell, shape (n, dimensions of the points)
-    split: Indices  # the coordinate of the cell to halve next, shape (n,)
-
-
-Bounding = Callable[[Array, Array], Bounded]
+Bounding = Callable[[Array, Array], Bounds]
 """Bounds of a function over cells, from their lower to their upper corners, shapes (n, dimensions)."""
 
 
@@ -69,14 +64,14 @@ def maximise(
 
     def bound(lows: Array, highs: Array, parents: Array) -> None:
         nonlocal lower, cells
-        bounds = bounding(lows, highs)
-        upper = np.minimum(bounds.upper, parents)
+        upper, values, points, splits = bounding(lows, highs)
+        upper = np.minimum(upper, parents)
         for k in range(len(lows)):
             cells += 1
-            heapq.heappush(heap, (-float(upper[k]), cells, lows[k], highs[k], int(bounds.split[k])))
-            lower = max(lower, float(bounds.lower[k]))
-            if bounds.lower[k] > tolerable:
-                candidates.append((float(bounds.lower[k]), bounds.point[k]))
+            heapq.heappush(heap, (-float(upper[k]), cells, lows[k], highs[k], int(splits[k])))
+            lower = max(lower, float(values[k]))
+            if values[k] > tolerable:
+                candidates.append((float(values[k]), points[k]))
 
     bound(low, high, np.full(len(low), np.inf))
     while -heap[0][0] > (target := max(enough, lower + enough - tolerable)) and process_time() < deadline:

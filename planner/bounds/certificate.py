@@ -6,7 +6,7 @@ the hull of the control points of `planner.bounds.branch`: the largest value at 
 interpolation misses, is an upper bound. Corners of cells are states of the box: their values are lower bounds.
 Rounding (1e-12 of d) is not enclosed.
 
-The tight one is h = d - l, d = y^T Q y, l the Lagrangian of `planner.bounds.features.Multipliers`. Over a cell of
+The tight one is h = d - l, d = y^T Q y, l that of `planner.bounds.features.lagrangian`. Over a cell of
 angles, angular rates and accelerations it is convex in x, y, z (corners); features and products of rates lie in the
 hull of control points; and in the accelerations a = m + e, |e_i| <= h_i, it is quadratic. There mixed terms are bounded
 by 2 C_ij e_i e_j <= |C_ij| (e_i^2 h_j / h_i + e_j^2 h_i / h_j), after which every acceleration has its maximum by
@@ -20,8 +20,20 @@ from itertools import pairwise, product
 import numpy as np
 
 from cases.units import Array, Indices
-from planner.bounds.branch import CONTROL, WIDEST, Bounded, Enclosure, enclose
-from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PRODUCTS, Features, Multipliers
+from planner.bounds.branch import CONTROL, WIDEST, Bounds, Enclosure, enclose
+from planner.bounds.features import (
+    CONSTANT,
+    CORNER_COORDINATES,
+    CORNERS,
+    GIBBS,
+    LINEAR,
+    MIXED,
+    PRODUCTS,
+    RATES,
+    SQUARES,
+    Features,
+    lagrangian_at,
+)
 
 _SIGNS = np.array(list(product([-1.0, 1.0], repeat=CORNERS))).T  # (8, 256)
 _UPPER = np.triu_indices(CORNERS)
@@ -67,7 +79,7 @@ class BoxDerivative:
         with np.errstate(invalid="ignore"):  # 0 * inf: a model without orientation has no such error
             return np.asarray(np.nan_to_num(of_gibbs * gibbs_error, posinf=np.inf) + of_products * product_error)
 
-    def __call__(self, low: Array, high: Array) -> Bounded:
+    def __call__(self, low: Array, high: Array) -> Bounds:
         """Bounds over cells, shapes (n, 6) [rad, rad/s]."""
         control = enclose(self.features, low, high)
         values = self._values(control.tables, control.products)  # (n, 3^6, 256)
@@ -85,7 +97,7 @@ class BoxDerivative:
         ]
         at_corners = grid[:, ::2, ::2, ::2, ::2, ::2, ::2].reshape(count, -1)
         best = at_corners.argmax(axis=1)
-        return Bounded(upper, at_corners[np.arange(count), best], self._states(low, high, best), np.array(split))
+        return upper, at_corners[np.arange(count), best], self._states(low, high, best), np.array(split)
 
     def _values(self, tables: Array, products: Array) -> Array:
         """The derivative at all control points: constant, linear and quadratic part in the signs of the corner."""
@@ -147,14 +159,14 @@ class TightDerivative:
 
     features: Features
     form: Array  # Q of the design
-    multipliers: Multipliers
+    multipliers: Array  # Lagrangian of the constraints, shape (58,)
 
     def at(self, shares: Array) -> Array:
         """Values of h at states given as shares, shape (n,)."""
         y = self.features.of(shares)
-        return np.asarray(np.einsum("nk,kl,nl->n", y, self.form, y) - self.multipliers.of(shares))
+        return np.asarray(np.einsum("nk,kl,nl->n", y, self.form, y) - lagrangian_at(self.multipliers, shares))
 
-    def __call__(self, low: Array, high: Array) -> Bounded:
+    def __call__(self, low: Array, high: Array) -> Bounds:
         """Bounds over cells, shapes (n, 12)."""
         control = enclose(self.features, low[:, :6], high[:, :6])
         middle, wide = (low[:, 6:] + high[:, 6:]) / 2, (high[:, 6:] - low[:, 6:]) / 2
@@ -169,7 +181,7 @@ class TightDerivative:
         at_middle, steep = self._at_middle(low, high, control, middle, curvature, coupled, square)
         mixed = np.abs(curvature)
         mixed[..., range(6), range(6)] = 0.0
-        bend = np.diagonal(curvature, axis1=-2, axis2=-1) - self.multipliers.squares
+        bend = np.diagonal(curvature, axis1=-2, axis2=-1) - self.multipliers[SQUARES]
         bend = bend + (mixed @ wide[:, None, :, None])[..., 0] / wide[:, None]
         gain, step = _largest(bend[:, :, None, None], steep, wide[:, None, None, None])
         values = at_middle + gain.sum(axis=-1)  # (n, 27 angles, 27 rates, 8 corners)
@@ -183,7 +195,7 @@ class TightDerivative:
         grid = values.max(axis=-1).reshape(len(low), *[3] * 6)
         places = np.hstack([CONTROL[angle], CONTROL[rate]])  # slack: of the mixed terms in each acceleration
         split = [_split(np.append(_excess(grid[k], places[k]), slack[k]), error[k], high[k] - low[k]) for k in index]
-        return Bounded(values[index, angle, rate, corner] + error, self.at(states), states, np.array(split))
+        return values[index, angle, rate, corner] + error, self.at(states), states, np.array(split)
 
     def _at_middle(
         self,
@@ -197,16 +209,17 @@ class TightDerivative:
     ) -> tuple[Array, Array]:
         """Values of h at the middle of the accelerations, (n, 27, 27, 8), and half its slope there, (..., 6)."""
         m, half = self.multipliers, self.features.half[9:12]
-        slope = m.linear + self._places(low, high) @ m.mixed  # of l in the accelerations, (n, 27, 8, 6)
-        both = (m.rates + m.rates.T) / np.outer(half, half)
+        squares, rates = m[SQUARES], m[RATES].reshape(3, 3)
+        slope = m[LINEAR] + self._places(low, high) @ m[MIXED].reshape(6, 6)  # of l in the accelerations, (n, 27, 8, 6)
+        both = (rates + rates.T) / np.outer(half, half)
         both[range(3), range(3)] /= 2
         of_rates = control.products @ both[np.triu_indices(3)]  # (n, 27)
         products = (curvature @ middle[:, None, :, None])[..., 0]  # (n, 27, 6)
-        own = (products * middle[:, None]).sum(axis=-1) - (m.squares * middle**2).sum(axis=-1)[:, None]
-        value = square - of_rates[:, None, :, None] - m.constant + own[:, :, None, None]
+        own = (products * middle[:, None]).sum(axis=-1) - (squares * middle**2).sum(axis=-1)[:, None]
+        value = square - of_rates[:, None, :, None] - m[CONSTANT] + own[:, :, None, None]
         value = value + 2.0 * np.einsum("narwi,ni->narw", coupled, middle, optimize=True)
         value = value - np.einsum("nawi,ni->naw", slope, middle, optimize=True)[:, :, None]
-        steep = coupled + (products - (m.squares * middle)[:, None])[:, :, None, None] - slope[:, :, None] / 2
+        steep = coupled + (products - (squares * middle)[:, None])[:, :, None, None] - slope[:, :, None] / 2
         return value, steep
 
     def _places(self, low: Array, high: Array) -> Array:
@@ -224,7 +237,11 @@ class TightDerivative:
         diagonal = np.sqrt(np.maximum(np.diagonal(curvature, axis1=-2, axis2=-1), 0.0)).max(axis=1)
         length = length + (diagonal * reach).sum(axis=1)
         error = BoxDerivative(self.features, self.form).error(control.gibbs_error, control.product_error)
-        angles = control.angle_error / self.features.half[3:6] @ np.abs(self.multipliers.mixed[3:6]).sum(axis=1)
+        angles = (
+            control.angle_error
+            / self.features.half[3:6]
+            @ np.abs(self.multipliers[MIXED].reshape(6, 6)[3:6]).sum(axis=1)
+        )
         return np.asarray(2.0 * error * length + error**2 + angles)
 
     def _states(self, low: Array, high: Array, place: tuple[Array, Array, Array], accelerations: Array) -> Array:

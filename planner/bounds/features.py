@@ -205,46 +205,25 @@ def motion_moments(case: Case, features: Features) -> Moments:
     return Moments(np.array(equal), np.array(at_most), np.r_[constant, share])
 
 
-@dataclass(frozen=True)
-class Multipliers:
-    """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion."""
-
-    linear: Array  # coefficients of a_j, shape (6,)
-    mixed: Array  # coefficients of q_i a_j, shape (6, 6)
-    rates: Array  # coefficients of v_i v_j of the angles, shape (3, 3)
-    squares: Array  # coefficients of a_i^2, shape (6,)
-    constant: float  # constant that is added
-
-    def of(self, shares: Array) -> Array:
-        """The function at states given as shares, shape (n,)."""
-        coefficients = np.concatenate([self.linear, self.mixed.ravel(), self.rates.ravel(), self.squares])
-        return np.asarray(Moments.monomials(shares) @ coefficients + self.constant)
+LINEAR, MIXED, RATES, SQUARES, CONSTANT = slice(6), slice(6, 42), slice(42, 51), slice(51, 57), 57  # of a Lagrangian
 
 
-def combined(moments: Moments, of_equal: Array, of_at_most: Array) -> Multipliers:
-    """One function from multipliers of each constraint; those of inequalities below 0 are rounding and become 0.
+def lagrangian(moments: Moments, of_equal: Array, of_at_most: Array) -> Array:
+    """Multipliers of all constraints as one function of the state, whose mean is at most 0 for every such motion.
+
+    Those of inequalities below 0 are rounding and become 0.
 
     Args:
         of_equal: multipliers of the equalities, shape (equalities,).
         of_at_most: multipliers of the inequalities, shape (inequalities,).
+
+    Returns:
+        Coefficients of `Moments.monomials`, and the constant that is added, shape (58,).
     """
     positive = np.maximum(of_at_most, 0.0)
-    total = of_equal @ moments.equal + positive @ moments.at_most
-    return Multipliers(
-        total[:6],
-        total[6:42].reshape(6, 6),
-        total[42:51].reshape(3, 3),
-        total[51:],
-        -float(positive @ moments.constant),
-    )
+    return np.append(of_equal @ moments.equal + positive @ moments.at_most, -float(positive @ moments.constant))
 
 
-def mixed(first: Multipliers, second: Multipliers, share: float) -> Multipliers:
-    """`share` of the first and the rest of the second."""
-    pairs = zip(
-        (first.linear, first.mixed, first.rates, first.squares),
-        (second.linear, second.mixed, second.rates, second.squares),
-        strict=True,
-    )
-    linear, mixed_, rates, squares = (share * a + (1.0 - share) * b for a, b in pairs)
-    return Multipliers(linear, mixed_, rates, squares, share * first.constant + (1.0 - share) * second.constant)
+def lagrangian_at(coefficients: Array, shares: Array) -> Array:
+    """The function at states given as shares, shape (n,)."""
+    return np.asarray(Moments.monomials(shares) @ coefficients[:CONSTANT] + coefficients[CONSTANT])

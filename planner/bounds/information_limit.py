@@ -72,26 +72,37 @@ class Bound:
         return "certified" if self.certified else "an estimate"
 
 
-def box_bound(
+def information_limit(
     case: Case,
     model: Model,
+    tight: bool = False,
     time_limit: float = TIME_LIMIT,
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """The bound of a case and model, from the cache if it was computed before.
 
+    The tight one takes a minute or two, and more time makes it tighter: where it is not certified it is computed again,
+    with `renew` in any case, and the better of the new and the known one goes into the cache.
+
     Args:
+        tight: count on rest at both ends and limited jerk; else on the motion box alone.
         time_limit: processor time after which the answer is an estimate [s].
+        renew: compute a known bound again; that over the box where it is an estimate.
 
     Raises:
         CaseError: the case has no machine or no limits.
+        HexciteError: there is no bound yet after the time limit, or the convex optimisation failed.
     """
-    file = _file("box", case, model)
-    previous = _known(file, model)
-    if previous is not None and (previous.certified or not renew):
+    file, previous = _file(case, model, tight), known_bound(case, model, tight)
+    if previous is not None and (previous.certified and not renew if tight else previous.certified or not renew):
         return previous
-    return _remembered(file, compute_bound(case, model, time_limit, progress))
+    result = compute_bound(case, model, tight, time_limit, progress)
+    if tight and previous is not None:
+        result = max(previous, result, key=lambda bound: (bound.certified, -bound.logdet))
+    with suppress(FileProblem):  # without a writable cache it is computed anew each time
+        write_text(file, json_text(asdict(result)))
+    return result
 
 
 def require_time(time_limit: float) -> None:
@@ -135,47 +146,17 @@ def bound(
                 "sensor_frame.struts",
                 "the tight information limit is for sensors in a frame of their own; use bound without --tight",
             )
-        return tight_bound(case, effective_model, time_limit=time_limit, renew=renew, progress=progress)
-    return box_bound(case, effective_model, time_limit=time_limit, renew=renew, progress=progress)
+    return information_limit(case, effective_model, tight, time_limit, renew, progress)
 
 
-def tight_bound(
-    case: Case,
-    model: Model,
-    time_limit: float = TIME_LIMIT,
-    renew: bool = False,
-    progress: Callable[[str], None] = lambda _: None,
-) -> Bound:
-    """The bound under the moment constraints of motions from rest to rest; arguments and errors as in `box_bound`.
-
-    It takes a minute or two, and more time makes it tighter: `renew` computes a certified one of the cache again too,
-    and the better of the new and the known one goes into the cache.
-
-    Raises:
-        HexciteError: the convex optimisation failed.
-    """
-    file = _file("tight", case, model)
-    previous = _known(file, model)
-    if previous is not None and previous.certified and not renew:
-        return previous
-    result = compute_tight_bound(case, model, time_limit, progress)
-    if previous is not None and (previous.certified, -previous.logdet) >= (result.certified, -result.logdet):
-        return previous
-    return _remembered(file, result)
-
-
-def known_tight_bound(case: Case, model: Model) -> Bound | None:
-    """The earlier answer of `tight_bound`, or None."""
-    return _known(_file("tight", case, model), model)
-
-
-def _file(kind: str, case: Case, model: Model) -> Path:
-    folder = user_cache_path("hexcite") / "bounds"
+def _file(case: Case, model: Model, tight: bool) -> Path:
+    folder, kind = user_cache_path("hexcite") / "bounds", "tight" if tight else "box"
     return folder / f"{bound_hash(case)}-model{model.number}-{kind}-equal-v{VERSION}.json"  # equal: W = 1
 
 
-def _known(file: Path, model: Model) -> Bound | None:
-    """The bound of a cache file, or None; a damaged file is removed."""
+def known_bound(case: Case, model: Model, tight: bool) -> Bound | None:
+    """The earlier answer of `information_limit`, or None; a damaged file of the cache is removed."""
+    file = _file(case, model, tight)
     if not file.is_file():
         return None
     try:
@@ -184,12 +165,6 @@ def _known(file: Path, model: Model) -> Bound | None:
         with suppress(OSError):  # a cache holds nothing that cannot be computed again
             file.unlink(missing_ok=True)
         return None
-
-
-def _remembered(file: Path, bound: Bound) -> Bound:
-    with suppress(FileProblem):  # without a writable cache it is computed anew each time
-        write_text(file, json_text(asdict(bound)))
-    return bound
 
 
 def _read(file: Path, size: int) -> Bound:
@@ -207,32 +182,25 @@ def _read(file: Path, size: int) -> Bound:
 def compute_bound(
     case: Case,
     model: Model,
+    tight: bool = False,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
-    """Computes the bound; arguments as in `box_bound`."""
-    scaling = reference_scaling(case, model)
+    """Computes the bound; arguments and errors as in `information_limit`."""
+    scaling, deadline = reference_scaling(case, model), process_time() + time_limit
+    size = len(scaling)
+    if tight:
+        design = tight_design(case, box_features(case, model, scaling), TIGHT_GAP, deadline, progress, aim=TIGHT_AIM)
+        return _bound(design, size, TIGHT if design.certified else TIGHT_ESTIMATE)
     if model.struts is not None or not (model.machine is None or model.machine.of_pose):
-        design = searched_design(case, model, scaling, SEARCHED_GAP, process_time() + time_limit, progress)
-        return replace(_bound(design, len(scaling), SEARCHED), proven_logdet=None)
-    design = optimal_design(box_features(case, model, scaling), GAP, process_time() + time_limit, progress)
+        design = searched_design(case, model, scaling, SEARCHED_GAP, deadline, progress)
+        return replace(_bound(design, size, SEARCHED), proven_logdet=None)
+    design = optimal_design(box_features(case, model, scaling), GAP, deadline, progress)
     if not np.isfinite(design.proven):
         raise HexciteError(
             "the information limit has no proof yet after the time limit; give it more with --time-limit"
         )
-    return _bound(design, len(scaling), PROVEN if design.certified else ESTIMATE)
-
-
-def compute_tight_bound(
-    case: Case,
-    model: Model,
-    time_limit: float = TIME_LIMIT,
-    progress: Callable[[str], None] = lambda _: None,
-) -> Bound:
-    """Computes the tighter bound; arguments as in `box_bound`."""
-    features = box_features(case, model, reference_scaling(case, model))
-    design = tight_design(case, features, TIGHT_GAP, process_time() + time_limit, progress, aim=TIGHT_AIM)
-    return _bound(design, len(model.parameters), TIGHT if design.certified else TIGHT_ESTIMATE)
+    return _bound(design, size, PROVEN if design.certified else ESTIMATE)
 
 
 def _bound(design: Design, size: int, method: str) -> Bound:

@@ -1,6 +1,6 @@
 """The D-optimal design among those that a motion from rest to rest can have: box, moment constraints, a dual bound.
 
-For every design G that meets the constraints, every positive definite F and all multipliers of `Multipliers`, with
+For every design G that meets the constraints, every positive definite F and all multipliers of the constraints, with
 h = d - l over the box: trace(F^-1 G) = mean d <= max h, since mean l <= 0. Concavity of log det, and the best factor on
 F, give log det G <= log det F + u log(max h / u). Convex optimisation over given states (log det, Clarabel) gives F and
 the multipliers; states where h is large come in, until max h is near u. The least bound of all rounds counts.
@@ -20,7 +20,7 @@ from cases.units import Array
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design, Way, climb
-from planner.bounds.features import Features, Moments, Multipliers, combined, mixed, motion_moments
+from planner.bounds.features import Features, Moments, lagrangian, motion_moments
 
 SEED = 0
 FIRST_STATES = 1000
@@ -60,7 +60,7 @@ def tight_design(
     draw = np.random.default_rng(SEED)
     states = _candidates(FIRST_STATES, draw)
     enough = process_time() + SEARCHING * (deadline - process_time())
-    best: tuple[float, Array, Multipliers, float] | None = None
+    best: tuple[float, Array, Array, float] | None = None
     attained = -np.inf
     for _ in range(rounds):
         try:
@@ -77,7 +77,7 @@ def tight_design(
         gradient = TightDerivative(features, features.form(inverse), multipliers)
         if best is not None:
             inverse = KEPT * best[1] + (1.0 - KEPT) * inverse
-            multipliers = mixed(best[2], multipliers, KEPT)
+            multipliers = KEPT * best[2] + (1.0 - KEPT) * multipliers
         derivative = TightDerivative(features, features.form(inverse), multipliers)
         support = weights > NEGLIGIBLE
         climbed, values = climbed_from(derivative, states[support], draw)
@@ -115,8 +115,8 @@ def _candidates(count: int, draw: np.random.Generator) -> Array:
     return states
 
 
-def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[Array, Multipliers]:
-    """Weights that maximise log det under the constraints, and the multipliers."""
+def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[Array, Array]:
+    """Weights that maximise log det under the constraints, and the Lagrangian of these."""
     cp: Any = import_module("cvxpy")  # takes 2 s to import, and has no types
 
     size = features.coefficients.shape[-1]
@@ -138,7 +138,7 @@ def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[
     if weights.value is None:
         raise HexciteError(f"the tight information limit was not found (Clarabel: {problem.status})")
     solution = np.maximum(weights.value, 0.0)
-    return solution / solution.sum(), combined(moments, equal.dual_value, at_most.dual_value)
+    return solution / solution.sum(), lagrangian(moments, equal.dual_value, at_most.dual_value)
 
 
 def climbed_from(derivative: TightDerivative, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:

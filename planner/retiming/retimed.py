@@ -28,7 +28,7 @@ from identification.trajectories.moves import (
     limits_along,
     ruckig_profile,
 )
-from planner.bounds.information_limit import Bound, box_bound
+from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
@@ -93,7 +93,7 @@ def retimed(
             remarks = (solver,)
     except UntimedMotion as error:
         raise InfeasiblePlan(f"cannot be re-timed with {method}: {error}") from error
-    bound = box_bound(case, model)
+    bound = information_limit(case, model)
     before, rated = (_rating(m, case, model, bound) for m in (motion, after))
     return Retimed(method, after, before, rated, remarks, off_path, perf_counter() - start)
 

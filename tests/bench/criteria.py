@@ -8,7 +8,7 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.motion import Trajectory
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.cli.console import print_table
 from planner.families.settings import family_class
 from planner.noise import mean_information
@@ -37,7 +37,7 @@ def criteria_table() -> None:
     """
     case = load_case("hexapod")
     model = identification_model(case, MODEL)
-    bound = box_bound(case, model)
+    bound = information_limit(case, model)
     rows = []
     for family, settings in LOOKED_AT:
         values = {}

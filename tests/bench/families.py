@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.model import identification_model
-from planner.bounds.information_limit import compute_bound, tight_bound
+from planner.bounds.information_limit import compute_bound, information_limit
 from planner.cli.console import print_table
 
 Command = Callable[..., tuple[float, str]]
@@ -40,7 +40,7 @@ def limits_of_information() -> list[list[str]]:
     rows = []
     for name, compute in (
         ("motion box", compute_bound),
-        ("from rest to rest with limited jerk", partial(tight_bound, renew=True)),
+        ("from rest to rest with limited jerk", partial(information_limit, tight=True, renew=True)),
     ):
         began = perf_counter()
         found = compute(case, model)

@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.certificate import TightDerivative
-from planner.bounds.features import Features, Moments, Multipliers, box_features, combined, motion_moments
+from planner.bounds.features import Features, Moments, box_features, lagrangian, motion_moments
 from planner.bounds.tight import climbed_from
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ class _Solved(NamedTuple):
     weights: Array
     condition: float
     inner: Array
-    multipliers: Multipliers
+    multipliers: Array
 
 
 def least_condition(case: Case, number: int, rounds: int = ROUNDS) -> float:
@@ -83,5 +83,5 @@ def _solve(features: Features, moments: Moments, states: Array) -> _Solved:
     found = np.maximum(weights.value, 0.0)
     eigenvalues = np.linalg.eigvalsh((found @ products).reshape(size, size))
     inner = bounds[0].dual_value - bounds[1].dual_value
-    multipliers = combined(moments, equal.dual_value, at_most.dual_value)
+    multipliers = lagrangian(moments, equal.dual_value, at_most.dual_value)
     return _Solved(found, float(np.sqrt(eigenvalues[-1] / eigenvalues[0])), (inner + inner.T) / 2, multipliers)

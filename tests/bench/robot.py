@@ -17,7 +17,7 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.simulate import truth_rows
 from identification.symbolic import over_samples
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.execution import execute
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
@@ -39,7 +39,7 @@ def robot_figures() -> None:
     """Prints them."""
     case = load_case("ur10_wrist")
     model = identification_model(case, 6)
-    scaling, bound = reference_scaling(case, model), box_bound(case, model)
+    scaling, bound = reference_scaling(case, model), information_limit(case, model)
     began = process_time()
     plan = make(Request(PointToPoint(), DURATION, model=6), case, silent, run_here)
     seconds, worth = process_time() - began, plan.of_motion[1]

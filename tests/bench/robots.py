@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.cli.console import print_table
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import PointToPoint
@@ -36,7 +36,7 @@ def planned(name: str, seconds: float, walks: int) -> list[str]:
     """A row of the table: what a search of some seconds finds on a robot, beside chance."""
     case = load_case(str(ROBOTS / name))
     model = identification_model(case, 6)
-    scaling, bound = reference_scaling(case, model), box_bound(case, model)
+    scaling, bound = reference_scaling(case, model), information_limit(case, model)
     began = process_time()
     plan = make(Request(PointToPoint(), DURATION, model=6, seconds=seconds), case, silent, run_here)
     cost = process_time() - began

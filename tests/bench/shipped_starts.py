@@ -23,7 +23,7 @@ from cases.loading import load_case
 from cases.units import Array
 from identification.criteria import box_middle
 from identification.model import identification_model
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
@@ -53,7 +53,7 @@ def search(name: str, seconds: float) -> None:
     case = load_case("hexapod")
     case = case.without_jerk() if name.endswith("steps") else case
     model = identification_model(case, 9)
-    bound = box_bound(case, model)
+    bound = information_limit(case, model)
     (family,) = family_class(name.partition(",")[0])().families(case, 12.0)
     draw, until, k = np.random.default_rng(), time.monotonic() + seconds, 0
     while time.monotonic() < until:

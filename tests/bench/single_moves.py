@@ -25,7 +25,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.bounds.design import improved_weights
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move
 from planner.planning import seeds_of
 from planner.search.problem import state_limits
@@ -121,7 +121,7 @@ def single_moves_rows() -> list[list[str]]:
     began = process_time()
     case = load_case("hexapod")
     model = identification_model(case, 9)
-    bound, scaling = box_bound(case, model), reference_scaling(case, model)
+    bound, scaling = information_limit(case, model), reference_scaling(case, model)
     size, draw = len(scaling), np.random.default_rng(0)
     moves = Moves.of(case, model, scaling)
     plan = run_start(Task(case, 9, moves.family, "D", seeds_of(0, 1)[0]))

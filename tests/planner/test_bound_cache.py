@@ -10,7 +10,7 @@ from cases.basis import bound_hash
 from cases.schema import Case
 from identification.model import identification_model
 from planner.bounds import information_limit as bound_module
-from planner.bounds.information_limit import Bound, box_bound, known_tight_bound, tight_bound
+from planner.bounds.information_limit import Bound, information_limit, known_bound
 from tests.postprocessors.changed_case import changed
 
 KNOWN = Bound(1.25, 10.01, 10, "as computed", True, 1.24, 1.25)
@@ -43,7 +43,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def ask(case: Case, number: int = 0) -> Bound:
-    return box_bound(case, identification_model(case, number))
+    return information_limit(case, identification_model(case, number))
 
 
 def test_it_is_computed_once(computed: list[str], hexapod_case: Case, folder: Path):
@@ -107,7 +107,7 @@ def test_a_cache_that_cannot_be_written_only_costs_time(computed: list[str], hex
 
 def test_the_cache_lies_where_the_system_wants_it(computed: list[str], hexapod_case: Case, cache: Path):
     model = identification_model(hexapod_case, 1)  # a model that no other test plans with
-    box_bound(hexapod_case, model)
+    information_limit(hexapod_case, model)
     (file,) = cache.rglob(f"{bound_hash(hexapod_case)}-model1-*.json")
     assert json.loads(file.read_text())["method"] == KNOWN.method
     file.unlink()
@@ -119,27 +119,27 @@ def test_an_estimate_is_known_as_one_and_renewed_on_request(
     model = identification_model(hexapod_case, 0)
     answers = [HASTY, KNOWN]
     monkeypatch.setattr(bound_module, "compute_bound", lambda *_: answers.pop(0))
-    assert box_bound(hexapod_case, model) == HASTY
-    assert box_bound(hexapod_case, model) == HASTY
-    assert box_bound(hexapod_case, model, renew=True) == KNOWN
-    assert box_bound(hexapod_case, model, renew=True) == KNOWN
+    assert information_limit(hexapod_case, model) == HASTY
+    assert information_limit(hexapod_case, model) == HASTY
+    assert information_limit(hexapod_case, model, renew=True) == KNOWN
+    assert information_limit(hexapod_case, model, renew=True) == KNOWN
     assert not answers
 
 
 def test_the_tighter_bound_is_kept_apart_and_only_ever_gets_tighter(
-    monkeypatch: pytest.MonkeyPatch, computed: list[str], hexapod_case: Case, folder: Path
+    monkeypatch: pytest.MonkeyPatch, hexapod_case: Case, folder: Path
 ):
     model = identification_model(hexapod_case, 0)
     loose, tight, hasty = replace(KNOWN, logdet=1.1), replace(KNOWN, logdet=0.9), replace(HASTY, logdet=0.5)
     answers = [hasty, loose, tight, loose, hasty]
-    monkeypatch.setattr(bound_module, "compute_tight_bound", lambda *_: answers.pop(0))
-    assert known_tight_bound(hexapod_case, model) is None
+    monkeypatch.setattr(bound_module, "compute_bound", lambda _, __, tight, *___: answers.pop(0) if tight else KNOWN)
+    assert known_bound(hexapod_case, model, True) is None
     ask(hexapod_case)
-    assert known_tight_bound(hexapod_case, model) is None
+    assert known_bound(hexapod_case, model, True) is None
     kept = []
     while answers:
-        kept.append(tight_bound(hexapod_case, model, renew=True))
-        assert known_tight_bound(hexapod_case, model) == kept[-1]
+        kept.append(information_limit(hexapod_case, model, True, renew=True))
+        assert known_bound(hexapod_case, model, True) == kept[-1]
     assert kept == [hasty, loose, tight, tight, tight]
-    assert tight_bound(hexapod_case, model) == tight  # certified: known without computing
+    assert information_limit(hexapod_case, model, True) == tight  # certified: known without computing
     assert ask(hexapod_case) == KNOWN

@@ -8,7 +8,7 @@ import pytest
 from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.families.settings import PointToPoint
 from planner.noise import mean_information
 from planner.planning import search
@@ -61,4 +61,4 @@ def test_moves_of_a_small_platform_are_not_drawn_back_for_a_per_mille(
     case = case_of("small", DESIGNED["small"])
     model = identification_model(case, 9)
     logdet = np.linalg.slogdet(mean_information(model, reference_scaling(case, model), found.motion))[1]
-    assert box_bound(case, model).efficiency(float(logdet)) > least
+    assert information_limit(case, model).efficiency(float(logdet)) > least

@@ -5,17 +5,17 @@ import time
 import numpy as np
 import pytest
 
-from planner.bounds.branch import Bounded, maximise
+from planner.bounds.branch import Bounds, maximise
 
 
 def parabola(peak: np.ndarray, height: float):
     """The function height - |x - peak|^2, bounded by its slope at the middle of the cell: a bound of second order."""
 
-    def bounds(low: np.ndarray, high: np.ndarray) -> Bounded:
+    def bounds(low: np.ndarray, high: np.ndarray) -> Bounds:
         middle, half = (low + high) / 2, (high - low) / 2
         value = height - ((middle - peak) ** 2).sum(axis=1)
         slope = 2 * np.abs(middle - peak)
-        return Bounded(value + (slope * half).sum(axis=1), value, middle, (slope * half).argmax(axis=1))
+        return value + (slope * half).sum(axis=1), value, middle, (slope * half).argmax(axis=1)
 
     return bounds
 

@@ -110,17 +110,17 @@ def test_the_enclosure_is_above_every_state_of_its_cell(design: Design):
     low, high = first_cells(FEATURES)
     first, second = (draw.uniform(low[0], high[0], (6, 6)) for _ in range(2))
     low, high = np.minimum(first, second), np.maximum(first, second)
-    answer = bounds(low, high)
+    upper, lower, points, _ = bounds(low, high)
     for k in range(6):
         shares = draw.choice([-1.0, 1.0], (3000, 18))
         inside = draw.uniform(low[k], high[k], (3000, 6))
         coordinates = [3, 4, 5, 9, 10, 11]
         shares[:, coordinates] = (inside - FEATURES.middle[coordinates]) / FEATURES.half[coordinates]
         y = FEATURES.of(shares)
-        assert np.einsum("nk,kl,nl->n", y, bounds.form, y).max() <= answer.upper[k]
-        y = FEATURES.of(answer.point[k][None])[0]
-        assert y @ bounds.form @ y == pytest.approx(answer.lower[k], rel=1e-9)
-    assert np.all(answer.lower <= answer.upper)
+        assert np.einsum("nk,kl,nl->n", y, bounds.form, y).max() <= upper[k]
+        y = FEATURES.of(points[k][None])[0]
+        assert y @ bounds.form @ y == pytest.approx(lower[k], rel=1e-9)
+    assert np.all(lower <= upper)
 
 
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(4, 40))

@@ -13,7 +13,7 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
-from planner.bounds.features import Moments, box_features, combined, mean_square_share, mixed, motion_moments
+from planner.bounds.features import Moments, box_features, lagrangian, lagrangian_at, mean_square_share, motion_moments
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)
@@ -159,8 +159,7 @@ def test_multipliers_add_up_to_the_constraints_they_come_from():
     shares = draw.uniform(-1.0, 1.0, (20, 18))
     monomials = Moments.monomials(shares)
     expected = monomials @ MOMENTS.equal.T @ of_equal + (monomials @ MOMENTS.at_most.T - MOMENTS.constant) @ of_at_most
-    first = combined(MOMENTS, of_equal, of_at_most)
-    assert np.allclose(first.of(shares), expected)
-    second = combined(MOMENTS, of_equal, -of_at_most)  # of inequalities negative ones do not count
-    assert np.allclose(second.of(shares), monomials @ MOMENTS.equal.T @ of_equal)
-    assert np.allclose(mixed(first, second, 0.25).of(shares), 0.25 * first.of(shares) + 0.75 * second.of(shares))
+    first = lagrangian(MOMENTS, of_equal, of_at_most)
+    assert np.allclose(lagrangian_at(first, shares), expected)
+    second = lagrangian(MOMENTS, of_equal, -of_at_most)  # of inequalities negative ones do not count
+    assert np.allclose(lagrangian_at(second, shares), monomials @ MOMENTS.equal.T @ of_equal)

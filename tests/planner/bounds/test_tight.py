@@ -17,8 +17,8 @@ from identification.motion import Trajectory
 from planner.bounds import tight
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design
-from planner.bounds.features import box_features, combined, motion_moments
-from planner.bounds.information_limit import box_bound, compute_bound
+from planner.bounds.features import box_features, lagrangian, motion_moments
+from planner.bounds.information_limit import compute_bound, information_limit
 from planner.bounds.tight import climbed_from, tight_design
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
@@ -114,7 +114,7 @@ def test_nor_does_an_optimised_one(model: Model, found: Design):
     drawn = family.motion(family.start(np.random.default_rng(1), lambda values: float(np.abs(values).max())))
     scaling = reference_scaling(CASE, model)
     assert start.tried.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]
-    assert start.tried.logdet < box_bound(CASE, model).logdet
+    assert start.tried.logdet < information_limit(CASE, model).logdet
     assert model is ALL or start.tried.logdet < bound_of(found)
 
 
@@ -123,7 +123,7 @@ def random_derivative(seed: int) -> TightDerivative:
     root = draw.normal(size=(20, 25))
     moments = motion_moments(CASE, ALL_FEATURES)
     of_equal = 0.3 * draw.normal(size=len(moments.equal))
-    multipliers = combined(moments, of_equal, draw.uniform(0.0, 2.0, len(moments.at_most)))
+    multipliers = lagrangian(moments, of_equal, draw.uniform(0.0, 2.0, len(moments.at_most)))
     return TightDerivative(ALL_FEATURES, ALL_FEATURES.form(root @ root.T / 25), multipliers)
 
 
@@ -135,7 +135,7 @@ def test_upper_bounds_are_above_every_state_of_their_cell(seed: int):
     first, second = draw.uniform(low[0], high[0], (2, 4, 12))
     low, high = np.minimum(first, second), np.maximum(first, second)
     low[2:], high[2:] = (low[2:] + high[2:]) / 2, (low[2:] + high[2:]) / 2 + 0.02  # small ones too
-    answer = derivative(low, high)
+    upper, lower, points, _ = derivative(low, high)
     for k in range(4):
         inside = draw.uniform(low[k], high[k], (4000, 12))
         edge = draw.random((4000, 12)) < 0.5
@@ -143,10 +143,10 @@ def test_upper_bounds_are_above_every_state_of_their_cell(seed: int):
         shares = draw.choice([-1.0, 1.0], (4000, 18))
         shares[:, PLACES] = (inside[:, :6] - ALL_FEATURES.middle[PLACES]) / ALL_FEATURES.half[PLACES]
         shares[:, 12:] = inside[:, 6:]
-        assert derivative.at(shares).max() <= answer.upper[k] + 1e-9
-        assert derivative.at(answer.point[k][None])[0] == pytest.approx(answer.lower[k])
-    assert np.all(answer.lower <= answer.upper + 1e-9)
-    gap = answer.upper - answer.lower
+        assert derivative.at(shares).max() <= upper[k] + 1e-9
+        assert derivative.at(points[k][None])[0] == pytest.approx(lower[k])
+    assert np.all(lower <= upper + 1e-9)
+    gap = upper - lower
     assert gap[2:].max() < 0.1 * gap[:2].max() + 0.5  # and not by much where cells are small
 
 

@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model
-from planner.bounds.information_limit import box_bound
+from planner.bounds.information_limit import information_limit
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
@@ -59,7 +59,7 @@ def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name
     scaling = reference_scaling(case, model)
     logdet = np.linalg.slogdet(mean_information(model, scaling, family.motion(start)))[1]
     stated = json.loads(SHIPPED.read_text())[name]["d_efficiency"]
-    assert box_bound(case, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
+    assert information_limit(case, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
     assert prove(family.motion(start), case).worst_ratio < 1.0
     assert build_program(case, model, family, scaling, 0.0).worst(start) <= CLOSE  # rows may hold a bound of a limit
 
