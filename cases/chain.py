@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -251,6 +251,8 @@ class JointLimit(Part):
 class JointMotionLimits(Part):
     """The box in which moving excitations stay: joints relative to home, and their time derivatives."""
 
+    of_pose: ClassVar[bool] = False
+    """Whether the coordinates are the pose of a platform; these are the machine's own axes."""
     joints: tuple[JointLimit, ...]
     """Limits of the joints, in the order of the chain."""
 
@@ -314,6 +316,10 @@ AnyMotion = Annotated[
     Annotated[MotionLimits, Tag("<MotionLimits>")] | Annotated[JointMotionLimits, Tag("<JointMotionLimits>")],
     kind_of(JointMotionLimits, MotionLimits),
 ]
+
+
+Box = MotionLimits | JointMotionLimits
+"""Limits of the coordinates of a machine: of a case, from home, all in SI."""
 
 
 class Limits(Part):

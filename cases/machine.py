@@ -5,7 +5,7 @@ Those are strict numbers, ranges and points, each with its unit in the key that 
 
 import math
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -294,6 +294,8 @@ class Workspace(StrutLengths):
 class MotionLimits(StrutLengths):
     """The box in which moving excitations stay: pose relative to home, and its time derivatives, each coordinate."""
 
+    of_pose: ClassVar[bool] = True
+    """Whether the coordinates are the pose of a platform, else the machine's own axes."""
     x_mm: Range
     """Lower and upper limit relative to home."""
     y_mm: Range

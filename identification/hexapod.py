@@ -181,6 +181,18 @@ class Hexapod:
 
     drives, coordinates = strut_lengths, poses
 
+    def drive_motion(self, pose: Array, rates: Array, accelerations: Array) -> list[Array]:
+        """Lengths, velocities and accelerations of the struts, shapes (n, 6)."""
+        return over_samples(self.strut_motion, pose, rates, accelerations)
+
+    def further_drives(
+        self, case: Case, pose: Array, rates: Array, accelerations: Array
+    ) -> tuple[list[Array], tuple[Array, Array]]:
+        """The struts."""
+        limits = case.need_machine("the motion of struts")[2]
+        most = np.full(6, limits.strut_velocity_m_s), np.full(6, limits.strut_acceleration_m_s2)
+        return self.drive_motion(pose, rates, accelerations)[1:], most
+
     def _assembled(self, lengths: Array, start: Array | None = None) -> tuple[Array, Array]:
         """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose.
 
@@ -274,30 +286,6 @@ class Hexapod:
         drift = over_samples(self.jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (accelerations - drift)[:, :, None])[:, :, 0]
         return Kinematics(pose, np.asarray(twist_, dtype=np.float64), np.asarray(rate, dtype=np.float64))
-
-
-def kinetic(
-    case: Case, pose: Array, rates: Array, accelerations: Array
-) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Velocities and accelerations of the struts, with their limits, along a motion in the coordinates.
-
-    Args:
-        pose: coordinates, shape (n, c); `rates` and `accelerations` are their derivatives.
-
-    Returns:
-        Velocities [m/s] and accelerations [m/s^2] of the k = 6 struts of a hexapod, shapes (n, k), and the limits of
-        both, shapes (k,); a chain has none, k = 0.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
-    if case.chain is not None:
-        none = np.zeros((len(pose), 0))
-        return (none, none), (none[:0].ravel(), none[:0].ravel())
-    limits = case.need_machine("the motion of struts")[2]
-    _, velocities, second = over_samples(Hexapod.of(case).strut_motion, pose, rates, accelerations)
-    six = np.ones(6)
-    return (velocities, second), (limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six)
 
 
 @lru_cache(maxsize=32)

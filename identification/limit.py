@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from cases.units import DEG, MM
+import numpy as np
+
+from cases.units import DEG, MM, Array
 
 TOLERANCE = 1e-6  # a limit counts as satisfied up to this share above it: rounding, not motion
 
@@ -104,6 +106,46 @@ class Limit(NamedTuple):
         if name.startswith(start):
             return cls(LimitKind.DISTANCE_FROM_BOX, name.removeprefix(start))
         return cls(LimitKind(name))
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A limited quantity, one row an instant and one column a coordinate or strut."""
+
+    of: Limit
+    labels: tuple[str, ...]  # labels of the columns
+    values: Array  # shape (n, k)
+    limits: Array  # lower and upper limit of each column, twice the same where there is but one, shape (2, k)
+    ratio: Array  # share of the limit that is used, infinite where a value is not a number, shape (n, k)
+
+    @classmethod
+    def between(cls, kind: LimitKind, labels: tuple[str, ...], values: Array, low: Array, high: Array) -> "Quantity":
+        """Two-sided limits: the share is the distance from their middle over half their width.
+
+        Args:
+            labels: labels of its k columns.
+            values: shape (n, k) [SI].
+            low: shape (k,) [SI].
+            high: shape (k,) [SI].
+        """
+        values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
+        ratio = values - (low + high) / 2
+        np.abs(ratio, out=ratio)
+        ratio /= (high - low) / 2
+        if np.isnan(ratio.max()):
+            ratio[np.isnan(ratio)] = np.inf
+        return cls(Limit(kind), labels, values, np.stack([low, high]), ratio)
+
+    @classmethod
+    def clear(cls, of: Limit, labels: tuple[str, ...], values: Array, reach: Array | float) -> "Quantity":
+        """Distances, shape (n, k) [m], which must not be below 0: the share falls from 1 there to 0 at `reach`."""
+        ratio = np.nan_to_num(np.maximum(0.0, 1.0 - values / reach), nan=np.inf)
+        return cls(of, labels, values, np.zeros((2, len(labels))), ratio)
+
+    def limit_of(self, row: int, column: int) -> float:
+        """The limit on whose side of the middle a value lies."""
+        low, high = self.limits[:, column]
+        return float(high if self.values[row, column] >= (low + high) / 2 else low)
 
 
 class Status(StrEnum):

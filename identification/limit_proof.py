@@ -6,28 +6,23 @@ with the CasADi models that the optimiser uses.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from typing import Protocol
 
 import numpy as np
 
+from cases.chain import Box
 from cases.schema import Case
 from cases.units import Array
-from identification.limit import LimitCheck, LimitKind, LimitReport, Status, worst_of
-from identification.limited_chain import body_clearances, chain_frames, joint_efforts, joint_ranges, sensor_motion
-from identification.limited_quantities import (
-    Quantity,
-    by_kind,
-    jerks_with_steps,
-    limited_rates,
-    limited_struts,
-    plane,
-    rotation_motion,
-    strut_velocities,
-)
-from identification.motion import Motion, Trajectory
+from identification.limit import LimitCheck, LimitKind, LimitReport, Quantity, Status, worst_of
+from identification.limited_chain import LimitedChain
+from identification.limited_hexapod import LimitedHexapod
+from identification.motion import LoadMotion, Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 from identification.trajectories.moves import StraightMove
 
 PROOF_RATE = 10_000.0  # [1/s]; at most 200 rad/s^3 * (1e-4 s)^2 / 8 escape between samples, 1e-7 of the rate limits
+STEP = 10.0  # times the limit of jerk: a change of the acceleration that is a step, not the rounding of two pieces
+SHORTEST_GAP = 1e-6  # [s] between instants, below which a change of the acceleration is not looked at more closely
 CHUNK = 2000  # samples at once: what is computed of them stays in the processor's cache
 
 
@@ -48,6 +43,50 @@ def prove(
     return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset, in_box)
 
 
+class LimitedMachine(Protocol):
+    """What a machine limits beside its coordinates, and how it moves the load; n instants, k coordinates.
+
+    The search has limits of its own, `Machine.shares`: neither knows the other.
+    """
+
+    def ranges(self, motion: Motion, /) -> Iterable[Quantity]:
+        """Where the coordinates are, between the ends of what the machine can reach."""
+
+    def load(self, motion: Motion, /) -> LoadMotion:
+        """Motion of the load's frame."""
+
+    def drives(self, motion: Motion, /) -> tuple[Array, Array, Array]:
+        """Positions, rates and accelerations of the drives, shapes (n, k) [m or rad]."""
+
+    def drive_rates(self, motion: Motion, /) -> Iterable[Quantity]:
+        """Rates of the drives, where these are not the coordinates."""
+
+    def mechanics(self, motion: Motion, /) -> tuple[LoadMotion, Iterable[Quantity]]:
+        """Motion of the load's frame, and all further limits, which need it."""
+
+    def fastest(self, rate: Array, acceleration: Array, /) -> tuple[float, float, float]:
+        """Bounds of the load's |omega|, |alpha| and |p''| in any pose [rad/s, rad/s^2, m/s^2].
+
+        Args:
+            rate: largest rates of the coordinates, shape (k,).
+            acceleration: their largest second derivatives, shape (k,).
+        """
+
+    def from_anywhere(
+        self, speed: float, rate: Array, acceleration: Array, /
+    ) -> Iterable[tuple[LimitKind, float, float]]:
+        """Kind, bound and limit of drives that are not the coordinates, in any pose [SI].
+
+        Args:
+            speed: largest speed of the load's frame [m/s]; the others as in `fastest`.
+        """
+
+
+def limited_machine(case: Case) -> LimitedMachine:
+    """The machine of a case; raises CaseError where the case lacks it or its limits."""
+    return LimitedHexapod.of(case) if case.need_motion("the proof of limits")[1].of_pose else LimitedChain.of(case)
+
+
 Limited = Callable[[Motion, Case, bool], Iterable[Quantity]]
 """Something of a sampled motion that a case limits; the last argument is the `in_box` of `prove`."""
 
@@ -57,35 +96,23 @@ def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantit
     home, limits = case.need_motion("the proof of limits")
     if in_box:
         low, high = limits.pose
-        yield from by_kind((LimitKind.POSITION, LimitKind.ANGLE), motion.pose - home, low, high, limits)
-    if case.chain is not None:
-        yield from joint_ranges(motion, case.chain)
-    else:
-        machine, workspace, _ = case.need_machine("the proof of limits")
-        yield plane(motion, machine, workspace)
-    yield from limited_rates(motion, limits)
+        yield from _by_kind((LimitKind.POSITION, LimitKind.ANGLE), motion.pose - home, low, high, limits)
+    yield from limited_machine(case).ranges(motion)
+    yield from _rates(motion, limits)
     a, j = limits.acceleration, limits.jerk
     kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
-    yield from by_kind(kinds, motion.accelerations, -a, a, limits)
+    yield from _by_kind(kinds, motion.accelerations, -a, a, limits)
     if limits.limits_jerk:
-        yield from by_kind((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks_with_steps(motion, j), -j, j, limits)
+        yield from _by_kind((LimitKind.JERK, LimitKind.ANGULAR_JERK), _jerks(motion, j), -j, j, limits)
 
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
-    """Quantities of struts, joints, boxes, singularities and sensors, which need the rotation of the load."""
-    if case.chain is not None:
-        frames = chain_frames(motion, case.chain)
-        rotation, acceleration = sensor_motion(frames)
-        yield from joint_efforts(frames, case.chain, case.gravity, case.bodies)
-        yield from body_clearances(motion.t, frames, case.chain)
-    else:
-        rotation, acceleration = load_motion(motion, case)
-    if case.hexapod is not None:
-        machine, workspace, limits = case.need_machine("the proof of limits")
-        yield from limited_struts(motion, rotation, machine, workspace, limits)
+    """Quantities of struts, joints, boxes, singularities and sensors, which need the motion of the load."""
+    load, quantities = limited_machine(case).mechanics(motion)
+    yield from quantities
     loads = Loads.of(case)
     if loads is not None:
-        yield from sensor_loads(loads.forces(motion, rotation, acceleration), loads)
+        yield from sensor_loads(loads.forces(motion, *load), loads)
 
 
 def load_shares(motion: Motion, case: Case) -> Array:
@@ -96,27 +123,14 @@ def load_shares(motion: Motion, case: Case) -> Array:
     loads = Loads.of(case)
     if loads is None:
         return np.zeros(0)
-    forces = loads.forces(motion, *load_motion(motion, case))
+    forces = loads.forces(motion, *limited_machine(case).load(motion))
     return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))
 
 
-def load_motion(motion: Motion, case: Case) -> tuple[tuple[Array, Array, Array], Array]:
-    """Rotation of the load's frame with its first and second time derivative, and the acceleration of its origin.
-
-    Returns:
-        R, R', R'', shapes (n, 3, 3), and the acceleration, shape (n, 3) [m/s^2], in {B}.
-    """
-    if case.chain is not None:
-        return sensor_motion(chain_frames(motion, case.chain))
-    return rotation_motion(motion), motion.accelerations[:, :3]
-
-
 def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
-    """Rates of the coordinates, and velocities of struts."""
-    yield from limited_rates(motion, case.need_motion("the proof of limits")[1])
-    if case.hexapod is not None:
-        machine, _, limits = case.need_machine("the proof of limits")
-        yield strut_velocities(motion, machine, limits)
+    """Rates of the coordinates, and of the drives where these are others."""
+    yield from _rates(motion, case.need_motion("the proof of limits")[1])
+    yield from limited_machine(case).drive_rates(motion)
 
 
 def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
@@ -234,3 +248,29 @@ def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
         Status.PROVEN,
         bounds=None if low == high else (low, high),
     )
+
+
+def _rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
+    v = limits.rate
+    yield from _by_kind((LimitKind.VELOCITY, LimitKind.ANGULAR_VELOCITY), motion.rates, -v, v, limits)
+
+
+def _by_kind(
+    kinds: tuple[LimitKind, LimitKind], values: Array, low: Array, high: Array, limits: Box
+) -> Iterable[Quantity]:
+    """Translations and rotations of a derivative of the coordinates; the kind of each, values in SI."""
+    for kind, axes in zip(kinds, (~limits.turns, limits.turns), strict=True):
+        if axes.any():
+            labels = tuple(label for label, own in zip(limits.labels, axes, strict=True) if own)
+            yield Quantity.between(kind, labels, values[:, axes], low[axes], high[axes])
+
+
+def _jerks(motion: Motion, limit: Array) -> Array:
+    """Jerks, shape (n, k); where accelerations step between two instants, their change over the time between these."""
+    if len(motion.t) < 2:
+        return motion.jerks
+    gaps = np.diff(motion.t)[:, None]
+    slopes = np.diff(motion.accelerations, axis=0) / np.maximum(gaps, SHORTEST_GAP)
+    jerks = motion.jerks.copy()
+    np.copyto(jerks[1:], slopes, where=np.abs(slopes) > STEP * limit)
+    return jerks

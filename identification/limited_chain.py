@@ -7,6 +7,8 @@ instants: each distance is reduced by the way that the axes of its bodies can mo
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import chain as joined
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +16,12 @@ import numpy as np
 from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
 from cases.machine import Tool
+from cases.schema import Case
 from cases.sensors import RigidBody, payload_words
-from cases.units import MM, Array
+from cases.units import MM, Array, Flags
 from identification.keep_out import distance_of_segments
-from identification.limit import Limit, LimitKind
-from identification.limited_quantities import Quantity, axis_rotation
-from identification.motion import Motion
+from identification.limit import Limit, LimitKind, Quantity
+from identification.motion import LoadMotion, Motion, axis_rotation
 from identification.overload import SHARE
 
 _Frames = tuple[Array, Array, Array]
@@ -27,23 +29,72 @@ Frames = Sequence[_Frames]
 """T, T', T'' of the moved frame of each joint, then of the sensor's, shapes (n, 4, 4)."""
 
 
-def joint_ranges(motion: Motion, chain: Chain) -> Iterable[Quantity]:
-    """Where the joints are, between the ends of each; a joint that turns without end has none."""
-    turns = np.array([joint.turns for joint in chain.joints])
-    ends = np.isfinite(chain.position).all(axis=0)
-    for kind, own in ((LimitKind.JOINT_POSITION, ends & ~turns), (LimitKind.JOINT_ANGLE, ends & turns)):
-        if own.any():
-            labels = tuple(label for label, k in zip(chain.names, own, strict=True) if k)
-            low, high = chain.position[:, own]
-            yield Quantity.between(kind, labels, motion.pose[:, own], low, high)
+@dataclass(frozen=True, slots=True)
+class LimitedChain:
+    """A `LimitedMachine` whose coordinates are the positions of its joints."""
+
+    case: Case
+    chain: Chain
+    turns: Flags  # which joints turn, shape (n,)
+
+    @classmethod
+    def of(cls, case: Case) -> "LimitedChain":
+        """The chain of a case; raises CaseError where the case lacks it or its limits."""
+        chain, limits = case.need_chain("the proof of limits")
+        return cls(case, chain, limits.turns)
+
+    def ranges(self, motion: Motion) -> Iterable[Quantity]:
+        """Where the joints are, between the ends of each; a joint that turns without end has none."""
+        ends = np.isfinite(self.chain.position).all(axis=0)
+        for kind, own in ((LimitKind.JOINT_POSITION, ends & ~self.turns), (LimitKind.JOINT_ANGLE, ends & self.turns)):
+            if own.any():
+                labels = tuple(label for label, k in zip(self.chain.names, own, strict=True) if k)
+                low, high = self.chain.position[:, own]
+                yield Quantity.between(kind, labels, motion.pose[:, own], low, high)
+
+    def load(self, motion: Motion) -> LoadMotion:
+        """Motion of the sensor's frame."""
+        return sensor_motion(chain_frames(motion, self.chain))
+
+    def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
+        """The joints themselves."""
+        return motion.pose, motion.rates, motion.accelerations
+
+    def drive_rates(self, motion: Motion) -> Iterable[Quantity]:
+        """None beside those of the coordinates."""
+        return ()
+
+    def mechanics(self, motion: Motion) -> tuple[LoadMotion, Iterable[Quantity]]:
+        """Torques of the drives, and distances of bodies."""
+        frames = chain_frames(motion, self.chain)
+        efforts = joint_efforts(frames, self.chain, self.case.gravity, self.case.bodies)
+        return sensor_motion(frames), joined(efforts, body_clearances(motion.t, frames, self.chain))
+
+    def fastest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
+        """Sums over the joints, each with the largest distance of the sensor from its axis."""
+        turns = self.turns
+        omega = float(rate[turns].sum())
+        alpha = float(acceleration[turns].sum()) + omega**2 / 2.0  # each joint's axis turns with those before it
+        reach = _reach(self.chain)
+        slide = float(rate[~turns].sum())
+        pull = float(acceleration[turns] @ reach[turns] + acceleration[~turns].sum())
+        return omega, alpha, pull + omega**2 * float(reach[0]) + 2.0 * omega * slide
+
+    def from_anywhere(self, speed: float, rate: Array, acceleration: Array) -> Iterable[tuple[LimitKind, float, float]]:
+        """None: the drives are the coordinates."""
+        return ()
 
 
-def sensor_motion(frames: Frames) -> tuple[tuple[Array, Array, Array], Array]:
-    """Rotation of the sensor frame with its first and second time derivative, and the acceleration of its origin.
+def _reach(chain: Chain) -> Array:
+    """Largest distance of the sensor from the axis of each joint, wherever the joints after it are, shape (n,) [m]."""
+    lengths = [float(np.linalg.norm(joint.origin)) for joint in (*chain.joints, chain.sensor)]
+    slides = [0.0 if joint.turns else max(abs(v) for v in joint.position) for joint in chain.joints]
+    reaches = np.cumsum([b + s for b, s in zip(lengths[:0:-1], slides[::-1], strict=True)])
+    return np.asarray(reaches[::-1])
 
-    Returns:
-        R, R', R'', shapes (n, 3, 3), and p'', shape (n, 3) [m/s^2], in {B}.
-    """
+
+def sensor_motion(frames: Frames) -> LoadMotion:
+    """Motion of the sensor's frame, the last one."""
     *_, (place, first, second) = frames
     return (place[:, :3, :3], first[:, :3, :3], second[:, :3, :3]), second[:, :3, 3]
 

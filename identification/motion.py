@@ -37,6 +37,10 @@ class Motion:
             value.setflags(write=False)
 
 
+LoadMotion = tuple[tuple[Array, Array, Array], Array]
+"""Motion of the frame {P} of the load in {B}: R, R', R'', shapes (n, 3, 3), and p'', shape (n, 3) [m/s^2]."""
+
+
 class Trajectory(Protocol):
     """A motion that is known at every instant from 0 to `duration`."""
 
@@ -230,3 +234,31 @@ class Slowed:
         fast = self.motion.at(np.clip(time * self.speed, 0.0, self.motion.duration))
         s = self.speed
         return Motion(time, fast.pose, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)
+
+
+def axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    """A rotation about one axis and its first and second time derivative, shapes (n, 3, 3)."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    c, s = np.cos(angle), np.sin(angle)
+    turn, first, second = (np.zeros((len(angle), 3, 3)) for _ in range(3))
+    turn[:, axis, axis] = 1.0
+    turn[:, i, i] = turn[:, j, j] = c
+    turn[:, j, i], turn[:, i, j] = s, -s
+    first[:, i, i] = first[:, j, j] = -s * rate  # (c)' = -s a', (s)' = c a'
+    first[:, j, i], first[:, i, j] = c * rate, -c * rate
+    second[:, i, i] = second[:, j, j] = -s * acceleration - c * rate**2
+    second[:, j, i] = c * acceleration - s * rate**2
+    second[:, i, j] = -second[:, j, i]
+    return turn, first, second
+
+
+def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
+    """R and its first and second time derivative, shapes (n, 3, 3)."""
+    angles, rates, accelerations = motion.pose[:, 3:], motion.rates[:, 3:], motion.accelerations[:, 3:]
+    x0, x1, x2 = axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
+    y0, y1, y2 = axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
+    z0, z1, z2 = axis_rotation(2, angles[:, 2], rates[:, 2], accelerations[:, 2])
+    yx = y0 @ x0
+    yx1 = y1 @ x0 + y0 @ x1
+    yx2 = y2 @ x0 + 2 * (y1 @ x1) + y0 @ x2
+    return z0 @ yx, z1 @ yx + z0 @ yx1, z2 @ yx + 2 * (z1 @ yx1) + z0 @ yx2

@@ -14,8 +14,8 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import RigidBody, payload_words
 from cases.units import Array, Flags
-from identification.limit import LimitKind
-from identification.limited_quantities import Quantity, strut_vectors
+from identification.limit import LimitKind, Quantity
+from identification.limited_hexapod import strut_vectors
 from identification.motion import Motion
 
 SHARE = 0.8  # of the sensors' range; the rest is for process forces, offsets and the platform's deformation

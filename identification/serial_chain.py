@@ -87,6 +87,17 @@ class SerialChain:
 
     coordinates = drives
 
+    def drive_motion(self, q: Array, rates: Array, accelerations: Array) -> list[Array]:
+        """The joints themselves."""
+        return [q, rates, accelerations]
+
+    def further_drives(
+        self, case: Case, q: Array, rates: Array, accelerations: Array
+    ) -> tuple[list[Array], tuple[Array, Array]]:
+        """None."""
+        del case, rates, accelerations
+        return [np.zeros((len(q), 0))] * 2, (np.zeros(0), np.zeros(0))
+
     def torques(
         self, q: ca.SX, rates: ca.SX, accelerations: ca.SX, gravity: Sequence[float] | Array, load: RigidBody | None
     ) -> ca.SX:

@@ -95,13 +95,14 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
     """The language of the controller that a plan was made for, else the first whose settings the case has.
 
     Args:
-        path: whether the motion is one path, of which controllers of a chain know tables of points alone.
+        path: whether the motion is one path: in a machine's own axes controllers know tables of points alone.
     """
     made_for = (settings or {}).get("made_for")
     if made_for in DIALECTS:
         return str(made_for)
     ready = {command for command, missing in readiness(case).items() if not missing}
-    names = USUAL_OF_PATHS if path and case.chain is not None else USUAL
+    own_axes = path and not case.need_motion("a program")[1].of_pose
+    names = USUAL_OF_PATHS if own_axes else USUAL
     return next((name for name in names if f"post --dialect {name}" in ready), "linuxcnc")
 
 

@@ -13,9 +13,7 @@ import numpy as np
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import TOLERANCE, Limit, LimitKind
-from identification.limit_proof import CHUNK, of_mechanics
-from identification.limited_chain import joint_ranges
-from identification.limited_quantities import limited_struts, rotation_motion
+from identification.limit_proof import CHUNK, limited_machine, of_mechanics
 from identification.motion import Array, StandingPoses
 
 POSES = 20_000  # random poses of the box: the standard error of its volume is at most 0.35 %
@@ -149,7 +147,7 @@ class StaticLimits:
     def __init__(self, case: Case) -> None:
         self.case = case
         self.home, limits = case.need_motion("the reach of the motion box")
-        self.box, self.units = limits.pose, np.where(limits.turns, DEG, MM)
+        self.box, self.units, self.of_pose = limits.pose, np.where(limits.turns, DEG, MM), limits.of_pose
         columns = [(limit, label) for limit, labels, _ in self._columns(self.home[None]) for label in labels]
         self.kinds = tuple(limit for limit, _ in columns)
         self.names = tuple(limit.at(label) for limit, label in columns)
@@ -168,9 +166,10 @@ class StaticLimits:
     def _columns(self, poses: Array) -> Iterator[tuple[Limit, tuple[str, ...], Array]]:
         """Each limit, the parts of the machine that it limits, and the shares, shape (n, columns)."""
         still = StandingPoses(poses).at(np.arange(float(len(poses))))
-        if self.case.chain is None:
-            machine, workspace, limits = self.case.need_machine("the reach of the motion box")
-            for quantity in limited_struts(still, rotation_motion(still), machine, workspace, limits):
+        machine = limited_machine(self.case)
+        if self.of_pose:
+            workspace = self.case.need_machine("the reach of the motion box")[1]
+            for quantity in machine.mechanics(still)[1]:
                 if quantity.of.kind is LimitKind.STRUT_LENGTH:
                     low, high = quantity.limits
                     longest = (quantity.values - (low + high) / 2) / ((high - low) / 2)
@@ -183,7 +182,7 @@ class StaticLimits:
                     yield quantity.of, quantity.labels, quantity.ratio
             return
         yield Limit(LimitKind.TURNING), ("",), np.zeros((len(poses), 1))  # of a joint without ends
-        for quantity in (*joint_ranges(still, self.case.chain), *of_mechanics(still, self.case, False)):
+        for quantity in (*machine.ranges(still), *of_mechanics(still, self.case, False)):
             yield quantity.of, quantity.labels, quantity.ratio
 
     def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:

@@ -11,10 +11,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.chain import Box
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.limited_quantities import Box
 from identification.motion import Array
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
 from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
@@ -151,7 +151,7 @@ class BlockWriter(ABC):
         words: words of the coordinates.
         axes: names of the axes behind them, for the command that groups them.
         guarantees: the controller's time laws.
-        case: case with the limits of the controller's set-up; where it has a chain, the axes are the machine's own.
+        case: case with the limits of the controller's set-up; coordinates that are no pose are the machine's own axes.
     """
 
     name: ClassVar[str]  # name of the controller, for messages
@@ -165,7 +165,7 @@ class BlockWriter(ABC):
     def __init__(self, words: Sequence[str], axes: Sequence[str], guarantees: Guarantees, case: Case) -> None:
         self.words, self.axes, self.guarantees = words, axes, guarantees
         self.limits: Box = case.need_motion("a program")[1]
-        self.own_axes = case.chain is not None
+        self.own_axes = not self.limits.of_pose
         self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
 
     def comments(self, text: str) -> list[str]:

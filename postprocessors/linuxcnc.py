@@ -19,7 +19,7 @@ from postprocessors.blocks import NeutralProgram, TimedPath, timed_path
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, linuxcnc_guarantees
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.reading import Reading
+from postprocessors.reading import Reading, axis_letters
 
 FULL = 1e-9  # [rad] tolerance of a full circle for rounding
 EQUAL = 1e-9  # [s] tolerance of durations for rounding
@@ -33,7 +33,7 @@ class _LinuxCncWriter(BlockWriter):
     no_paths = "cuts corners of paths by degrees where rotary axes turn round"
 
     def __init__(self, case: Case, guarantees: Guarantees, headroom: float) -> None:
-        axes = "XYZABC" if case.chain is None else case.chain.names
+        axes = axis_letters(case, self.name, "")
         super().__init__(axes, axes, guarantees, case)
         self.acceleration = headroom * self.limits.acceleration
 
@@ -135,7 +135,8 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> bytes:
     Raises:
         CaseError: the case has no machine or no controller.
     """
-    timed = case.chain is None and any(isinstance(block, TimedPath) for block in program.blocks)
+    of_pose = case.need_motion("a program")[1].of_pose
+    timed = of_pose and any(isinstance(block, TimedPath) for block in program.blocks)
     headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0
     writer = _LinuxCncWriter(case, linuxcnc_guarantees(Reading("", (), 0), case), headroom)
     # G92.1 cancels offsets of an operator; G54 itself must be zero, which a program cannot check.

@@ -16,7 +16,7 @@ from cases.errors import ProgramError
 from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.hexapod import Hexapod
+from identification.model import machine_of
 from identification.motion import Array, Joined, Motion, Slowed, Standstill, Trajectory
 from postprocessors.blocks import NeutralProgram, ToHome, Trigger, block_motions
 from postprocessors.reading import Reading, Timed
@@ -80,39 +80,37 @@ def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
 def _values(program: NeutralProgram, case: Case) -> Array:
     """The table in the units of its columns."""
     motion, trigger = _motion(program, case)
-    units = np.where(case.need_motion("a setpoint table")[1].turns, DEG, MM)
+    limits = case.need_motion("a setpoint table")[1]
+    units = np.where(limits.turns, DEG, MM)
     coordinates = [v / units for v in (motion.pose, motion.rates, motion.accelerations)]
     struts: list[Array] = []
-    if case.hexapod is not None:
-        function = Hexapod.of(case).strut_motion.map(len(motion.t))
-        outputs = function(motion.pose.T, motion.rates.T, motion.accelerations.T)
-        struts = [np.array(v.full()).T / MM for v in outputs]
+    if limits.of_pose:
+        struts = [v / MM for v in machine_of(case).drive_motion(motion.pose, motion.rates, motion.accelerations)]
     return np.column_stack([motion.t, *coordinates, *struts, trigger])
 
 
 def _columns(case: Case) -> tuple[str, ...]:
-    """Names of the columns: time, coordinates with their derivatives, struts of a hexapod, trigger."""
-    struts = STRUT_COLUMNS if case.hexapod is not None else ()
-    return (*motion_columns(case.need_motion("a setpoint table")[1].columns), *struts, TRIGGER)
+    """Names of the columns: time, coordinates with their derivatives, struts behind a pose, trigger."""
+    limits = case.need_motion("a setpoint table")[1]
+    return (*motion_columns(limits.columns), *(STRUT_COLUMNS if limits.of_pose else ()), TRIGGER)
 
 
 def decimals_of(case: Case) -> list[int]:
     """Decimals of each column of a CSV table."""
-    count = len(case.need_motion("a setpoint table")[0])
-    struts = STRUT_DECIMALS if case.hexapod is not None else []
-    return [6, *(places for places in DECIMALS for _ in range(count)), *struts, 0]
+    home, limits = case.need_motion("a setpoint table")
+    return [6, *(places for places in DECIMALS for _ in home), *(STRUT_DECIMALS if limits.of_pose else ()), 0]
 
 
 def _header(program: NeutralProgram, case: Case) -> list[str]:
     cycle = case.need_settings(Setpoints, "a setpoint table").cycle_ms
-    if case.hexapod is not None:
+    limits = case.need_motion("a setpoint table")[1]
+    if limits.of_pose:
         words = [
             "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
             "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
         ]
     else:
-        labels = case.need_motion("a setpoint table")[1].labels
-        words = [f"joints: from the base, {', '.join(labels)}; angles not wrapped"]
+        words = [f"joints: from the base, {', '.join(limits.labels)}; angles not wrapped"]
     lines = [
         f"format: {FORMAT}",
         f"cycle_ms: {cycle:g}",

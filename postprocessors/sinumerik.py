@@ -40,8 +40,7 @@ class _SinumerikWriter(BlockWriter):
             words = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in self.settings.orientation_words)]
             axes = ["X", "Y", "Z", *self.settings.orientation_axes]
         else:
-            chain, _ = case.need_chain("a program")
-            words = axes = list(axis_letters(chain, self.name, self.settings.program_name, endless=False))
+            words = axes = list(axis_letters(case, self.name, self.settings.program_name, endless=False))
         super().__init__(words, axes, sinumerik_guarantees(Reading("", (), 0), case), case)
         self.place = f"case {case.name}"
 

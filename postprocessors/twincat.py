@@ -25,8 +25,7 @@ class _TwinCatWriter(BlockWriter):
         self.settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
         letters = "XYZABC"
         if not isinstance(self.settings, TwinCat):
-            chain, _ = case.need_chain("a program")
-            letters = axis_letters(chain, self.name, self.settings.program_name, endless=False)
+            letters = axis_letters(case, self.name, self.settings.program_name, endless=False)
         super().__init__(letters, letters, twincat_guarantees(Reading("", (), 0), case), case)
 
     def written(self, program: NeutralProgram) -> bytes:

@@ -175,7 +175,7 @@ def excitation_program(
     """
     home, box = case.need_motion("a program")
     controller = case.need_controller("a program")
-    safe = controller.safe_share if case.chain is not None else controller.safe_feed
+    safe = controller.safe_feed if box.of_pose else controller.safe_share
     first, last = trajectory.at([0.0, trajectory.duration]).pose
     blocks: list[Block] = [ToHome(home, safe * min(1.0, speed))]
     excitation = motion_blocks("excitation", trajectory, controller.block, speed)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import Array
-from identification.hexapod import kinetic
+from identification.model import machine_of
 from identification.motion import Motion, Trajectory
 from identification.trajectories.moves import UntimedMotion
 
@@ -140,7 +140,7 @@ def _stretch(motion: RetimedMotion, case: Case) -> float:
 def _worst(m: Motion, case: Case) -> float:
     """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
     limits = case.need_motion("re-timing")[1]
-    struts, most = kinetic(case, m.pose, m.rates, m.accelerations)
+    struts, most = machine_of(case).further_drives(case, m.pose, m.rates, m.accelerations)
     velocity, acceleration = (
         max(np.max(np.abs(own) / limit), np.max(np.abs(values) / others, initial=0.0))
         for own, limit, values, others in zip(
@@ -175,7 +175,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
             "it must begin and end at rest"
         )
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
-    struts, most = kinetic(case, motion.pose, *by_share)
+    struts, most = machine_of(case).further_drives(case, motion.pose, *by_share)
     first, second = (np.hstack([own, values]) for own, values in zip(by_share, struts, strict=True))
     velocity, acceleration = (
         np.concatenate([own, limit]) * (1.0 - MARGIN)

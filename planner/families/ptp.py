@@ -14,12 +14,12 @@ from typing import Any, ClassVar, NamedTuple
 import casadi as ca
 import numpy as np
 
+from cases.chain import Box
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.criteria import box_middle
 from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
-from identification.limited_quantities import Box
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
 from planner.families import Layout

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.hexapod import kinetic
 from identification.limit_proof import MARGIN, slowed_for_forces
+from identification.model import machine_of
 from identification.motion import Array
-from identification.overload import Loads
 from identification.trajectories.moves import Profile, StraightMove, fastest_profile, ruckig_profile
 from planner.poses.space import space_of
 
@@ -35,13 +34,10 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     limits = case.need_motion("moves between poses")[1]
     box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
     move = StraightMove.fastest(start, end, *box)
-    if case.chain is None:
-        assert isinstance(move.profile, Profile)
-        slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
-        move = StraightMove(start, end, move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9))))
-    if Loads.of(case) is not None or (case.chain is not None and case.chain.limits_effort):
-        move = slowed_for_forces(move, case)
-    return move
+    assert isinstance(move.profile, Profile)
+    slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
+    profile = move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9)))
+    return slowed_for_forces(StraightMove(start, end, profile), case)
 
 
 def travel_times(case: Case, poses: Array) -> Array:
@@ -102,7 +98,7 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
-    struts, most = kinetic(
+    struts, most = machine_of(case).further_drives(
         case, *(np.ascontiguousarray(v.reshape(-1, way.shape[2])) for v in (pose, rates, accelerations))
     )
     fast, hard = (

@@ -11,8 +11,7 @@ from cases.schema import Case
 from cases.sensors import payload_words
 from cases.units import MM
 from identification.criteria import analyse, reference_scaling
-from identification.limit_proof import load_shares
-from identification.limited_quantities import strut_motion
+from identification.limit_proof import limited_machine, load_shares
 from identification.model import Model, identification_model
 from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
@@ -128,8 +127,8 @@ def tool_outlines(tools: Iterable[Tool]) -> list[Array]:
 
 def strut_charts(case: Case, motion: Motion) -> tuple[Chart, ...]:
     """Lengths, velocities and accelerations of struts, with their limits."""
-    machine, workspace, box = case.need_machine("the page of a plan")
-    length, velocity, acceleration = strut_motion(motion, machine)
+    _, workspace, box = case.need_machine("the page of a plan")
+    length, velocity, acceleration = limited_machine(case).drives(motion)
     low = max(box.strut_length[0], workspace.strut_length[0]) / MM
     high = min(box.strut_length[1], workspace.strut_length[1]) / MM
     v, a = box.strut_velocity_m_s, box.strut_acceleration_m_s2

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.schema import Case
-from identification.hexapod import kinetic
+from identification.model import machine_of
 from identification.motion import Array, Motion, Trajectory
 from planner.precision import solver_text
 
@@ -60,7 +60,7 @@ class Course:
         knots = _knots(path.duration)
         s = (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel()
         motion = path.at(s)
-        struts, most = kinetic(case, motion.pose, motion.rates, motion.accelerations)
+        struts, most = machine_of(case).further_drives(case, motion.pose, motion.rates, motion.accelerations)
         return cls(
             s,
             np.full(len(s), path.duration / len(s)),

@@ -11,11 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.chain import Chain
+from cases.chain import Box
 from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, Status
-from identification.limit_proof import load_motion
-from identification.limited_quantities import Box
+from identification.limit_proof import LimitedMachine, limited_machine
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
@@ -52,38 +51,27 @@ class ForceBounds:
     loads: Loads
     limits: Box  # limits of rates and accelerations, which the controller enforces
     case: Case
+    machine: LimitedMachine
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
         """Bounds for a case; None where it names no range or no nominal body."""
         loads = Loads.of(case)
-        return None if loads is None else cls(loads, case.need_motion("the check of a program")[1], case)
+        if loads is None:
+            return None
+        return cls(loads, case.need_motion("the check of a program")[1], case, limited_machine(case))
 
     def anywhere(self, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
         """Bounds for any pose, with a share of the limits; empty for struts, whose forces depend on the pose."""
         if self.case.sensor_frame.struts is not None:
             return ()
         linear, angular, spin = np.split(self.loads.coefficients, (3, 6), axis=1)
-        omega, alpha, pull = self._largest(share * self.limits.rate, share * self.limits.acceleration)
+        omega, alpha, pull = self.machine.fastest(share * self.limits.rate, share * self.limits.acceleration)
         pull += float(np.linalg.norm(self.case.gravity))
         most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
         products = spin.reshape(-1, 3, 3)
         most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
         return self._checks(most[None], np.array([clock]))
-
-    def _largest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
-        """Bounds of |omega|, |alpha| and |p''| in any pose [rad/s, rad/s^2, m/s^2]."""
-        if self.case.chain is None:
-            omega = float(rate[3:].sum())  # |omega| <= |roll'| + |pitch'| + |yaw'|
-            alpha = float(acceleration[3:].sum() + rate[3] * rate[4] + rate[3] * rate[5] + rate[4] * rate[5])
-            return omega, alpha, float(np.linalg.norm(acceleration[:3]))
-        turns = self.limits.turns
-        omega = float(rate[turns].sum())
-        alpha = float(acceleration[turns].sum()) + omega**2 / 2.0  # each joint's axis turns with those before it
-        reach = _reach(self.case.chain)
-        slide = float(rate[~turns].sum())
-        pull = float(acceleration[turns] @ reach[turns] + acceleration[~turns].sum())
-        return omega, alpha, pull + omega**2 * float(reach[0]) + 2.0 * omega * slide
 
     def on(self, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
         """Bounds at the poses of a path, whatever the motion along it or beside it.
@@ -139,7 +127,7 @@ class ForceBounds:
         return self._checks(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
     def _forces(self, motion: Motion) -> Array:
-        return self.loads.forces(motion, *load_motion(motion, self.case))
+        return self.loads.forces(motion, *self.machine.load(motion))
 
     def _checks(self, most: Array, times: Array) -> tuple[LimitCheck, ...]:
         """The worst force, and the worst moment where moments have a range."""
@@ -166,11 +154,3 @@ def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, lim
     bends = np.abs(bend).max(axis=0)
     turning = float(np.min(np.append(accelerations[bends > 0.0] / bends[bends > 0.0], np.inf)))
     return min(speed, float(np.sqrt(turning))), acceleration
-
-
-def _reach(chain: Chain) -> Array:
-    """Largest distance of the sensor from the axis of each joint, wherever the joints after it are, shape (n,) [m]."""
-    lengths = [float(np.linalg.norm(joint.origin)) for joint in (*chain.joints, chain.sensor)]
-    slides = [0.0 if joint.turns else max(abs(v) for v in joint.position) for joint in chain.joints]
-    reaches = np.cumsum([b + s for b, s in zip(lengths[:0:-1], slides[::-1], strict=True)])
-    return np.asarray(reaches[::-1])

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cases.chain import Box
 from cases.controller import Setpoints, Sinumerik, SinumerikAxes, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM, MS
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
-from identification.limited_quantities import Box
 from identification.motion import Array
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import Profile, TimeLaw, fastest_profile

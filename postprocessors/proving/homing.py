@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cases.chain import Box
 from cases.errors import ExecutionError
-from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
-from identification.limit_proof import prove
-from identification.limited_quantities import Box
+from identification.limit_proof import limited_machine, prove
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.guarantees import Guarantees, Judge
@@ -110,12 +109,12 @@ def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:
         if not check.kind.kinetic:
             yield check
-    if isinstance(by.limits, MotionLimits):
+    if by.limits.of_pose:
         yield from _of_a_pose(part, by, clock)
         share = 1.0
     else:
         share = by.case.need_controller("the check of a program").safe_share if part.acceleration is not None else 1.0
-        yield from _of_joints(part, by, by.limits, clock)
+        yield from _of_own_axes(part, by, clock)
     for bound in by.forces.anywhere(clock, share) if by.forces is not None else ():
         if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
             yield by.prediction(bound, OwnMove.WAY_HOME, Status.PROVEN)
@@ -125,9 +124,9 @@ def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
         yield proof or by.prediction(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
 
 
-def _of_joints(part: Untimed, by: Judge, limits: Box, clock: float) -> Iterable[LimitCheck]:
-    """Limits of the joints of a chain, whose ways are unknown."""
-    share = by.case.need_controller("the check of a program").safe_share
+def _of_own_axes(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
+    """Limits of axes of the machine's own, whose ways are unknown."""
+    limits, share = by.limits, by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed
     # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
     speeds = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
@@ -148,7 +147,7 @@ def _of_joints(part: Untimed, by: Judge, limits: Box, clock: float) -> Iterable[
 
 
 def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Limits of the coordinates of a hexapod, and of its struts."""
+    """Limits of the coordinates of a pose, and of the drives behind it."""
     limits = by.limits
     rate = limits.rate.copy()
     safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
@@ -162,7 +161,10 @@ def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     cycle = by.guarantees.jerk_time
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
     yield _largest(LimitKind.JERK, LimitKind.ANGULAR_JERK, jerks, limits.jerk, clock, by)
-    yield from _of_struts(feed, rate, peaks, by, clock)
+    for kind, worst, most in limited_machine(by.case).from_anywhere(feed, rate, peaks):
+        # rates of the drives follow from those of the pose, and so are enforced with these
+        follows = kind is LimitKind.STRUT_VELOCITY and worst <= most and LimitKind.VELOCITY in by.guarantees.enforced
+        yield _row(kind, worst, most, clock, by, Status.ENFORCED if follows else None)
 
 
 def _peak_accelerations(rate: Array, by: Judge) -> Array:
@@ -170,21 +172,6 @@ def _peak_accelerations(rate: Array, by: Judge) -> Array:
     limits = by.limits
     laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
     return np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
-
-
-def _of_struts(feed: float, rate: Array, peaks: Array, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Bounds of strut limits at any pose: |omega| <= |roll'| + |pitch'| + |yaw'|, and l'' <= |s''| + |s'|^2 / l."""
-    machine, workspace, motion = by.case.need_machine("the check of a program")
-    arm = float(np.linalg.norm(machine.platform.points, axis=1).max())
-    omega = float(rate[3:].sum())
-    speed = feed + arm * omega
-    enforced = speed <= motion.strut_velocity_m_s and LimitKind.VELOCITY in by.guarantees.enforced
-    status = Status.ENFORCED if enforced else None
-    yield _row(LimitKind.STRUT_VELOCITY, speed, motion.strut_velocity_m_s, clock, by, status)
-    turning = float(peaks[3:].sum()) + omega**2
-    shortest = max(motion.strut_length[0], workspace.strut_length[0])
-    acceleration = float(np.linalg.norm(peaks[:3])) + arm * turning + speed**2 / shortest
-    yield _row(LimitKind.STRUT_ACCELERATION, acceleration, motion.strut_acceleration_m_s2, clock, by)
 
 
 def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Judge) -> LimitCheck:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.chain import Box
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnMove, Status, worst_of
@@ -20,7 +21,6 @@ from identification.limit_proof import (
     shares_at,
     worst_case,
 )
-from identification.limited_quantities import Box
 from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove

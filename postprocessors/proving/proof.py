@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cases.chain import Box
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
-from identification.limited_quantities import Box
 from identification.motion import Array
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.guarantees import Guarantees, Judge

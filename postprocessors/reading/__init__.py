@@ -12,8 +12,8 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from cases.chain import Chain
 from cases.errors import ProgramError
+from cases.schema import Case
 from identification.motion import Array, TimedPoints
 from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
 from identification.trajectories.moves import Plane
@@ -318,15 +318,19 @@ def each_word(
         position = match.end()
 
 
-def axis_letters(chain: Chain, controller: str, file: str, endless: bool = True) -> str:
-    """Letters of the axes of a chain, which are the names of its joints.
+def axis_letters(case: Case, controller: str, file: str, endless: bool = True) -> str:
+    """Letters of the axes of a machine: those of a pose, or the names of its own axes.
 
     Args:
         endless: whether its axes that turn without end count their turns.
 
     Raises:
         ProgramError: a joint whose name is not an axis of its kind, or whose turns the controller does not count.
+        CaseError: the case has no machine or no limits.
     """
+    if case.need_motion("a program")[1].of_pose:
+        return "XYZABC"
+    chain, _ = case.need_chain("a program")
     for joint in chain.joints:
         letters = "ABC" if joint.turns else "XYZ"
         if joint.name not in tuple(letters):

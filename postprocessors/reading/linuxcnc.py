@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -64,10 +63,10 @@ class _LinuxCncInterpreter(ModalState):
 
     name, groups, last, straight_word, block_time = "LinuxCNC", _GROUPS, "M2", "G1", "F = 60 / seconds"
 
-    def __init__(self, file: str, chain: Chain | None) -> None:
-        axes = "XYZABC" if chain is None else axis_letters(chain, "LinuxCNC", file)
+    def __init__(self, file: str, case: Case) -> None:
+        axes = axis_letters(case, "LinuxCNC", file)
         scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
-        super().__init__(file, list(axes), "ABC", scale, chain is not None)
+        super().__init__(file, list(axes), "ABC", scale, not case.need_motion("a program")[1].of_pose)
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.said: set[str] = set()
@@ -173,6 +172,6 @@ def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
     """
-    interpreter = _LinuxCncInterpreter(file, case.chain)
+    interpreter = _LinuxCncInterpreter(file, case)
     reading = interpreter.read_program(program_lines(content.decode("latin-1"), file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.machine import HexapodMachine
 from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limited_quantities import strut_motion
+from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion
 from postprocessors.reading import Grouping, Reading
 
@@ -184,8 +183,8 @@ class _Rows:
                 0, 1 + int(np.argmax(off)), "the table does not begin at home, where the machine must stand"
             )
         self._require_sequence(limits.jerk)
-        if case.hexapod is not None:
-            self._require_struts(case.hexapod)
+        if limits.of_pose:
+            self._require_drives(case)
 
     def _require_sequence(self, jerk: Array) -> None:
         """Raises where no jerk within its limit J and with the mean q J can lead from a row to the next.
@@ -215,10 +214,10 @@ class _Rows:
                     row + 1, column, "does not follow from the row before with its rate and acceleration; correct it"
                 )
 
-    def _require_struts(self, machine: HexapodMachine) -> None:
+    def _require_drives(self, case: Case) -> None:
         none = np.zeros_like(self.pose)
         motion = Motion(self.time.copy(), self.pose.copy(), self.rates.copy(), self.accelerations.copy(), none)
-        exact = np.hstack(strut_motion(motion, machine))
+        exact = np.hstack(limited_machine(case).drives(motion))
         bad = ~(np.abs(exact - self.values[:, self.struts]) <= np.repeat(STRUT_ROUNDING, 6))
         if bad.any():
             row, k = (int(n) for n in np.argwhere(bad)[0])
@@ -263,7 +262,7 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     """
     settings = case.need_settings(Setpoints, "a setpoint table")
     home, limits = case.need_motion("the check of a table")
-    columns = columns_of(limits.columns, case.hexapod is not None)
+    columns = columns_of(limits.columns, limits.of_pose)
     table = read_table(content, file, settings.most_rows, columns)
     rows = _Rows(file, table, settings, columns, len(home))
     rows.require(case)

@@ -10,7 +10,6 @@ from typing import NoReturn
 
 import numpy as np
 
-from cases.chain import Chain
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -38,7 +37,7 @@ class _SinumerikInterpreter(ModalState):
     name, groups, last, straight_word, block_time = "SINUMERIK", GROUPS, "M30", "G1", "F = 60 / seconds"
     feed_group = "FGROUP({})"
 
-    def __init__(self, file: str, settings: SinumerikAxes, chain: Chain | None) -> None:
+    def __init__(self, file: str, settings: SinumerikAxes, case: Case) -> None:
         self.settings = settings
         self.of_pose = settings if isinstance(settings, Sinumerik) else None  # None: in the machine's own axes
         self.said: set[str] = set()  # settings that stand in blocks of their own
@@ -49,8 +48,7 @@ class _SinumerikInterpreter(ModalState):
             rpy = ["ORIWKS", "ORIRPY"] if any(w[-1].isdigit() for w in words) else []
             self.needed = ["G90", "G710", "G500", "SOFT", "ORIAXES", *rpy]
         else:
-            assert chain is not None  # `Case` sees to it
-            axes = list(axis_letters(chain, "SINUMERIK", file, endless=False))
+            axes = list(axis_letters(case, "SINUMERIK", file, endless=False))
             angles = [axis for axis in axes if axis in "ABC"]
             radii = (f"FGREF[{axis}]" for axis in angles)
             self.needed = ["G90", "G710", "G500", "SOFT", "TRAFOOF", "COMPOF", "G94", *radii]
@@ -244,4 +242,4 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
-    return _SinumerikInterpreter(file, settings, case.chain).read_program(lines, sinumerik_words)
+    return _SinumerikInterpreter(file, settings, case).read_program(lines, sinumerik_words)

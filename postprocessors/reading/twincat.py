@@ -8,7 +8,6 @@ import re
 
 import numpy as np
 
-from cases.chain import Chain
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -35,7 +34,7 @@ class _TwinCatInterpreter(ModalState):
     block_time, inverse_time = "F, the block's time in seconds", False
     feed_group = "#FGROUP [{}]"
 
-    def __init__(self, file: str, settings: TwinCatAxes, chain: Chain | None) -> None:
+    def __init__(self, file: str, settings: TwinCatAxes, case: Case) -> None:
         self.settings = settings
         self.of_pose = settings if isinstance(settings, TwinCat) else None  # None: in the machine's own axes
         letters, sign_b = "XYZABC", 1
@@ -43,8 +42,7 @@ class _TwinCatInterpreter(ModalState):
             sign_b = self.of_pose.angle_sign_b
             self.needed = {f"#KIN ID[{self.of_pose.kinematic_id}]": "#KIN ID", "#TRAFO ON": "#TRAFO ON"}
         else:
-            assert chain is not None  # `Case` sees to it
-            letters = axis_letters(chain, "TwinCAT", file, endless=False)
+            letters = axis_letters(case, "TwinCAT", file, endless=False)
             self.needed = {"G94": "G94", "#TRAFO OFF": "#TRAFO OFF"}
         scale = np.array([MM if a in "XYZ" else DEG * (sign_b if a == "B" else 1) for a in letters])
         angles = (a for a in letters if a in "ABC")
@@ -236,4 +234,4 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
-    return _TwinCatInterpreter(file, settings, case.chain).read_program(lines, twincat_words)
+    return _TwinCatInterpreter(file, settings, case).read_program(lines, twincat_words)

@@ -66,7 +66,8 @@ def _parameters(node: ast.FunctionDef) -> int:
 
 
 def _fields(node: ast.ClassDef) -> int:
-    return sum(isinstance(entry, ast.AnnAssign) for entry in node.body)
+    own = (entry for entry in node.body if isinstance(entry, ast.AnnAssign))
+    return sum("ClassVar" not in ast.unparse(entry.annotation) for entry in own)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,8 @@ from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import RigidBody, together
 from identification.limit_proof import prove
-from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
-from identification.motion import Standstill
+from identification.motion import Standstill, rotation_motion
 from identification.overload import Loads
 from identification.parameters import body_parameters
 from identification.symbolic import over_samples

@@ -1,20 +1,31 @@
-"""What searches a motion asks a machine for its coordinates and limits, never for its kind."""
+"""What searches, proves or writes a motion asks a machine for its coordinates and limits, never for its kind."""
 
 import ast
 from pathlib import Path
 
 import pytest
 
-PLANNER = Path(__file__).parents[2] / "planner"
+HOME = Path(__file__).parents[2]
+KINDS = ("chain", "hexapod")
+OF_ONE_KIND = "configuration.py"  # the kinematics of a case, with which LinuxCNC is configured
 
 
-@pytest.mark.parametrize("package", ["families", "search", "bounds"])
-def test_no_module_asks_which_kind_of_machine_a_case_has(package: str):
-    files = sorted((PLANNER / package).glob("*.py"))
-    assert len(files) > 3
+@pytest.mark.parametrize(
+    "place",
+    [
+        "planner/families", "planner/search", "planner/bounds", "planner/retiming", "identification/trajectories",
+        "identification/limit_proof.py", "postprocessors/proving", "postprocessors/reading", "postprocessors/execute",
+        "postprocessors",
+    ],
+)  # fmt: skip
+def test_no_module_asks_which_kind_of_machine_a_case_has(place: str):
+    files = [HOME / place] if place.endswith(".py") else sorted((HOME / place).glob("*.py"))
+    if place == "postprocessors/execute":
+        files += sorted((HOME / place / "linuxcnc").glob("*.py"))
+    assert files
     for file in files:
+        if file.name == OF_ONE_KIND:
+            continue
         found = [n for n in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(n, ast.Attribute)]
-        asked = [
-            ast.unparse(n) for n in found if n.attr in ("chain", "hexapod") and ast.unparse(n.value).endswith("case")
-        ]
+        asked = [ast.unparse(n) for n in found if n.attr in KINDS and ast.unparse(n.value).endswith("case")]
         assert asked == [], file

@@ -9,9 +9,8 @@ from cases.schema import Case
 from identification.criteria import box_middle, reference_scaling
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from identification.limit_proof import load_shares, prove
-from identification.limited_quantities import rotation_motion
 from identification.model import identification_model
-from identification.motion import Motion
+from identification.motion import Motion, rotation_motion
 from identification.overload import SHARE, Loads
 from planner.families import Family
 from planner.families.fourier import FourierFamily

@@ -13,8 +13,7 @@ from pyarrow import parquet
 
 from cases.errors import ProgramError
 from cases.loading import load_case
-from identification.limit_proof import prove
-from identification.limited_quantities import strut_motion
+from identification.limit_proof import limited_machine, prove
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
@@ -102,7 +101,7 @@ def with_its_struts(table: Table) -> Table:
     """The struts that belong to the poses: damage that no comparison of columns can see."""
     si = table * UNITS
     motion = Motion(si[:, T], *(si[:, part].copy() for part in (POSE, RATES, ACCELERATIONS)), np.zeros((len(si), 6)))
-    table[:, STRUTS] = np.hstack(strut_motion(motion, CASE.machine)) / UNITS[STRUTS]
+    table[:, STRUTS] = np.hstack(limited_machine(CASE).drives(motion)) / UNITS[STRUTS]
     return table
 
 

@@ -84,7 +84,7 @@ def expected_duration(paths: list[TimedPoints], case: Case, headroom: float) -> 
     Raises:
         CaseError: the case has no machine.
     """
-    acceleration = headroom * case.need_machine(PURPOSE)[2].acceleration
+    acceleration = headroom * case.need_motion(PURPOSE)[1].acceleration
     return sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.limited_quantities import rotation_motion
-from identification.motion import Motion
+from identification.motion import Motion, rotation_motion
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from postprocessors.proving.forces import ForceBounds, Steady

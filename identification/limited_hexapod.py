@@ -1,0 +1,150 @@
+"""What a case with a hexapod limits, and how its load moves: in NumPy from the definitions, for the proof."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cases.machine import HexapodMachine, MotionLimits, Workspace
+from cases.schema import Case
+from cases.units import DEG, Array
+from identification.keep_out import distances, guarded
+from identification.limit import Limit, LimitKind, Quantity
+from identification.motion import LoadMotion, Motion, rotation_motion
+
+_STRUTS = tuple(f"strut {k}" for k in range(1, 7))
+
+
+@dataclass(frozen=True, slots=True)
+class LimitedHexapod:
+    """A `LimitedMachine` whose coordinates are the pose of a platform on six struts."""
+
+    machine: HexapodMachine
+    workspace: Workspace
+    limits: MotionLimits
+
+    @classmethod
+    def of(cls, case: Case) -> "LimitedHexapod":
+        """The hexapod of a case; raises CaseError where the case lacks machine, workspace or limits."""
+        return cls(*case.need_machine("the proof of limits"))
+
+    def ranges(self, motion: Motion) -> Iterable[Quantity]:
+        """Distances of the platform from home, in the plane that it can reach."""
+        low, high = self.workspace.plane
+        offset = motion.pose[:, :2] - self.machine.home.vector[:2]
+        yield Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y"), offset, low, high)
+
+    def load(self, motion: Motion) -> LoadMotion:
+        """The platform's own motion."""
+        return rotation_motion(motion), motion.accelerations[:, :3]
+
+    def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
+        """Strut lengths [m], velocities and accelerations, each of shape (n, 6)."""
+        return _along(*strut_vectors(motion, rotation_motion(motion), self.machine)[:3])
+
+    def drive_rates(self, motion: Motion) -> Iterable[Quantity]:
+        """Velocities of the struts alone."""
+        most = np.full(6, self.limits.strut_velocity_m_s)
+        yield Quantity.between(LimitKind.STRUT_VELOCITY, _STRUTS, self.drives(motion)[1], -most, most)
+
+    def mechanics(self, motion: Motion) -> tuple[LoadMotion, Iterable[Quantity]]:
+        """Limits of struts and joints, with the distances from boxes and singularities."""
+        load = self.load(motion)
+        return load, self._mechanics(motion, load[0])
+
+    def _mechanics(self, motion: Motion, rotation: tuple[Array, Array, Array]) -> Iterable[Quantity]:
+        machine, workspace, limits = self.machine, self.workspace, self.limits
+        strut, velocity, acceleration, normal = strut_vectors(motion, rotation, machine)
+        yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)
+        length, along, second = _along(strut, velocity, acceleration)
+        six = np.ones(6)
+        low = max(limits.strut_length[0], workspace.strut_length[0])
+        high = min(limits.strut_length[1], workspace.strut_length[1])
+        v, a = limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six
+        yield Quantity.between(LimitKind.STRUT_LENGTH, _STRUTS, length, low * six, high * six)
+        yield Quantity.between(LimitKind.STRUT_VELOCITY, _STRUTS, along, -v, v)
+        yield Quantity.between(LimitKind.STRUT_ACCELERATION, _STRUTS, second, -a, a)
+        direction = strut / length[:, :, None]
+        yield from _joint_angles(direction, normal, workspace)
+        yield _singularity(motion, strut, direction, machine)
+
+    def fastest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
+        """|omega| <= |roll'| + |pitch'| + |yaw'|; alpha has the second derivatives and the products of rates."""
+        omega = float(rate[3:].sum())
+        alpha = float(acceleration[3:].sum() + rate[3] * rate[4] + rate[3] * rate[5] + rate[4] * rate[5])
+        return omega, alpha, float(np.linalg.norm(acceleration[:3]))
+
+    def from_anywhere(self, speed: float, rate: Array, acceleration: Array) -> Iterable[tuple[LimitKind, float, float]]:
+        """Bounds of strut motion: l' <= |s'| and l'' <= |s''| + |s'|^2 / l, s' and s'' those of a platform joint."""
+        arm = float(np.linalg.norm(self.machine.platform.points, axis=1).max())
+        omega = float(rate[3:].sum())
+        strut_speed = speed + arm * omega
+        yield LimitKind.STRUT_VELOCITY, strut_speed, self.limits.strut_velocity_m_s
+        turning = float(acceleration[3:].sum()) + omega**2
+        shortest = max(self.limits.strut_length[0], self.workspace.strut_length[0])
+        most = float(np.linalg.norm(acceleration[:3])) + arm * turning + strut_speed**2 / shortest
+        yield LimitKind.STRUT_ACCELERATION, most, self.limits.strut_acceleration_m_s2
+
+
+def strut_vectors(
+    motion: Motion, rotation: tuple[Array, Array, Array], machine: HexapodMachine
+) -> tuple[Array, Array, Array, Array]:
+    """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
+    turn, first, second = rotation
+    points = machine.platform.points.T
+    strut = motion.pose[:, None, :3] + (turn @ points).transpose(0, 2, 1) - machine.base.points
+    velocity = motion.rates[:, None, :3] + (first @ points).transpose(0, 2, 1)
+    acceleration = motion.accelerations[:, None, :3] + (second @ points).transpose(0, 2, 1)
+    return strut, velocity, acceleration, turn[:, :, 2]
+
+
+def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    length = np.linalg.norm(strut, axis=2)
+    along = np.einsum("nki,nki->nk", strut, velocity) / length
+    # l l' = s s'; differentiated once more: l'^2 + l l'' = s' s' + s s''
+    second = np.einsum("nki,nki->nk", velocity, velocity) + np.einsum("nki,nki->nk", strut, acceleration)
+    return length, along, (second - along**2) / length
+
+
+def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace: Workspace) -> Iterable[Quantity]:
+    """Distance of platform, struts and tools from each box, along the axis that separates them most.
+
+    The share is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal. Struts are
+    lines from joint to joint, with the radius that the case says around them, tools likewise. At 1 m/s
+    a distance is at most 0.05 mm smaller between two instants of 10 kHz.
+    """
+    for box in workspace.keep_out:
+        labels = guarded(workspace)
+        distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
+        yield Quantity.clear(Limit(LimitKind.DISTANCE_FROM_BOX, box.name), labels, distance, box.vicinity)
+
+
+def _joint_angles(direction: Array, normal: Array, workspace: Workspace) -> Iterable[Quantity]:
+    """Angles between struts and the normals of base and platform; 0 is straight up."""
+    at_base = np.arccos(np.clip(direction[:, :, 2], -1.0, 1.0))
+    at_platform = np.arccos(np.clip(np.einsum("nki,ni->nk", direction, normal), -1.0, 1.0))
+    for kind, angle, limit in (
+        (LimitKind.BASE_JOINT_ANGLE, at_base, workspace.base_joint_angle_deg * DEG),
+        (LimitKind.PLATFORM_JOINT_ANGLE, at_platform, workspace.platform_joint_angle_deg * DEG),
+    ):
+        yield Quantity.between(kind, _STRUTS, angle, np.full(6, -limit), np.full(6, limit))
+
+
+def _determinant(direction: Array, arms: Array) -> Array:
+    return np.asarray(np.linalg.det(np.concatenate([direction, np.cross(arms, direction)], axis=2)))
+
+
+def _at_home(machine: HexapodMachine) -> float:
+    """det(J^-1) at home."""
+    standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
+    strut, _, _, _ = strut_vectors(standing, rotation_motion(standing), machine)
+    direction = strut / np.linalg.norm(strut, axis=2)[:, :, None]
+    return float(_determinant(direction, strut + machine.base.points - machine.home.vector[:3])[0])
+
+
+def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
+    """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
+    arms = strut + machine.base.points - motion.pose[:, None, :3]
+    determinant = (_determinant(direction, arms) / _at_home(machine))[:, None]
+    ratio = np.nan_to_num(1.0 - determinant, nan=np.inf)
+    return Quantity(Limit(LimitKind.SINGULARITY), ("",), determinant, np.zeros((2, 1)), ratio)
