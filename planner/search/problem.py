@@ -10,7 +10,6 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
-from cases.chain import Box
 from cases.schema import Case
 from cases.units import Array
 from identification.criteria import box_middle
