@@ -1,5 +1,6 @@
 """A fit to samples: the delay between forces and motion, where there is one, is estimated with the parameters."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
@@ -12,7 +13,7 @@ from cases.units import Array
 from identification.estimation.biases import gain, offset_moves
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
-from identification.estimation.fit import Fit, Uncertain, of_forces, w_of, whitened
+from identification.estimation.fit import Fit, Regression, Uncertain
 from identification.model import Model
 from identification.parameters import MASS
 from identification.runs.evaluation import MOST_DELAY, Run
@@ -31,12 +32,14 @@ class Fitted(NamedTuple):
     """Samples with their fit."""
 
     samples: Samples  # samples that were evaluated
+    method: Method
+    problem: FitProblem
     fit: Fit
     delay: Uncertain | None  # how much later than the motion the forces were recorded [s]; None where nothing moves
     residuals: Array  # residuals of the forces as recorded, shape (m, 6)
     whitening: Array | None  # W is its square, where it is given
-    columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
-    forces: Array  # forces as the estimator saw them, shape (n, 6)
+    w: Array  # W for one sample, shape (6, 6)
+    regression: Regression  # A and the nuisances, and the forces as the estimator saw them, not whitened
     taken: Array  # part of the fit's covariance that comes from biases of another result
 
     @property
@@ -44,15 +47,10 @@ class Fitted(NamedTuple):
         """The delay, 0 where nothing moves [s]."""
         return 0.0 if self.delay is None else self.delay.value
 
-    @property
-    def matrices(self) -> Array:
-        """A, shape (n, 6, u)."""
-        return self.columns[:, :, : len(self.samples.model.parameters)]
-
-    @property
-    def w(self) -> Array:
-        """W for one sample, shape (6, 6)."""
-        return w_of(self.whitening, self.fit)
+    def again(self, samples: Samples) -> "Fitted":
+        """The same fit to other samples; a delay that was fixed stays so."""
+        fixed = None if self.regression.nuisance == len(self.samples.nuisances) else self.delay
+        return fit_samples(samples, self.method, self.problem, self.at, fixed)
 
 
 def fit_samples(
@@ -67,35 +65,35 @@ def fit_samples(
         delay: delay to start from [s].
         fixed_delay: a known delay, which is not estimated; its standard deviation is propagated.
     """
-    model, forces = samples.model, samples.forces
-    beside = len(samples.nuisances) - (fixed_delay is not None)
+    model, beside = samples.model, len(samples.nuisances) - (fixed_delay is not None)
     delay = delay if fixed_delay is None else fixed_delay.value
-    problem = replace(problem, nuisance=beside, filtered=samples.filtered)
-    names = [*model.names, *samples.nuisances[:beside]]
     near = None
     for times in EXCERPTS:
         part = excerpt(samples, times)
         if part is not samples:
             with suppress(IdentificationError):  # where a part determines too little, the whole run is fitted at once
                 steps = DELAY_STEPS if near is None else 1
-                delay, _, near, _, _ = _converged(part, part.forces, how, problem, delay, near, steps)
-    delay, columns, _, whitening, fit = _converged(samples, forces, how, problem, delay, near)
-    selection = how.selection(model)
-    basis = block_diag(selection.basis, np.eye(beside))
-    white = whitened(whitening, columns, forces)
-    fit = fit if fit is not None and how.plain else how.estimate(*white, names, problem)
+                delay, _, near, _, _ = _converged(part, how, problem, beside, delay, near, steps)
+    delay, regression, _, whitening, fit = _converged(samples, how, problem, beside, delay, near)
+    columns, white = regression.regressors, regression.whitened(whitening)
+    basis = block_diag(how.selection(model).basis, np.eye(beside))
+    fit = fit if fit is not None and how.plain else how.estimate(white, problem)
     if how.name in SANDWICHED and not how.priors:
-        free = white[0] if np.array_equal(basis, np.eye(len(basis))) else white[0] @ basis
+        free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
         if robust is not None:
             findings = (*fit.findings, *robust.findings)
             covariance = basis @ robust.covariance @ basis.T
             fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
-    fit = of_forces(whitening, fit, columns, forces)
+    w = np.diag(fit.weights)
+    if whitening is not None:  # the residuals are those of the forces themselves
+        w = whitening.T @ whitening
+        fit = replace(fit, residuals=regression.residuals(fit.values), weights=np.sum(whitening**2, axis=0))
     require_sense(model, fit)
     has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
-    residuals = samples.residuals(columns[:, :, : len(names) - has_delay], fit.values[: len(names) - has_delay])
-    taken, more, w = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance), w_of(whitening, fit)
+    own = len(regression.names) - has_delay
+    residuals = samples.residuals(columns[:, :, :own], fit.values[:own])
+    taken, more = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance)
     if how.biases is not None:
         moves = offset_moves(model, basis, columns, w)
         taken += moves @ how.biases.covariance @ moves.T
@@ -111,7 +109,7 @@ def fit_samples(
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         fixed_delay = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
-    return Fitted(samples, fit, fixed_delay, residuals, whitening, columns, forces, taken)
+    return Fitted(samples, how, problem, fit, fixed_delay, residuals, whitening, w, regression, taken)
 
 
 def excerpt(samples: Samples, times: int = 1) -> Samples:
@@ -121,18 +119,17 @@ def excerpt(samples: Samples, times: int = 1) -> Samples:
 
 def _converged(
     run: Samples,
-    forces: Array,
     method: Method,
     problem: FitProblem,
+    beside: int,
     delay: float,
     near: Array | None = None,
     steps: int = DELAY_STEPS,
-) -> tuple[float, Array, Array, Array | None, Fit | None]:
-    """Gauss-Newton over the delay: the delay, A and the nuisances there, u, whitening, and the Gauss-Markov fit.
+) -> tuple[float, Regression, Array, Array | None, Fit | None]:
+    """Gauss-Newton over the delay: the delay, the regression there, u, whitening, and the Gauss-Markov fit.
 
     Args:
-        forces: forces of the run, shape (n, 6).
-        problem: problem with the nuisances and the filter of the run; without one for the delay, the delay is fixed.
+        beside: number of the run's nuisances that are estimated; without the last, the delay, that is fixed.
         delay: delay to start from [s].
         near: u of a part of the run, shape (u,), with its delay: one step is then enough.
         steps: number of steps, at most.
@@ -140,7 +137,11 @@ def _converged(
     Raises:
         IdentificationError: no delay brings forces and motion together.
     """
-    beside = problem.nuisance
+    forces, nuisances = run.forces, run.nuisances[:beside]
+
+    def regression_of(columns: Array, right: Array, names: Sequence[str]) -> Regression:
+        return Regression(columns, right, [*names, *nuisances], beside, run.filtered)
+
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
     selection, whitening, values, fit = method.selection(run.model), None, near, None
@@ -148,8 +149,7 @@ def _converged(
         still = run.regressors(delay)
         if problem.noise is not None:
             whitening = problem.noise.whitening_from(still, forces, selection)
-        return delay, still, np.zeros(0), whitening, None
-    names = [*selection.names, *run.nuisances[:beside]]
+        return delay, regression_of(still, forces, run.model.names), np.zeros(0), whitening, None
     whole = selection.basis.shape[0] == selection.basis.shape[1]
     for _ in range(steps):
         columns = free = None  # of a long run there is room for one
@@ -163,14 +163,14 @@ def _converged(
                 + selection.basis @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=forces.size * np.finfo(float).eps)[0]
             )
         columns = run.linearised(delay, values)
-        matrices, nuisances = np.split(columns, [len(values)], axis=2)
+        matrices, effects = np.split(columns, [len(values)], axis=2)
         if len(run.nuisances) > beside:
             columns = columns[:, :, : len(values) + beside]
         if problem.noise is not None:
             whitening = problem.noise.whitening(values)
         rest = forces - matrices @ selection.offset
-        free = columns if whole else np.dstack([matrices @ selection.basis, nuisances[:, :, :beside]])
-        fit = gauss_markov_of(*whitened(whitening, free, rest), names, problem)
+        free = columns if whole else np.dstack([matrices @ selection.basis, effects[:, :, :beside]])
+        fit = gauss_markov_of(regression_of(free, rest, selection.names).whitened(whitening), problem)
         values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
         if len(run.nuisances) > beside:
             break
@@ -185,7 +185,7 @@ def _converged(
         )
     assert columns is not None
     assert values is not None
-    return delay, columns, values, whitening, fit
+    return delay, regression_of(columns, forces, run.model.names), values, whitening, fit
 
 
 def require_sense(model: Model, fit: Fit) -> None:

@@ -272,14 +272,14 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         sentence += f"{samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         findings.append(note(Kind.CLOCK, sentence))
     fitted = fit_samples(samples, method, problem, fixed_delay=delay)
-    fitted, contacts = free_of_contact(recording, fitted, method, problem, delay)
+    fitted, contacts = free_of_contact(recording, fitted)
     if contacts and wide is not None:
         delay = fit_samples(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
         fitted = fit_samples(fitted.samples, method, problem, fixed_delay=delay)
     if isinstance(fitted.samples, Run) and not method.priors and not conditioning.flexible:
         rich = smoothed(fitted.samples, fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich.smoothing:
-            fitted = fit_samples(rich, method, problem, fitted.at)
+            fitted = fitted.again(rich)
     if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
         smoothing = smoothing_of(fitted.samples, fitted.fit)
         cutoff = fitted.samples.filter.cutoff
@@ -297,12 +297,12 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         findings += drift_findings(method.biases, model, free.fit)
         if fitted.samples.nuisances and MASS in model.blocks:
             findings.append(mass_finding(model, fitted.fit, fitted.taken))
-    findings += fit_findings(recording, case, method, fitted)
+    findings += fit_findings(recording, case, fitted)
     bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
         good = ~scanned.bad
         bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
-    return estimate_of(fitted, recording.source, case, method, noise, bias, tuple(findings))
+    return estimate_of(fitted, recording.source, case, noise, bias, tuple(findings))
 
 
 def _inertia(model: Model) -> set[str]:

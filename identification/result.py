@@ -163,7 +163,6 @@ def estimate_of(
     fitted: Fitted,
     source: str,
     case: Case,
-    how: Method,
     noise: NoiseSources | None,
     accelerometer: AccelerometerBias | None,
     findings: tuple[Finding, ...],
@@ -179,7 +178,7 @@ def estimate_of(
         reported = np.array([value.reported for value in physical.values()])
         attenuation = attenuation_of(physical_form(model), u, noise.bias, reported)
     return Estimate(
-        case, source, how, fit, fitted.samples, fitted.residuals, fitted.delay, noise, accelerometer,
+        case, source, fitted.method, fit, fitted.samples, fitted.residuals, fitted.delay, noise, accelerometer,
         physical, attenuation, findings,
     )  # fmt: skip
 

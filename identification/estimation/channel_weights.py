@@ -21,7 +21,7 @@ from identification.estimation.compressed import (
     settled,
     with_kernel,
 )
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, whitening_of
+from identification.estimation.fit import EACH, Fit, Regression, whitening_of
 
 Rows = NDArray[np.bool_]
 
@@ -30,33 +30,27 @@ WEIGHT_TOLERANCE = 1e-6
 LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to judge its variance by
 
 
-def per_channel(
-    regressors: Array,
-    forces: Array,
-    names: Sequence[str],
-    nuisance: int = 0,
-    filtered: Filtered = UNFILTERED,
-    alike: Sequence[int] = EACH,
-) -> Fit:
+def per_channel(regression: Regression, alike: Sequence[int] = EACH) -> Fit:
     """Gauss-Markov with W from the residual variance of each channel, estimated in turns with the parameters.
 
     Each channel pays for the unknowns by its own leverage, the trace of its block of the hat matrix: the fixed point is
     the restricted maximum likelihood (Patterson & Thompson 1971, Biometrika 58:545). Equal shares instead would let
     a channel that the parameters follow become ever more certain.
 
-    Args: see `gauss_markov`.
+    Args:
         alike: channels with the same number have the same noise, which is estimated from all of them, shape (6,).
 
     Raises:
         IdentificationError: as `gauss_markov`; or too few samples to judge a channel's variance by.
     """
+    regressors, forces, filtered = regression.regressors, regression.forces, regression.filtered
     if len(forces) < 2:
         raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
     require_alive(forces)
     same = np.equal.outer(np.asarray(alike), np.asarray(alike)).astype(float)  # sums over channels of a kind
     spread = np.sqrt(same @ _own_noise(regressors, forces) ** 2 / same.sum(axis=1))
     weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
-    fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
+    fit = gauss_markov(regression, weights)
     independent = len(forces) * filtered.gain * filtered.stride
     for _ in range(WEIGHT_ROUNDS):
         leverage = channel_leverage(regressors, weights)
@@ -74,7 +68,7 @@ def per_channel(
         new = 1.0 / variance
         settled = bool(np.all(np.abs(new / weights - 1.0) < WEIGHT_TOLERANCE))
         weights = new
-        fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
+        fit = gauss_markov(regression, weights)
         if settled:
             break
     return fit
@@ -123,13 +117,7 @@ LEAST = 60  # independent samples: with fewer the 21 variances and covariances f
 DEPENDENT = 1e-10  # least eigenvalue of the channels' correlation below which one follows from the others
 
 
-def full_weights(
-    regressors: Array,
-    forces: Array,
-    names: Sequence[str],
-    nuisance: int = 0,
-    filtered: Filtered = UNFILTERED,
-) -> tuple[Fit, Array]:
+def full_weights(regression: Regression) -> tuple[Fit, Array]:
     """Gauss-Markov (24) with W the inverse of the full channel covariance.
 
     Weights are the diagonal of W; s0 is 1 where the turns have converged.
@@ -138,18 +126,14 @@ def full_weights(
     Simon & Schneider 2007, Astron. Astrophys. 464:399), and its scatter costs the estimate up to as much again: the
     covariance is raised by the square (ours; 95 % intervals then hold the truth in 95 to 96 % for Gaussian noise).
 
-    Args:
-        regressors: A_j, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
-        nuisance: so many of the last columns are not parameters of the model.
-
     Returns:
         The fit, and the covariance of the noise of the recorded forces, shape (6, 6) [N^2, N^2 m..].
 
     Raises:
         IdentificationError: as `gauss_markov`; too few samples for 21 variances; a channel that the others determine.
     """
-    samples, sensors, unknowns = regressors.shape
+    forces, filtered = regression.forces, regression.filtered
+    samples, sensors, unknowns = regression.regressors.shape
     independent = samples * filtered.gain * filtered.stride
     freedom = independent - unknowns / sensors  # each channel pays its share of the unknowns
     if independent < LEAST:
@@ -159,27 +143,24 @@ def full_weights(
         )
     spread = forces.std(axis=0)
     channels = np.diag(np.maximum(spread, 1e-12 * max(float(spread.max()), 1e-300)) ** 2)
-    fit, rounds, converged = _weighted(regressors, forces, names, channels, nuisance, filtered), 0, False
+    fit, rounds, converged = _weighted(regression, channels), 0, False
     while not converged and rounds < WEIGHT_ROUNDS:
         new = fit.residuals.T @ fit.residuals * filtered.stride / freedom  # s0^2 of `gauss_markov`, for each pair
         std = _independent(new, np.abs(forces).max(axis=0))
         converged = bool(np.abs((new - channels) / np.outer(std, std)).max() < WEIGHT_TOLERANCE)
         channels, rounds = new, rounds + 1
-        fit = _weighted(regressors, forces, names, channels, nuisance, filtered)
+        fit = _weighted(regression, channels)
     factor = (independent / (independent - sensors - 1)) ** 2
     findings = settled("full", converged, rounds)
     return replace(fit, covariance=factor * fit.covariance, findings=findings), channels
 
 
-def _weighted(
-    regressors: Array, forces: Array, names: Sequence[str], channels: Array, nuisance: int, filtered: Filtered
-) -> Fit:
+def _weighted(regression: Regression, channels: Array) -> Fit:
     """Gauss-Markov after whitening: with channels = L L^T the noise of L^-1 f is white and alike in all channels."""
     whiten = whitening_of(channels)
-    white = whiten @ regressors
-    fit = with_kernel(gauss_markov(white, forces @ whiten.T, names, np.ones(6), nuisance, filtered), white, filtered)
-    residuals = forces - regressors @ fit.values
-    return replace(fit, residuals=residuals, weights=np.sum(whiten**2, axis=0))
+    white = regression.whitened(whiten)
+    fit = with_kernel(gauss_markov(white, np.ones(6)), white)
+    return replace(fit, residuals=regression.residuals(fit.values), weights=np.sum(whiten**2, axis=0))
 
 
 def _independent(channels: Array, size: Array) -> Array:

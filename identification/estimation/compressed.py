@@ -13,7 +13,7 @@ from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
 from cases.units import Array
-from identification.estimation.fit import UNFILTERED, Filtered, Fit
+from identification.estimation.fit import Filtered, Fit, Regression
 from identification.finding import Finding, Kind, warning
 
 _PART = 600  # rows of a QR that stay in the cache
@@ -28,8 +28,7 @@ class Compressed:
     right: Array  # c, shape (u,)
     rest: float  # d^2, the chi^2 that no u explains
     rows: int  # m n, the forces behind it
-    regressors: Array  # A_j, shape (n, 6, u)
-    forces: Array  # shape (n, 6) [N, or N and N m]
+    regression: Regression
     weights: Array  # diagonal of W for one sample, shape (6,)
 
     def chi_squared(self, values: Array) -> float:
@@ -37,25 +36,20 @@ class Compressed:
         return float(np.sum((self.right - self.root @ values) ** 2)) + self.rest
 
 
-def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
-    """The QR of a weighted regression.
-
-    Args:
-        regressors: A_j, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
-        weights: diagonal of W for one sample, shape (6,).
+def compress(regression: Regression, weights: Array) -> Compressed:
+    """The QR of a regression with the diagonal of W for one sample, shape (6,).
 
     Raises:
         IdentificationError: fewer forces than unknowns.
     """
-    samples, sensors, unknowns = regressors.shape
+    samples, sensors, unknowns = regression.regressors.shape
     if samples * sensors <= unknowns:
         raise IdentificationError(
             f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns; record more or choose a model "
             "with fewer parameters"
         )
-    r = joint_triangle(regressors, forces, np.sqrt(weights))
-    return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors, regressors, forces, weights)
+    r = joint_triangle(regression.regressors, regression.forces, np.sqrt(weights))
+    return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors, regression, weights)
 
 
 def joint_triangle(regressors: Array, forces: Array, root: Array) -> Array:
@@ -176,29 +170,21 @@ def scores(regressors: Array, residuals: Array, weights: Array) -> Array:
     return np.asarray(np.einsum("nku,nk->nu", regressors, weights * residuals))
 
 
-def fit_along(
-    compressed: Compressed,
-    names: Sequence[str],
-    values: Array,
-    tangent: Array,
-    nuisance: int = 0,
-    filtered: Filtered = UNFILTERED,
-) -> Fit:
+def fit_along(compressed: Compressed, names: Sequence[str], values: Array, tangent: Array) -> Fit:
     """The Fit at the least chi^2 among u = u(theta), its uncertainty along du/dtheta.
 
     Args:
-        names: names of the free parameters theta, in their order.
+        names: names of the free parameters theta, in their order; the last are the regression's nuisances.
         values: u(theta) at the minimum, shape (u,).
         tangent: du/dtheta there, shape (u, theta).
-        nuisance: so many of the last theta are not parameters of the model.
-        filtered: what was done to regressors and forces before.
 
     Raises:
         IdentificationError: parameters that are not determined, by name, or no degree of freedom.
     """
     root = compressed.root @ tangent
-    rank, condition = determined(root, names, compressed.rows, nuisance)
-    weights, residuals = compressed.weights, compressed.forces - compressed.regressors @ values
+    regression, weights, filtered = compressed.regression, compressed.weights, compressed.regression.filtered
+    rank, condition = determined(root, names, compressed.rows, regression.nuisance)
+    residuals = regression.residuals(values)
     freedom = degrees_of_freedom(compressed.rows, tangent.shape[1], filtered)
     s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
     half = tangent @ inverse_root(root)
@@ -207,28 +193,15 @@ def fit_along(
     return Fit(values, covariance, covariance, s0, freedom, residuals, weights, rank, condition)
 
 
-def with_kernel(fit: Fit, regressors: Array, filtered: Filtered = UNFILTERED) -> Fit:
-    """A fit that allows for noise with memory by Bartlett's kernel, `long_run_covariance`.
-
-    Args:
-        fit: fit by `fit_along`.
-        regressors: A_j of that, shape (n, 6, u).
-        filtered: what was done to regressors and forces before.
-    """
-    inverse = fit.covariance * filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
+def with_kernel(fit: Fit, regression: Regression) -> Fit:
+    """A fit of `fit_along` that allows for noise with memory by Bartlett's kernel, `long_run_covariance`."""
+    inverse = fit.covariance * regression.filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
     # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
-    long_run = long_run_covariance(scores(regressors, fit.residuals, fit.weights))
+    long_run = long_run_covariance(scores(regression.regressors, fit.residuals, fit.weights))
     return replace(fit, covariance_robust=inverse @ long_run @ inverse)
 
 
-def gauss_markov(
-    regressors: Array,
-    forces: Array,
-    names: Sequence[str],
-    weights: Array,
-    nuisance: int = 0,
-    filtered: Filtered = UNFILTERED,
-) -> Fit:
+def gauss_markov(regression: Regression, weights: Array) -> Fit:
     """Weighted least squares with W the same diagonal at every sample.
 
     Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
@@ -237,17 +210,13 @@ def gauss_markov(
     stride F^-1 is the covariance, F being that of the used samples.
 
     Args:
-        regressors: A_j, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
-        nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
-            certainty, but rank and condition are reported without them.
 
     Raises:
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
     """
-    compressed = compress(regressors, forces, weights)
-    determined(compressed.root, names, compressed.rows, nuisance)
+    compressed, names = compress(regression, weights), regression.names
+    determined(compressed.root, names, compressed.rows, regression.nuisance)
     norms = np.linalg.norm(compressed.root, axis=0)
     remainders = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
     unseen = np.flatnonzero(remainders <= compressed.rows * np.finfo(float).eps * norms)
@@ -255,7 +224,7 @@ def gauss_markov(
         raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
     half = inverse_root(compressed.root)
     values = np.asarray(half @ ((compressed.root @ half).T @ compressed.right))  # (24)
-    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
+    return fit_along(compressed, names, values, np.eye(len(values)))
 
 
 def require_alive(forces: Array) -> None:

@@ -1,7 +1,6 @@
 """The estimators that a user can name, each as a function of one type, and what they are made for.
 
-`Maker`: regressors, forces, names, and what an estimator needs to know of a problem -> Fit. Selections and consistency
-wrap an estimator, so that each combination that makes sense is a composition.
+Selections and consistency wrap an estimator, so that each combination that makes sense is a composition.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +14,7 @@ from cases.units import Array
 from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.channel_weights import full_weights, per_channel
 from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, StatedNoise
+from identification.estimation.fit import EACH, Fit, Regression, StatedNoise
 from identification.estimation.nonlinear import estimate_selected, nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import consistent, huber
@@ -33,12 +32,10 @@ CONFLICT = 3.0  # standard deviations between data and a prior from which it is 
 
 @dataclass(frozen=True, slots=True)
 class FitProblem:
-    """Properties of a problem that stacked data do not state."""
+    """Properties of a problem that a regression does not state."""
 
     model: Model  # model that the first columns of the regressors belong to
     pooled: bool  # all channels have the same noise, as identical sensors do; else each its own
-    nuisance: int = 0  # columns beyond the model's
-    filtered: Filtered = UNFILTERED  # what was done to regressors and forces before
     alike: tuple[int, ...] = EACH  # where they are not pooled, channels with the same number have the same noise
     # noise that the case states and that W follows from; forces and regressors are then multiplied with its `whitening`
     # before they are estimated from, after which all channels are alike
@@ -93,13 +90,8 @@ class Method:
         """
         return select(model, {} if self.name == "nonlinear" else self.known, self.dropped)
 
-    def estimate(self, regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
+    def estimate(self, regression: Regression, problem: FitProblem) -> Fit:
         """The estimate of all parameters of a problem.
-
-        Args:
-            regressors: A_j, shape (n, 6, u).
-            forces: shape (n, 6) [N, or N and N m].
-            names: names of the u columns.
 
         Raises:
             IdentificationError: a combination that is not defined, names that the model does not have, or as the
@@ -112,50 +104,39 @@ class Method:
                     "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
                     "or give what is known exactly as a prior with a small standard deviation"
                 )
-            return _with_priors(regressors, forces, names, problem, self.priors)
+            return _with_priors(regression, problem, self.priors)
         if self.name == "nonlinear":
             if self.dropped:
                 raise IdentificationError(
                     "the estimator nonlinear knows values of physical parameters, no dropped columns; fix them to 0"
                 )
-            return _nonlinear(regressors, forces, names, problem, self.known)
-
-        def estimator(columns: Array, right: Array, free: Sequence[str]) -> Fit:
-            return ESTIMATORS[self.name](columns, right, free, problem)
-
+            return _nonlinear(regression, problem, self.known)
+        estimator = ESTIMATORS[self.name]
         if selected:
-            fit = estimate_selected(regressors, forces, names, self.selection(problem.model), estimator)
+            selection = self.selection(problem.model)
+            fit = estimate_selected(regression, selection, lambda free: estimator(free, problem))
         else:
-            fit = estimator(regressors, forces, names)
-        return _consistent(regressors, forces, names, fit) if self.name == "consistent" else fit
+            fit = estimator(regression, problem)
+        return _consistent(regression, fit) if self.name == "consistent" else fit
 
 
-def gauss_markov_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
+def gauss_markov_of(regression: Regression, problem: FitProblem) -> Fit:
     """(24) with W = 1, or from the variance of each channel."""
-    nuisance, filtered = problem.nuisance, problem.filtered
-    if problem.pooled:
-        return gauss_markov(regressors, forces, names, np.ones(6), nuisance, filtered)
-    return per_channel(regressors, forces, names, nuisance, filtered, problem.alike)
+    return gauss_markov(regression, np.ones(6)) if problem.pooled else per_channel(regression, problem.alike)
 
 
-def robust_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
+def robust_of(regression: Regression, problem: FitProblem) -> Fit:
     """Huber's M-estimate: gross errors of the forces count less."""
-    fit, factors = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
+    fit, factors = huber(regression, problem.pooled, problem.alike)
     share = ", ".join(f"{100 * r:.0f}" for r in np.mean(factors < 1.0, axis=0))
     sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
     return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
 
 
-def full_of(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
-    """(24) with W from the full covariance of the channels."""
-    return full_weights(regressors, forces, names, problem.nuisance, problem.filtered)[0]
-
-
-Maker = Callable[[Array, Array, Sequence[str], FitProblem], Fit]
-ESTIMATORS: dict[str, Maker] = {
+ESTIMATORS: dict[str, Callable[[Regression, FitProblem], Fit]] = {
     "gauss-markov": gauss_markov_of,
     "robust": robust_of,
-    "full": full_of,
+    "full": lambda regression, problem: full_weights(regression)[0],  # (24) with W from the channels' full covariance
     "consistent": gauss_markov_of,  # then the nearest parameters that a body of positive density has
     "nonlinear": gauss_markov_of,  # (18) in physical parameters, by Gauss-Newton, which needs no estimator of u
 }
@@ -188,8 +169,8 @@ def method(
     return Method(name, known, tuple(dropped), tuple(priors), weights, biases)
 
 
-def _consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit) -> Fit:
-    fit, rise, p_value = consistent(regressors, forces, names, free, THINNEST)
+def _consistent(regression: Regression, free: Fit) -> Fit:
+    fit, rise, p_value = consistent(regression, free, THINNEST)
     sentence = "consistent: the estimate is that of a real body, the constraint did not bind"
     if rise:
         sentence = f"consistent: the constraint bound and raised chi^2 by {rise:.3g} s0^2; chance does so in at most "
@@ -201,29 +182,23 @@ def _consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fi
     return replace(fit, findings=findings)
 
 
-def _nonlinear(
-    regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, known: Mapping[str, float]
-) -> Fit:
+def _nonlinear(regression: Regression, problem: FitProblem, known: Mapping[str, float]) -> Fit:
     physical = [p.name for p in physical_form(problem.model).parameters]
     linear = [name for name in known if name in problem.model.names and name not in physical]
     if linear:
         raise IdentificationError(
             f"the estimator nonlinear knows physical parameters, not {', '.join(linear)}; fix {', '.join(physical)}"
         )
-    weights = _weights(regressors, forces, names, problem)
-    return nonlinear(regressors, forces, problem.model, weights, known, problem.filtered)
+    return nonlinear(regression, problem.model, _weights(regression, problem), known)
 
 
-def _weights(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Array:
+def _weights(regression: Regression, problem: FitProblem) -> Array:
     """Diagonal of W for one sample, shape (6,), by Gauss-Markov where channels differ."""
-    return np.ones(6) if problem.pooled else gauss_markov_of(regressors, forces, names, problem).weights
+    return np.ones(6) if problem.pooled else gauss_markov_of(regression, problem).weights
 
 
-def _with_priors(
-    regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, priors: Sequence[Prior]
-) -> Fit:
-    weights = _weights(regressors, forces, names, problem)
-    fit, effects = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)
+def _with_priors(regression: Regression, problem: FitProblem, priors: Sequence[Prior]) -> Fit:
+    fit, effects = with_priors(regression, problem.model, _weights(regression, problem), priors)
     findings = []
     for effect in effects:
         sentence = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "

@@ -9,7 +9,8 @@ strut lengths are not part of it: second derivatives make them grow with the squ
 hertz of a motion they are below a hundredth of the residuals near the cut-off, and W is about the former.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,30 @@ class Filtered(NamedTuple):
 
 
 UNFILTERED = Filtered(1.0, 1)
+
+
+class Regression(NamedTuple):
+    """f = A u + noise: samples one after the other, for parameters u."""
+
+    regressors: Array  # A_j, shape (n, 6, u)
+    forces: Array  # shape (n, 6) [N, or N and N m]
+    names: Sequence[str]  # names of the u columns
+    # so many of the last columns are not parameters of the model: they are estimated too, and cost certainty, but rank
+    # and condition are reported without them
+    nuisance: int = 0
+    filtered: Filtered = UNFILTERED  # what was done to regressors and forces before
+
+    def residuals(self, values: Array) -> Array:
+        """What u leaves of the forces, f - A u, shape (n, 6)."""
+        return np.asarray(self.forces - self.regressors @ values)
+
+    def whitened(self, whitening: Array | None) -> "Regression":
+        """Both sides multiplied with the root of W, shape (6, 6); as they are where it is None."""
+        if whitening is None:
+            return self
+        return self._replace(regressors=whitening @ self.regressors, forces=self.forces @ whitening.T)
+
+
 EACH = (0, 1, 2, 3, 4, 5)  # channels that have the same noise carry the same number: here none
 
 
@@ -89,29 +114,6 @@ class Fit:
     # as a prior that disagrees, or a search that did not settle
     findings: tuple[Finding, ...] = ()
     field: PoseField | None = None  # errors that depend on the pose, where the run shows them
-
-
-def whitened(whitening: Array | None, matrices: Array, forces: Array) -> tuple[Array, Array]:
-    """Both multiplied with the root of W, shapes (6, 6), (n, 6, u) and (n, 6); as they are where it is None."""
-    return (matrices, forces) if whitening is None else (whitening @ matrices, forces @ whitening.T)
-
-
-def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array) -> Fit:
-    """A fit to whitened forces with the residuals of the forces themselves, and the diagonal of W.
-
-    Args:
-        whitening: root of W, shape (6, 6); None where nothing was whitened.
-        matrices: A, not whitened, shape (n, 6, u).
-        forces: not whitened, shape (n, 6) [N, or N and N m].
-    """
-    if whitening is None:
-        return fit
-    return replace(fit, residuals=forces - matrices @ fit.values, weights=np.sum(whitening**2, axis=0))
-
-
-def w_of(whitening: Array | None, fit: Fit) -> Array:
-    """W for one sample, shape (6, 6)."""
-    return np.diag(fit.weights) if whitening is None else whitening.T @ whitening
 
 
 @dataclass(frozen=True, slots=True)

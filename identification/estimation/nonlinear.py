@@ -7,7 +7,7 @@ the estimate is the linear one, propagated. Least squares of a non-linear residu
 (Nocedal & Wright 2006, section 10.3).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import casadi as ca
@@ -17,7 +17,7 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
-from identification.estimation.fit import UNFILTERED, Filtered, Fit
+from identification.estimation.fit import Fit, Regression
 from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import (
@@ -30,19 +30,13 @@ from identification.parameters import (
     require_names,
 )
 
-Estimator = Callable[[Array, Array, Sequence[str]], Fit]
-"""Regressors (n, 6, u), forces (n, 6) and names -> Fit; bind weights and the like with functools.partial."""
 
-
-def estimate_selected(
-    regressors: Array, forces: Array, names: Sequence[str], selection: Selection, estimator: Estimator
-) -> Fit:
+def estimate_selected(regression: Regression, selection: Selection, estimator: Callable[[Regression], Fit]) -> Fit:
     """Estimates the free parameters and gives back all of u, with no variance along what is known.
 
     Args:
-        regressors: A_j of the full model, shape (n, 6, u); columns beyond it (a delay) stay free.
-        forces: shape (n, 6) [N, or N and N m].
-        selection: selection of the model that the regressors belong to.
+        regression: regression of the full model; columns beyond it (a delay) stay free.
+        selection: selection of that model.
 
     Returns:
         The estimator's Fit with values (u,) and covariances (u, u); rank and condition are those of the free ones.
@@ -50,10 +44,14 @@ def estimate_selected(
     Raises:
         IdentificationError: as the estimator does.
     """
-    unknowns, beyond = len(selection.offset), regressors.shape[2] - len(selection.offset)
+    unknowns, beyond = len(selection.offset), len(regression.names) - len(selection.offset)
     basis = block_diag(selection.basis, np.eye(beyond))
     offset = np.r_[selection.offset, np.zeros(beyond)]
-    fit = estimator(regressors @ basis, forces - regressors @ offset, [*selection.names, *names[unknowns:]])
+    names = [*selection.names, *regression.names[unknowns:]]
+    reduced = regression._replace(
+        regressors=regression.regressors @ basis, forces=regression.residuals(offset), names=names
+    )
+    fit = estimator(reduced)
     return replace(
         fit,
         values=offset + basis @ fit.values,
@@ -87,50 +85,40 @@ def linear_map(model: Model) -> ca.Function:
     return ca.Function("linear", [p], [u, ca.jacobian(u, p)])
 
 
-def nonlinear(
-    regressors: Array,
-    forces: Array,
-    model: Model,
-    weights: Array,
-    known: Mapping[str, float],
-    filtered: Filtered = UNFILTERED,
-) -> Fit:
+def nonlinear(regression: Regression, model: Model, weights: Array, known: Mapping[str, float]) -> Fit:
     """Fit of u by Gauss-Newton in the physical parameters; rank and condition are those of the local Jacobian.
 
     It starts from 1 kg at the origin: with all parameters free u(p) is reached in a few steps from any mass but zero,
     since mass, first moments and inertia each become linear once the ones before them are right.
 
     Args:
-        regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) are estimated too.
-        forces: shape (n, 6) [N, or N and N m].
-        model: model that the regressors belong to.
+        regression: regression of the model; columns beyond it (a delay) are estimated too.
         weights: diagonal of W for one sample, shape (6,).
         known: exact values of physical parameters, by name [SI].
-        filtered: what was done to regressors and forces before.
 
     Raises:
         IdentificationError: a name that the model does not have, a value that is not finite, no free parameter, fewer
             forces than unknowns, parameters that the data do not determine, or a search that fails.
     """
     names = [p.name for p in physical_form(model).parameters]
-    beyond = regressors.shape[2] - len(names)
-    names += [f"nuisance {k + 1}" for k in range(beyond)]
-    require_names(known, names[: len(names) - beyond])
+    require_names(known, names)
+    own = len(names)
+    names += regression.names[own:]
     if not np.isfinite(list(known.values())).all() or known.get("m", 1.0) <= 0.0:
         raise IdentificationError("a known value must be finite, and a known mass above zero")
     free = np.array([name not in known for name in names])
     if not free.any():
         raise IdentificationError("all parameters are known; leave at least one to estimate")
     start = np.array([known.get(name, 1.0 if name == "m" else 0.0) for name in names])
-    mapping, compressed = linear_map(model), compress(regressors, forces, weights)
+    mapping, compressed = linear_map(model), compress(regression, weights)
 
     def full(theta: Array) -> tuple[Array, Array]:
         physical = start.copy()
         physical[free] = theta
-        u, derivative = (value.full() for value in mapping(physical[: len(names) - beyond]))
+        u, derivative = (value.full() for value in mapping(physical[:own]))
         jacobian = np.eye(len(names))
-        jacobian[: len(derivative), : len(derivative)] = derivative
-        return np.r_[u[:, 0], physical[len(names) - beyond :]], jacobian[:, free]
+        jacobian[:own, :own] = derivative
+        return np.r_[u[:, 0], physical[own:]], jacobian[:, free]
 
     def residual(theta: Array) -> tuple[Array, Array]:
         u, tangent = full(theta)
@@ -141,7 +129,7 @@ def nonlinear(
     solution, steps = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
     u, tangent = full(solution)
     labels = [name for name, f in zip(names, free, strict=True) if f]
-    fit = with_kernel(fit_along(compressed, labels, u, tangent, beyond, filtered), regressors, filtered)
+    fit = with_kernel(fit_along(compressed, labels, u, tangent), regression)
     return replace(fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {steps} Gauss-Newton steps"),))
 
 

@@ -23,7 +23,7 @@ from identification.estimation.compressed import (
     long_run_covariance,
     scores,
 )
-from identification.estimation.fit import UNFILTERED, Filtered, Fit
+from identification.estimation.fit import Fit, Regression
 from identification.estimation.nonlinear import gauss_newton
 from identification.model import Model
 from identification.parameters import PhysicalForm, physical_form, require_names
@@ -111,33 +111,23 @@ class PriorEffect(NamedTuple):
 
 
 def with_priors(
-    regressors: Array,
-    forces: Array,
-    model: Model,
-    weights: Array,
-    priors: Sequence[Prior],
-    filtered: Filtered = UNFILTERED,
+    regression: Regression, model: Model, weights: Array, priors: Sequence[Prior]
 ) -> tuple[Fit, tuple[PriorEffect, ...]]:
     """The most probable u, by Gauss-Newton since a prior on a physical parameter is not linear in u; effects of priors.
 
     Covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom of the data.
 
     Args:
-        regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) have no prior.
-        forces: shape (n, 6) [N, or N and N m].
-        model: model that the regressors belong to.
+        regression: regression of the model; columns beyond it (a delay) have no prior.
         weights: diagonal of W for one sample, shape (6,); s0 is estimated, only their ratios matter.
         priors: priors, at most one for each name.
-        filtered: what was done to regressors and forces before.
 
     Raises:
         IdentificationError: priors that cannot be used (see `PseudoMeasurements.of`), fewer forces than unknowns,
             parameters that neither data nor priors determine, by name, or a search that fails.
     """
     pseudo = PseudoMeasurements.of(priors, model)
-    beyond = regressors.shape[2] - len(model.names)
-    names = [*model.names, *(f"nuisance {k + 1}" for k in range(beyond))]
-    compressed = compress(regressors, forces, weights)
+    compressed, filtered = compress(regression, weights), regression.filtered
     scale = column_scale(compressed.root)
     zero = compressed.rows * np.finfo(float).eps  # the paper's (Fig. 3)
     free, _, matrix_rank, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
@@ -154,11 +144,11 @@ def with_priors(
 
     values, _ = gauss_newton(residual, _start(root, right, pseudo), TOLERANCE + floor / noise)
     jacobian = residual(values)[1]
-    rank, condition = determined(jacobian, names, compressed.rows, beyond)
+    rank, condition = determined(jacobian, regression.names, compressed.rows, regression.nuisance)
     spread = inverse_root(jacobian)
     covariance = spread @ spread.T
-    residuals = forces - regressors @ values
-    of_data = long_run_covariance(scores(regressors, residuals, weights)) / noise**4
+    residuals = regression.residuals(values)
+    of_data = long_run_covariance(scores(regression.regressors, residuals, weights)) / noise**4
     of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
     fit = Fit(
         values=values,

@@ -24,7 +24,7 @@ from scipy.special import fdtrc
 from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.compressed import column_scale, gauss_markov, long_run_covariance, settled
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
+from identification.estimation.fit import EACH, Fit, Regression
 from identification.parameters import FIRST_MOMENT, INERTIA, INERTIA_INDEX, MASS
 
 HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
@@ -35,26 +35,15 @@ TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what ma
 SILENT = 1e-12  # of the largest force: smaller residuals of a channel are rounding, not noise
 
 
-def huber(
-    regressors: Array,
-    forces: Array,
-    names: Sequence[str],
-    pooled: bool,
-    nuisance: int = 0,
-    filtered: Filtered = UNFILTERED,
-    alike: Sequence[int] = EACH,
-) -> tuple[Fit, Array]:
+def huber(regression: Regression, pooled: bool, alike: Sequence[int] = EACH) -> tuple[Fit, Array]:
     """Huber's M-estimate of u with the scale of the noise estimated in turns.
 
     Its covariance is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces changes over
-    the run; weights are one over the squared normalised MAD of each channel, or ones where the scale is pooled.
+    the run; weights are one over the squared normalised MAD of each channel, or ones where the scale is pooled. A
+    low-pass smears gross errors, so look for them before it.
 
     Args:
-        regressors: A_j, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
         pooled: one scale for all channels (identical sensors), else one for each (mixed units).
-        nuisance: so many of the last columns are not parameters of the model.
-        filtered: what was done to both before; a low-pass smears gross errors, so look for them before it.
         alike: number of each channel; where scales are not pooled, equal numbers share one.
 
     Returns:
@@ -63,12 +52,13 @@ def huber(
     Raises:
         IdentificationError: as `gauss_markov`; or a channel fits without any residual.
     """
+    regressors, forces, filtered = regression.regressors, regression.forces, regression.filtered
     samples, sensors, unknowns = regressors.shape
     kind = np.zeros(6, dtype=int) if pooled else np.asarray(alike)
     std = np.array([np.sqrt(np.mean(forces.var(axis=0)[kind == k])) for k in kind])
     spread = np.ones(6) if pooled else np.maximum(std, 1e-12 * max(float(std.max()), 1e-300))
     least = np.zeros(6) if pooled else SILENT * np.abs(forces).max() / spread
-    start = gauss_markov(regressors, forces, names, spread**-2.0, nuisance, filtered)
+    start = gauss_markov(regression, spread**-2.0)
     matrix = (regressors / spread[:, None]).reshape(-1, unknowns)
     scale = column_scale(matrix)
     q, r = np.linalg.qr(matrix * scale)  # in the coordinates v = R u the information is that of the weights alone
@@ -102,7 +92,7 @@ def huber(
         covariance_robust=spread_of_u @ long_run_covariance(influence) @ spread_of_u.T,
         s0=s0 * float(recorded[0]) if pooled else s0,
         freedom=start.freedom,
-        residuals=forces - regressors @ values,
+        residuals=regression.residuals(values),
         weights=np.ones(6) if pooled else recorded**-2.0,
         rank=start.rank,
         condition=start.condition,
@@ -164,9 +154,7 @@ def _basis() -> Array:
 _BASIS = _basis()
 
 
-def consistent(
-    regressors: Array, forces: Array, names: Sequence[str], free: Fit, thinnest: float
-) -> tuple[Fit, float, float]:
+def consistent(regression: Regression, free: Fit, thinnest: float) -> tuple[Fit, float, float]:
     """The consistent estimate nearest to a free one, in chi^2.
 
     Its covariances, s0 and degrees of freedom are those of the free one: the projection onto a convex set that holds
@@ -174,9 +162,7 @@ def consistent(
     truth at least as often (ours).
 
     Args:
-        regressors: A_j, shape (n, 6, u); for the residuals.
-        forces: shape (n, 6) [N, or N and N m].
-        free: estimate of a Gauss-Markov estimator of these; chi^2 rises from it by (u - free)^T F (u - free), F and s0
+        free: estimate of a Gauss-Markov estimator; chi^2 rises from it by (u - free)^T F (u - free), F and s0
             being in its covariance.
         thinnest: rms distance of the body's mass from any plane through its centre of gravity, at least [m]. A sheet
             of thickness d has d / sqrt(12); above 0, since a body on the bound has no volume otherwise.
@@ -189,6 +175,7 @@ def consistent(
     Raises:
         IdentificationError: the model has no inertia, so that any positive mass is consistent; or no body is found.
     """
+    names = list(regression.names)
     missing = [name for name in BODY if name not in names]
     if missing:
         raise IdentificationError(
@@ -196,7 +183,7 @@ def consistent(
         )
     if not 0.0 < thinnest < np.inf:
         raise IdentificationError(f"thinnest = {thinnest:g} m must be above zero")
-    index = [list(names).index(name) for name in BODY]
+    index = [names.index(name) for name in BODY]
     basis = _BASIS.copy()
     basis[0, :3, :3] -= thinnest**2 * np.eye(3)  # Sigma_C >= m thinnest^2, as one LMI (Schur complement; ours)
     start = np.einsum("kij,k->ij", basis, free.values[index])
@@ -212,7 +199,7 @@ def consistent(
     rise, freedoms = float(step @ step), np.linalg.matrix_rank(root[index] / _unit(free.covariance)[index, None])
     # The truth is consistent: it is at least as far from the free estimate as the nearest consistent one.
     p_value = float(fdtrc(freedoms, free.freedom, rise / freedoms))
-    return replace(free, values=values, residuals=forces - regressors @ values), rise, p_value
+    return replace(free, values=values, residuals=regression.residuals(values)), rise, p_value
 
 
 def _unit(covariance: Array) -> Array:

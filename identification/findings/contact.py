@@ -19,10 +19,10 @@ from scipy.special import chdtri, ndtri
 from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.channel_weights import least_trimmed_squares
-from identification.estimation.estimators import FitProblem, Method, robust_of
-from identification.estimation.fit import Uncertain
+from identification.estimation.estimators import robust_of
+from identification.estimation.fit import Regression
 from identification.findings.fit_checks import following
-from identification.fitting import Fitted, fit_samples
+from identification.fitting import Fitted
 from identification.model import Model
 from identification.recording import Recording
 from identification.runs.sample_checks import MOST_NAMED, places
@@ -136,13 +136,8 @@ CALMER = 0.7  # of the residuals, that leaving a long contact out must at least 
 MOST_TOUCHED = 0.25  # of the samples in contact; more is not an identification run
 
 
-def free_of_contact(
-    recording: Recording, fitted: Fitted, how: Method, problem: FitProblem, delay: Uncertain | None = None
-) -> tuple[Fitted, tuple[Contact, ...]]:
+def free_of_contact(recording: Recording, fitted: Fitted) -> tuple[Fitted, tuple[Contact, ...]]:
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
-
-    Args:
-        delay: the delay, where it is not estimated.
 
     Raises:
         IdentificationError: too much of the run is in contact.
@@ -151,21 +146,21 @@ def free_of_contact(
     run, moving = fitted.samples, fitted
     if not run.consecutive:
         return fitted, contacts
-    forces, matrices = fitted.forces, fitted.matrices
+    forces, matrices = fitted.regression.forces, fitted.regression.regressors[:, :, : len(run.model.names)]
     for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
-        residuals = forces - matrices @ _without_pull(matrices, forces, run, how, problem)
+        residuals = forces - matrices @ _without_pull(matrices, fitted)
         before, contacts = contacts, find_contacts(run.t, residuals, run.model.structure, forces - residuals)
         if contacts == before:
             break
         rows = touched(run.t, contacts)
         require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in contacts], run.model)
-        moving = fit_samples(run.without(rows), how, problem, moving.at, delay)
+        moving = moving.again(run.without(rows))
         matrices = run.regressors(moving.at)
     if following(moving) is not None:
         longer = _long_contacts(run, moving)
         rows = touched(run.t, longer)
-        candidate = fit_samples(run.without(rows), how, problem, moving.at, delay) if 0 < rows.mean() < 1 else moving
+        candidate = moving.again(run.without(rows)) if 0 < rows.mean() < 1 else moving
         if _spread(candidate) < CALMER * _spread(moving) and following(candidate) is None:
             require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in longer], run.model)
             moving, contacts = candidate, longer
@@ -211,14 +206,15 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
         )
 
 
-def _without_pull(matrices: Array, forces: Array, run: Samples, method: Method, problem: FitProblem) -> Array:
+def _without_pull(matrices: Array, fitted: Fitted) -> Array:
     """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not bias it."""
-    selection, part = method.selection(run.model), fair_part(len(forces))
-    matrices, forces = matrices[part], forces[part]
-    pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
+    selection, problem = fitted.method.selection(fitted.samples.model), fitted.problem
+    part = fair_part(len(matrices))
+    matrices, forces = matrices[part], fitted.regression.forces[part]
     right = forces - matrices @ selection.offset
-    own = replace(problem, pooled=pooled, filtered=run.filtered)
-    free = robust_of(matrices @ selection.basis, right, selection.names, own).values
+    regression = Regression(matrices @ selection.basis, right, selection.names, filtered=fitted.samples.filtered)
+    pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
+    free = robust_of(regression, replace(problem, pooled=pooled)).values
     return np.asarray(selection.offset + selection.basis @ free)
 
 

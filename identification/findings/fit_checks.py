@@ -17,8 +17,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.compressed import inverse_root, joint_triangle
-from identification.estimation.estimators import Method
-from identification.estimation.fit import Fit, noise_components, whitened
+from identification.estimation.fit import Fit, Regression, noise_components
 from identification.finding import Finding, Kind, note, warning
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
@@ -48,7 +47,7 @@ def following(fitted: Fitted) -> float | None:
     return None if len(residuals) < LEAST_SERIES or alike < fitted.samples.noise_correlation + SYSTEMATIC else alike
 
 
-def systematic(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def systematic(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Neighbouring residuals of a run that moves are too much alike."""
     alike = following(fitted) if fitted.samples.nuisances else None
     if alike is None:
@@ -69,7 +68,7 @@ def leaves_much(fit: Fit, forces: Array, case: Case) -> bool:
     return any(np.mean(fit.residuals[:, u] ** 2) > MUCH**2 * np.mean(forces[:, u].var(axis=0)) for u in units)
 
 
-def far_from_white(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def far_from_white(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings of an estimate against its own standard deviations."""
     white, robust = (np.diag(c) for c in (fitted.fit.covariance, fitted.fit.covariance_robust))
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
@@ -82,9 +81,9 @@ def far_from_white(recording: Recording, case: Case, method: Method, fitted: Fit
     return [warning(Kind.NOISE, sentence)]
 
 
-def unexplained(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def unexplained(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings of an estimate against its own model."""
-    fit, forces = fitted.fit, fitted.forces
+    fit, forces = fitted.fit, fitted.regression.forces
     spread = np.sum(fit.weights * forces.var(axis=0))
     misfit = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
@@ -117,7 +116,7 @@ def recorded_overrides(recording: Recording) -> tuple[tuple[slice, float], ...]:
     )
 
 
-def other_feed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def other_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings on parts that ran at another feed than 100 %."""
     stretches = recorded_overrides(recording) if fitted.samples.nuisances else ()
     if not stretches:
@@ -136,7 +135,7 @@ def other_feed(recording: Recording, case: Case, method: Method, fitted: Fitted)
     return [warning(Kind.FEED, sentence, feed={"found_by": OVERRIDE, "stretches": entries})]
 
 
-def other_rate(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def other_rate(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """A rate that is not the one that predictions assume."""
     if recording.t is None or recording.struts is None or not fitted.samples.nuisances:
         return []
@@ -148,7 +147,7 @@ def other_rate(recording: Recording, case: Case, method: Method, fitted: Fitted)
     return [note(Kind.CLOCK, sentence)]
 
 
-def found_before(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def found_before(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings of recorder, estimator, window and periods."""
     samples, fit = fitted.samples, fitted.fit
     cut = [*cut_off(recording), *shorter_than_planned(recording)] if samples.nuisances else []
@@ -156,23 +155,23 @@ def found_before(recording: Recording, case: Case, method: Method, fitted: Fitte
     return [*cut, *fit.findings, *samples.window, *periods]
 
 
-def late(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """A delay that no filter makes."""
     if abs(fitted.at) < SUSPICIOUS_DELAY:
         return []
     return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
 
 
-def like_noise(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def like_noise(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Noise that would leave such residuals."""
     samples = fitted.samples
     if not isinstance(samples, Run) or case.sensor_frame.struts is not None:
         return []
-    wrench, weights = case.sensor_frame.has_moments, method.weights or case.sensors.weights
+    wrench, weights = case.sensor_frame.has_moments, fitted.method.weights or case.sensors.weights
     return noise_components(fitted.fit, samples.model, samples.filtered, wrench, weights)
 
 
-def averaged(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def averaged(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Noise of forces averaged over the motion's interval, beside that which white samples would leave."""
     about = recording.averaged
     if about is None or not fitted.samples.nuisances:
@@ -192,7 +191,7 @@ def averaged(recording: Recording, case: Case, method: Method, fitted: Fitted) -
     return [note(Kind.CLOCK, sentence, averaged=entries)]
 
 
-def placed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def placed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Errors that depend on the pose, in the keys by which a case states them."""
     field = fitted.fit.field
     if field is None:
@@ -202,7 +201,7 @@ def placed(recording: Recording, case: Case, method: Method, fitted: Fitted) -> 
     return [note(Kind.NOISE, "" if case.sensors.pose_error_N else sentence, pose_errors=field.keys)]
 
 
-def noisier(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def noisier(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Residuals far above the noise that the case states for its force sensors, where it states no other."""
     stated, others = case.sensors.force_noise_N, (case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N)
     if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
@@ -225,7 +224,7 @@ OTHER_MASS = 1.0 / 3.0  # of the nominal mass
 CERTAIN = 4.0  # standard deviations by which a quantity is below zero for certain
 
 
-def doubtful_body(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """What to say of a body that is not the expected one, or that cannot be.
 
     Raises:
@@ -302,10 +301,10 @@ LEAST_WARMING = 0.2  # [K] within a run, from which on its temperature says more
 LEAST_FREEDOM = 4.0  # degrees of freedom of a channel, from which on a drift can be judged
 
 
-def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Channels whose offset changes within a run, with the rate and the change over the run."""
-    samples = fitted.samples
-    freedom = len(fitted.fit.residuals) - fitted.columns.shape[2] / 6 - 1
+    samples, method = fitted.samples, fitted.method
+    freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
     if isinstance(samples, PeriodicRun) or method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
         return []
     axis, warming = _axis(recording, samples.t)
@@ -315,11 +314,14 @@ def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -
     if isinstance(samples, Standstills):
         line = line * samples.scale
     part = fair_part(len(line))
-    if not _likely(*_with_lines(fitted, method, line, part), freedom * len(part) / len(line)):
-        return []  # noise with memory makes deviations larger, and takes time
-    columns, residuals, weights = _with_lines(fitted, method, line, np.arange(len(line)))
-    change, white = _solved(columns, residuals, weights, freedom)
-    robust = samples.robust_covariance(columns, residuals - columns @ change, weights, fitted.whitening)
+    weights = fitted.fit.weights if fitted.whitening is None else np.ones(6)
+    free = freedom * len(part) / len(line)
+    change, white = _solved(_with_lines(fitted, line, part), weights, free)
+    if not np.any(np.abs(change[-6:]) > -stdtrit(free, CHANCE / 2.0) * np.sqrt(white)):
+        return []  # no more than white noise makes; noise with memory makes deviations larger, and takes time
+    lines = _with_lines(fitted, line, np.arange(len(line)))
+    change, white = _solved(lines, weights, freedom)
+    robust = samples.robust_covariance(lines.regressors, lines.residuals(change), weights, fitted.whitening)
     spread = white if robust is None else np.maximum(white, np.diag(robust.covariance)[-6:])
     # noise with a long memory has so few independent samples that a straight line is likely
     most = -stdtrit(np.maximum(freedom * white / spread, 1.0), CHANCE / 2.0)
@@ -331,27 +333,20 @@ def drifting(recording: Recording, case: Case, method: Method, fitted: Fitted) -
     ]
 
 
-def _with_lines(fitted: Fitted, method: Method, line: Array, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-    """A with a line in each channel, residuals and weights of some samples, as an estimator takes them."""
-    basis = method.selection(fitted.samples.model).basis
-    free = fitted.columns[rows] @ block_diag(basis, np.eye(fitted.columns.shape[2] - len(basis)))
-    lines = line[rows, None, None] * np.eye(6)
-    columns, residuals = whitened(fitted.whitening, np.dstack([free, lines]), fitted.fit.residuals[rows])
-    return columns, residuals, fitted.fit.weights if fitted.whitening is None else np.ones(6)
+def _with_lines(fitted: Fitted, line: Array, rows: NDArray[np.int64]) -> Regression:
+    """Residuals of some samples by A with a line in each channel, as an estimator takes them."""
+    basis = fitted.method.selection(fitted.samples.model).basis
+    free = fitted.regression.regressors[rows] @ block_diag(basis, np.eye(fitted.regression.nuisance))
+    columns = np.dstack([free, line[rows, None, None] * np.eye(6)])
+    return Regression(columns, fitted.fit.residuals[rows], ()).whitened(fitted.whitening)
 
 
-def _solved(columns: Array, residuals: Array, weights: Array, freedom: float) -> tuple[Array, Array]:
+def _solved(lines: Regression, weights: Array, freedom: float) -> tuple[Array, Array]:
     """How far the values of a fit move with the lines, and the variance of these six by white noise."""
-    top = joint_triangle(columns, residuals, np.sqrt(weights))
+    top = joint_triangle(lines.regressors, lines.forces, np.sqrt(weights))
     half, change = inverse_root(top[:-1, :-1]), np.linalg.lstsq(top[:-1, :-1], top[:-1, -1], rcond=None)[0]
     covariance = half @ half.T * top[-1, -1] ** 2 / (6.0 * freedom)
     return np.asarray(change), np.diag(covariance)[-6:]
-
-
-def _likely(columns: Array, residuals: Array, weights: Array, freedom: float) -> bool:
-    """Whether a line is more than white noise makes."""
-    change, white = _solved(columns, residuals, weights, freedom)
-    return bool(np.any(np.abs(change[-6:]) > -stdtrit(freedom, CHANCE / 2.0) * np.sqrt(white)))
 
 
 def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
@@ -386,13 +381,13 @@ def _drift_finding(
     return warning(Kind.OFFSETS, sentence, offset_drift=drift)
 
 
-CHECKS: tuple[Callable[[Recording, Case, Method, Fitted], list[Finding]], ...] = (
+CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (
     found_before, placed, late, far_from_white, unexplained, systematic, noisier, like_noise, other_feed,
     other_rate, averaged, drifting, doubtful_body,
 )  # fmt: skip
 """The checks of every fit, in the order of their findings."""
 
 
-def fit_findings(recording: Recording, case: Case, method: Method, fitted: Fitted) -> list[Finding]:
+def fit_findings(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Findings of all checks."""
-    return [finding for check in CHECKS for finding in check(recording, case, method, fitted)]
+    return [finding for check in CHECKS for finding in check(recording, case, fitted)]

@@ -6,7 +6,7 @@ from scipy import stats
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Filtered, Fit
+from identification.estimation.fit import Filtered, Fit, Regression
 from identification.signals import Filter
 from tests.helpers import one_line
 
@@ -24,7 +24,9 @@ def fit(seed: int, std: float) -> Fit:
     forces = A @ U + std * np.random.default_rng(seed).normal(size=(len(T), 6))
     rows = slice(None, None, LOW_PASS.stride)
     smooth, inner = LOW_PASS.apply(forces)[rows], A[LOW_PASS.margin : -LOW_PASS.margin][rows]
-    return gauss_markov(inner, smooth, NAMES, np.ones(6), filtered=Filtered(LOW_PASS.noise_gain, LOW_PASS.stride))
+    return gauss_markov(
+        Regression(inner, smooth, NAMES, filtered=Filtered(LOW_PASS.noise_gain, LOW_PASS.stride)), np.ones(6)
+    )
 
 
 def test_gain_is_the_variance_that_the_filter_leaves_of_white_noise() -> None:
@@ -57,9 +59,8 @@ def test_without_noise_the_parameters_are_exact_to_the_ripple_of_the_filter() ->
 
 def test_more_unknowns_than_the_filter_leaves_independent_forces_are_refused() -> None:
     """Ten samples through a 40 Hz low-pass at 1 kHz hold about 10 * 6 * 0.08 = 5 independent forces."""
+    matrices = np.random.default_rng(2).normal(size=(10, 6, 6))
+    regression = Regression(matrices, np.ones((10, 6)), list("abcdef"), filtered=Filtered(0.08, 1))
     with pytest.raises(IdentificationError, match=r"60 forces, 5 of them independent, for 6 unknowns") as caught:
-        gauss_markov(
-            np.random.default_rng(2).normal(size=(10, 6, 6)), np.ones((10, 6)), list("abcdef"), np.ones(6),
-            filtered=Filtered(0.08, 1),
-        )  # fmt: skip
+        gauss_markov(regression, np.ones(6))
     one_line(caught.value)

@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from identification.estimation.compressed import gauss_markov, long_run_covariance, with_kernel
+from identification.estimation.fit import Regression
 
 
 def auto_regressive(phi: float, count: int, seed: int, columns: int = 1) -> np.ndarray:
@@ -43,7 +44,7 @@ def test_it_is_a_covariance() -> None:
 def robust_ratio(noise: np.ndarray) -> float:
     """Robust over plain standard deviation of the mean of six equal, constant forces."""
     ones = np.ones((len(noise), 6, 1))
-    fit = with_kernel(gauss_markov(ones, noise, ["mean"], np.ones(6)), ones)
+    fit = with_kernel(gauss_markov(regression := Regression(ones, noise, ["mean"]), np.ones(6)), regression)
     return float(np.sqrt(fit.covariance_robust[0, 0] / fit.covariance[0, 0]))
 
 

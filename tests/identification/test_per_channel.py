@@ -6,6 +6,7 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation.channel_weights import channel_leverage, independent_poses, per_channel
 from identification.estimation.compressed import gauss_markov
+from identification.estimation.fit import Regression
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)
@@ -18,14 +19,14 @@ FORCES = A @ U + NOISE_STD * DRAW.normal(size=(1000, 6))
 
 def test_the_noise_of_each_channel_is_recovered() -> None:
     """Each standard deviation is known to 1 / sqrt(2000) = 2.2 % from 1000 residuals."""
-    fit = per_channel(A, FORCES, NAMES)
+    fit = per_channel(Regression(A, FORCES, NAMES))
     np.testing.assert_allclose(1 / np.sqrt(fit.weights), NOISE_STD, rtol=0.08)
     assert fit.s0 == pytest.approx(1.0, abs=0.01)
 
 
 def test_it_settles_where_weights_and_residuals_agree() -> None:
-    fit = per_channel(A, FORCES, NAMES)
-    again = gauss_markov(A, FORCES, NAMES, fit.weights)
+    fit = per_channel(Regression(A, FORCES, NAMES))
+    again = gauss_markov(Regression(A, FORCES, NAMES), fit.weights)
     np.testing.assert_allclose(again.values, fit.values, rtol=1e-9)
     variance = np.sum(again.residuals**2, axis=0) / (len(FORCES) - channel_leverage(A, fit.weights))
     np.testing.assert_allclose(1 / variance, fit.weights, rtol=1e-4)
@@ -45,7 +46,10 @@ def test_a_few_samples_still_give_each_channel_the_variance_that_it_has() -> Non
     """
     few = A[:12]
     ratio = [
-        1 / per_channel(few, few @ U + np.random.default_rng(s).normal(size=(12, 6)) * NOISE_STD, NAMES).weights
+        1
+        / per_channel(
+            Regression(few, few @ U + np.random.default_rng(s).normal(size=(12, 6)) * NOISE_STD, NAMES)
+        ).weights
         for s in range(200)
     ]
     # A channel whose rivals are a thousand times louder has 8 degrees of freedom of its own.
@@ -56,7 +60,7 @@ def test_too_few_samples_for_a_variance_are_refused() -> None:
     """Two samples of a channel, less its share of the four unknowns, leave too little to judge its noise by."""
     forces = A[:2] @ U + np.random.default_rng(1).normal(size=(2, 6))
     with pytest.raises(IdentificationError, match=r"channel \d has 2 independent samples.*record more") as caught:
-        per_channel(A[:2], forces, NAMES)
+        per_channel(Regression(A[:2], forces, NAMES))
     one_line(caught.value)
 
 
@@ -66,7 +70,7 @@ def test_a_few_poses_do_not_praise_themselves() -> None:
     errors, variances = [], []
     for seed in range(300):
         forces = few @ U + spread * np.random.default_rng(seed).normal(size=(8, 6))
-        fit = gauss_markov(few, forces, NAMES, np.ones(6))
+        fit = gauss_markov(Regression(few, forces, NAMES), np.ones(6))
         errors.append((fit.values - U) ** 2)
         variances.append(np.diag(independent_poses(few, fit.residuals, fit.weights)))
     ratio = np.mean(variances, axis=0) / np.mean(errors, axis=0)
@@ -75,7 +79,7 @@ def test_a_few_poses_do_not_praise_themselves() -> None:
 
 
 def test_it_is_nearer_to_the_truth_than_equal_weights_and_says_so() -> None:
-    weighted, equal = per_channel(A, FORCES, NAMES), gauss_markov(A, FORCES, NAMES, np.ones(6))
+    weighted, equal = per_channel(Regression(A, FORCES, NAMES)), gauss_markov(Regression(A, FORCES, NAMES), np.ones(6))
     assert np.linalg.norm(weighted.values - U) < 0.1 * np.linalg.norm(equal.values - U)
     assert np.all(np.diag(weighted.covariance) < np.diag(equal.covariance))
     std = np.sqrt(np.diag(weighted.covariance))
@@ -85,7 +89,10 @@ def test_it_is_nearer_to_the_truth_than_equal_weights_and_says_so() -> None:
 def test_the_unit_of_a_channel_does_not_matter() -> None:
     """Moments in N m or N mm give the same body."""
     unit = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
-    plain, scaled = per_channel(A, FORCES, NAMES), per_channel(A * unit[:, None], FORCES * unit, NAMES)
+    plain, scaled = (
+        per_channel(Regression(A, FORCES, NAMES)),
+        per_channel(Regression(A * unit[:, None], FORCES * unit, NAMES)),
+    )
     np.testing.assert_allclose(scaled.values, plain.values, rtol=1e-7)
     np.testing.assert_allclose(scaled.covariance, plain.covariance, rtol=1e-5, atol=1e-20)
 
@@ -98,21 +105,21 @@ def test_a_channel_that_is_stuck_is_named(channel: int, reading: float) -> None:
     forces = FORCES.copy()
     forces[:, channel] = reading
     with pytest.raises(IdentificationError, match=f"channel {channel + 1} ") as caught:
-        per_channel(matrices, forces, NAMES + [f"f_q0_{k}" for k in range(1, 7)])
+        per_channel(Regression(matrices, forces, NAMES + [f"f_q0_{k}" for k in range(1, 7)]))
     one_line(caught.value)
 
 
 @pytest.mark.parametrize("samples", [1, 30])
 def test_forces_that_are_all_zero_are_refused(samples: int) -> None:
     with pytest.raises(IdentificationError) as caught:
-        per_channel(A[:samples], np.zeros((samples, 6)), NAMES)
+        per_channel(Regression(A[:samples], np.zeros((samples, 6)), NAMES))
     one_line(caught.value)
 
 
 def test_channels_that_are_alike_share_one_variance_which_is_the_mean_of_their_own() -> None:
     """So a channel whose residuals are small by chance, or by a model that fits it better, does not rule the fit."""
     alike = (0, 0, 0, 1, 1, 1)
-    fit = per_channel(A, FORCES, NAMES, alike=alike)
+    fit = per_channel(Regression(A, FORCES, NAMES), alike=alike)
     noise = 1 / np.sqrt(fit.weights)
     assert np.ptp(noise[:3]) == np.ptp(noise[3:]) == 0.0
     np.testing.assert_allclose(
@@ -123,7 +130,10 @@ def test_channels_that_are_alike_share_one_variance_which_is_the_mean_of_their_o
 
 
 def test_one_kind_for_all_is_the_fit_with_equal_weights() -> None:
-    one, equal = per_channel(A, FORCES, NAMES, alike=(0,) * 6), gauss_markov(A, FORCES, NAMES, np.ones(6))
+    one, equal = (
+        per_channel(Regression(A, FORCES, NAMES), alike=(0,) * 6),
+        gauss_markov(Regression(A, FORCES, NAMES), np.ones(6)),
+    )
     np.testing.assert_allclose(one.values, equal.values, rtol=1e-9)
     np.testing.assert_allclose(one.covariance, equal.covariance, rtol=1e-6)
     assert 1 / np.sqrt(one.weights) == pytest.approx([equal.s0] * 6, rel=1e-6)

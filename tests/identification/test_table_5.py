@@ -5,6 +5,7 @@ import pytest
 
 from cases.loading import load_case
 from identification.estimation.compressed import gauss_markov
+from identification.estimation.fit import Regression
 from identification.model import identification_model
 from identification.parameters import physical_form
 from tests.helpers import paper_poses
@@ -32,7 +33,7 @@ def deviations() -> dict[str, float]:
     model, still = identification_model(CASE, 5), np.zeros((480, 6))
     matrices = model.matrices(*paper_poses(), still, still)
     noise = np.random.default_rng(0).normal(size=(480, 6))
-    fit = gauss_markov(matrices, noise, model.names, np.ones(6))
+    fit = gauss_markov(Regression(matrices, noise, model.names), np.ones(6))
     linear = np.r_[MASS, MASS * CENTRE, np.zeros(10)]
     form = physical_form(model)
     covariance = form.of(linear, fit.covariance * (S0 / fit.s0) ** 2)[1]

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from cases.loading import load_case
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import gauss_markov, with_kernel
-from identification.estimation.fit import Fit
+from identification.estimation.fit import Fit, Regression
 from identification.hexapod import Hexapod
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic
@@ -36,7 +36,7 @@ def memory(seed: int, phi: float) -> np.ndarray:
 def share_inside(noise: Callable[[int], np.ndarray], deviations: Callable[[Fit], np.ndarray], seeds: int = 25) -> float:
     inside = []
     for seed in range(seeds):
-        fit = gauss_markov(A, A @ U + noise(seed), NAMES, ONES)
+        fit = gauss_markov(Regression(A, A @ U + noise(seed), NAMES), ONES)
         inside.append(np.abs(fit.values - U) <= 1.96 * deviations(fit))
     return float(np.mean(inside))
 
@@ -64,7 +64,7 @@ def test_noise_that_channels_share_counts_as_such() -> None:
 def test_white_noise_gives_the_covariance_of_28_and_a_little_for_what_300_samples_do_not_tell() -> None:
     ratio = []
     for seed in range(10):
-        fit = gauss_markov(A, A @ U + memory(seed, 0.0), NAMES, ONES)
+        fit = gauss_markov(Regression(A, A @ U + memory(seed, 0.0), NAMES), ONES)
         ratio.append(coloured(fit) / np.sqrt(np.diag(fit.covariance)))
     assert 1.0 < np.mean(ratio) < 1.2
 
@@ -80,7 +80,7 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     places = np.flatnonzero(np.arange(SAMPLES) % 50 < 20)
     some, inside = A[places], []
     for seed in range(25):
-        fit = gauss_markov(some, some @ U + memory(seed, phi)[places], NAMES, ONES)
+        fit = gauss_markov(Regression(some, some @ U + memory(seed, phi)[places], NAMES), ONES)
         covariance = coloured_covariance(turned(some, fit.residuals, ONES, places))
         assert covariance is not None
         inside.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))
@@ -88,13 +88,13 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
 
 
 def test_what_lies_between_samples_that_are_there_does_not_matter() -> None:
-    fit = gauss_markov(A, A @ U + memory(1, 0.5), NAMES, ONES)
+    fit = gauss_markov(Regression(A, A @ U + memory(1, 0.5), NAMES), ONES)
     one_by_one = coloured_covariance(turned(A, fit.residuals, ONES, np.arange(7, SAMPLES + 7)))
     np.testing.assert_array_equal(one_by_one, coloured_covariance(turned(A, fit.residuals, ONES)))
 
 
 def test_it_does_not_depend_on_units_and_is_positive_definite() -> None:
-    fit = gauss_markov(A, A @ U + memory(1, 0.5), NAMES, ONES)
+    fit = gauss_markov(Regression(A, A @ U + memory(1, 0.5), NAMES), ONES)
     unit = np.array([1.0, 1e3, 1e-3, 1.0, 10.0, 1e6])
     plain = coloured_covariance(turned(A, fit.residuals, ONES))
     scaled = coloured_covariance(turned(A * unit, fit.residuals, ONES))
@@ -107,7 +107,10 @@ def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
     """Where the kernel estimate holds the truth in four of five intervals only."""
     few, held, kernel = A[::stride], [], []
     for seed in range(30):
-        fit = with_kernel(gauss_markov(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES, ONES), few)
+        fit = with_kernel(
+            gauss_markov(regression := Regression(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES), ONES),
+            regression,
+        )
         covariance = coloured_covariance(turned(few, fit.residuals, ONES))
         assert covariance is not None
         held.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))

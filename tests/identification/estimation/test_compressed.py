@@ -12,7 +12,7 @@ from identification.estimation.compressed import (
     gauss_markov,
     inverse_root,
 )
-from identification.estimation.fit import Filtered
+from identification.estimation.fit import Filtered, Regression
 from tests.helpers import one_line
 from tests.identification.moving_run import NAMES, A, U, forces
 
@@ -21,7 +21,7 @@ WEIGHTS = np.array([1.0, 2.0, 0.5, 1.0, 4.0, 0.1])
 
 def test_chi_squared_is_that_of_the_full_problem_everywhere() -> None:
     measured, draw = forces(0), np.random.default_rng(1)
-    compressed = compress(A, measured, WEIGHTS)
+    compressed = compress(Regression(A, measured, NAMES), WEIGHTS)
     for u in (U, np.zeros(20), U + draw.normal(size=20)):
         direct = np.sum(WEIGHTS * (measured - A @ u) ** 2)
         assert compressed.chi_squared(u) == pytest.approx(direct, rel=1e-12)
@@ -32,10 +32,11 @@ def test_chi_squared_is_that_of_the_full_problem_everywhere() -> None:
 @pytest.mark.parametrize("filtered", [Filtered(1.0, 1), Filtered(0.1, 5)])
 def test_with_all_parameters_free_the_fit_is_that_of_gauss_markov(nuisance: int, filtered: Filtered) -> None:
     measured = forces(0)
-    expected = gauss_markov(A, measured, NAMES, WEIGHTS, nuisance, filtered)
-    compressed = compress(A, measured, WEIGHTS)
+    regression = Regression(A, measured, NAMES, nuisance, filtered)
+    expected = gauss_markov(regression, WEIGHTS)
+    compressed = compress(regression, WEIGHTS)
     values = np.linalg.solve(compressed.root, compressed.right)
-    fit = fit_along(compressed, NAMES, values, np.eye(20), nuisance, filtered)
+    fit = fit_along(compressed, NAMES, values, np.eye(20))
     np.testing.assert_allclose(fit.values, expected.values, rtol=1e-9)
     np.testing.assert_allclose(fit.covariance, expected.covariance, rtol=1e-9, atol=1e-18)
     np.testing.assert_allclose(fit.covariance_robust, expected.covariance_robust, rtol=1e-8, atol=1e-16)
@@ -62,7 +63,7 @@ def test_what_nothing_excites_is_named() -> None:
 
 def test_too_few_forces_are_refused() -> None:
     with pytest.raises(IdentificationError, match="3 samples give 18 forces for 20 unknowns") as caught:
-        compress(A[:3], forces(0)[:3], WEIGHTS)
+        compress(Regression(A[:3], forces(0)[:3], NAMES), WEIGHTS)
     one_line(caught.value)
     with pytest.raises(IdentificationError, match="24 forces, 12 of them independent, for 20 unknowns") as caught:
         degrees_of_freedom(24, 20, Filtered(0.1, 5))

@@ -12,7 +12,7 @@ from cases.errors import IdentificationError
 from identification.estimation import robust as module
 from identification.estimation.channel_weights import per_channel
 from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Filtered, Fit
+from identification.estimation.fit import Filtered, Fit, Regression
 from identification.estimation.nonlinear import estimate_selected
 from identification.estimation.robust import consistent, pseudo_inertia
 from identification.parameters import select
@@ -27,7 +27,7 @@ PLATE = truth_with(inertia_kg_m2=(1.2, 0.0, 0.0, 0.9, 0.0, 2.0999))
 
 
 def free(seed: int, truth: Array = PLATE) -> Fit:
-    return gauss_markov(A, forces(seed, truth), NAMES, ONES)
+    return gauss_markov(Regression(A, forces(seed, truth), NAMES), ONES)
 
 
 @cache
@@ -41,7 +41,7 @@ def bound(seed: int) -> tuple[Fit, tuple[Fit, float, float]]:
     """The seed-th inconsistent estimate, free and consistent with its rise of chi^2 and its probability."""
     seed = bound_seeds()[seed]
     start = free(seed)
-    return start, consistent(A, forces(seed, PLATE), NAMES, start, THIN)
+    return start, consistent(Regression(A, forces(seed, PLATE), NAMES), start, THIN)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -55,7 +55,7 @@ def test_the_pseudo_inertia_is_the_second_moment_of_mass(seed: int) -> None:
 
 def test_a_consistent_estimate_is_left_alone() -> None:
     start = free(0, U)
-    assert consistent(A, forces(0), NAMES, start, THIN) == (start, 0.0, 1.0)
+    assert consistent(Regression(A, forces(0), NAMES), start, THIN) == (start, 0.0, 1.0)
 
 
 def by_cholesky(start: Fit, guess: Array) -> tuple[float, Array]:
@@ -117,7 +117,7 @@ def test_the_ellipsoid_of_the_free_estimate_holds_the_truth_at_least_as_often_ab
     inside, bounds = [], 0
     for seed in range(100):
         start = free(seed, truth)
-        result, rise, _ = consistent(A, forces(seed, truth), NAMES, start, THIN)
+        result, rise, _ = consistent(Regression(A, forces(seed, truth), NAMES), start, THIN)
         distance = [(v - truth) @ np.linalg.solve(start.covariance, v - truth) for v in (start.values, result.values)]
         assert distance[1] <= distance[0] + 1e-6
         inside.append(distance[1] / 20 <= stats.f.ppf(0.95, 20, start.freedom))
@@ -131,7 +131,7 @@ def test_luck_and_wrong_data_are_told_apart() -> None:
     assert min(bound(k)[1][2] for k in range(20)) > 1e-3
     impossible = PLATE.copy()
     impossible[NAMES.index("I33")] *= 1.5
-    _, rise, p_value = consistent(A, forces(0, impossible), NAMES, free(0, impossible), THIN)
+    _, rise, p_value = consistent(Regression(A, forces(0, impossible), NAMES), free(0, impossible), THIN)
     assert rise > 0.0
     assert p_value < 1e-6
 
@@ -142,7 +142,7 @@ def test_light_bodies_lost_in_noise_get_a_body_too(noise: float, seed: int) -> N
     truth = U.copy()
     truth[:10] = list(PointMasses(np.full(6, 0.1), PointMasses.drawn(seed).points * 0.2).parameters.values())
     measured = forces(seed, truth, noise)
-    result, *_ = consistent(A, measured, NAMES, gauss_markov(A, measured, NAMES, ONES), THIN)
+    result, *_ = consistent(Regression(A, measured, NAMES), gauss_markov(Regression(A, measured, NAMES), ONES), THIN)
     assert np.linalg.eigvalsh(pseudo_inertia(result.values[:10]))[0] > 0.0
 
 
@@ -151,18 +151,18 @@ def test_what_is_fixed_stays_fixed() -> None:
     selection = select(MODEL, known)
     for seed in range(10):
         measured = forces(seed, PLATE)
-        start = estimate_selected(A, measured, NAMES, selection, lambda a, f, n: gauss_markov(a, f, n, ONES))
-        values = consistent(A, measured, NAMES, start, THIN)[0].values
+        start = estimate_selected(Regression(A, measured, NAMES), selection, lambda free: gauss_markov(free, ONES))
+        values = consistent(Regression(A, measured, NAMES), start, THIN)[0].values
         assert (values[0], values[1], values[NAMES.index("k0")]) == (31.83, 0.0, 24.0)
         assert np.linalg.eigvalsh(pseudo_inertia(values[:10]))[0] > 0.0
 
 
 def test_other_estimators_and_filters_are_served() -> None:
     for start in (
-        per_channel(A, forces(1, PLATE), NAMES),
-        gauss_markov(A, forces(1, PLATE), NAMES, ONES, 0, Filtered(0.1, 5)),
+        per_channel(Regression(A, forces(1, PLATE), NAMES)),
+        gauss_markov(Regression(A, forces(1, PLATE), NAMES, filtered=Filtered(0.1, 5)), ONES),
     ):
-        result, *_ = consistent(A, forces(1, PLATE), NAMES, start, THIN)
+        result, *_ = consistent(Regression(A, forces(1, PLATE), NAMES), start, THIN)
         np.testing.assert_allclose(result.residuals, forces(1, PLATE) - A @ result.values)
         assert result.covariance is start.covariance
         assert result.s0 == start.s0
@@ -177,21 +177,21 @@ def test_a_solver_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_model_without_inertia_is_refused() -> None:
     with pytest.raises(IdentificationError, match=r"I11, .*I33 not in the model; .* models 6 to 9") as caught:
-        consistent(A[:, :, :4], forces(0), NAMES[:4], free(0), THIN)
+        consistent(Regression(A[:, :, :4], forces(0), NAMES[:4]), free(0), THIN)
     one_line(caught.value)
 
 
 @pytest.mark.parametrize("thinnest", [0.0, -1.0, np.inf, np.nan])
 def test_a_thickness_that_is_none_is_refused(thinnest: float) -> None:
     with pytest.raises(IdentificationError, match="must be above zero"):
-        consistent(A, forces(0), NAMES, free(0), thinnest)
+        consistent(Regression(A, forces(0), NAMES), free(0), thinnest)
 
 
 def test_a_sensor_read_the_wrong_way_round_wants_a_negative_mass_and_gets_none() -> None:
     start = free(0, U)
     turned = replace(start, values=-start.values)
     try:
-        _, rise, p_value = consistent(A, -forces(0), NAMES, turned, THIN)
+        _, rise, p_value = consistent(Regression(A, -forces(0), NAMES), turned, THIN)
     except IdentificationError as error:
         one_line(error)
     else:

@@ -8,6 +8,7 @@ from scipy import stats
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import gauss_markov
+from identification.estimation.fit import Regression
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)
@@ -19,7 +20,7 @@ ONES = np.ones(6)
 
 
 def test_data_without_noise_give_the_parameters_exactly() -> None:
-    fit = gauss_markov(A, A @ U, NAMES, ONES)
+    fit = gauss_markov(Regression(A, A @ U, NAMES), ONES)
     np.testing.assert_allclose(fit.values, U, rtol=1e-12)
     assert fit.s0 < 1e-11
     assert (fit.rank, fit.residuals.shape) == (5, (40, 6))
@@ -33,7 +34,7 @@ def test_estimate_and_covariance_are_those_of_the_normal_equations() -> None:
     values = np.linalg.solve(information, matrix.T @ weight @ forces.ravel())
     residuals = forces.ravel() - matrix @ values
     s0 = np.sqrt(residuals @ weight @ residuals / (240 - 5))
-    fit = gauss_markov(A, forces, NAMES, w)
+    fit = gauss_markov(Regression(A, forces, NAMES), w)
     np.testing.assert_allclose(fit.values, values, rtol=1e-10)
     assert fit.s0 == pytest.approx(s0)
     np.testing.assert_allclose(fit.covariance, s0**2 * np.linalg.inv(information), rtol=1e-10, atol=1e-16)
@@ -42,13 +43,18 @@ def test_estimate_and_covariance_are_those_of_the_normal_equations() -> None:
 def test_equal_weights_give_ordinary_least_squares() -> None:
     forces = A @ U + NOISE
     expected = np.linalg.lstsq(A.reshape(-1, 5), forces.ravel())[0]
-    np.testing.assert_allclose(gauss_markov(A, forces, NAMES, ONES).values, expected, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(
+        gauss_markov(Regression(A, forces, NAMES), ONES).values, expected, rtol=1e-11, atol=1e-11
+    )
 
 
 @given(exponents=st.lists(st.integers(-6, 6), min_size=5, max_size=5))
 def test_units_of_the_parameters_change_their_numbers_and_nothing_else(exponents: list[int]) -> None:
     unit, forces = 10.0 ** np.array(exponents), A @ U + NOISE
-    plain, scaled = gauss_markov(A, forces, NAMES, ONES), gauss_markov(A * unit, forces, NAMES, ONES)
+    plain, scaled = (
+        gauss_markov(Regression(A, forces, NAMES), ONES),
+        gauss_markov(Regression(A * unit, forces, NAMES), ONES),
+    )
     np.testing.assert_allclose(scaled.values * unit, plain.values, rtol=1e-9)
     np.testing.assert_allclose(scaled.covariance * np.outer(unit, unit), plain.covariance, rtol=1e-8, atol=1e-18)
     assert scaled.condition == pytest.approx(plain.condition)  # (26) makes it independent of units
@@ -57,19 +63,24 @@ def test_units_of_the_parameters_change_their_numbers_and_nothing_else(exponents
 @given(factor=st.floats(1e-3, 1e3))
 def test_a_common_factor_of_the_weights_changes_no_estimate(factor: float) -> None:
     forces = A @ U + NOISE
-    plain, weighted = gauss_markov(A, forces, NAMES, ONES), gauss_markov(A, forces, NAMES, factor * ONES)
+    plain, weighted = (
+        gauss_markov(Regression(A, forces, NAMES), ONES),
+        gauss_markov(Regression(A, forces, NAMES), factor * ONES),
+    )
     np.testing.assert_allclose(weighted.values, plain.values, rtol=1e-10)
     np.testing.assert_allclose(weighted.covariance, plain.covariance, rtol=1e-9, atol=1e-18)
     assert weighted.s0 == pytest.approx(np.sqrt(factor) * plain.s0)
 
 
 def test_residuals_are_orthogonal_to_the_regressor() -> None:
-    fit = gauss_markov(A, A @ U + NOISE, NAMES, ONES)
+    fit = gauss_markov(Regression(A, A @ U + NOISE, NAMES), ONES)
     np.testing.assert_allclose(A.reshape(-1, 5).T @ fit.residuals.ravel(), 0.0, atol=1e-10)
 
 
 def test_more_data_of_the_same_kind_shrink_standard_deviations_with_the_root() -> None:
-    once, fourfold = (gauss_markov(np.tile(A, (k, 1, 1)), np.tile(A @ U + NOISE, (k, 1)), NAMES, ONES) for k in (1, 4))
+    once, fourfold = (
+        gauss_markov(Regression(np.tile(A, (k, 1, 1)), np.tile(A @ U + NOISE, (k, 1)), NAMES), ONES) for k in (1, 4)
+    )
     ratio = np.sqrt(np.diag(once.covariance) / np.diag(fourfold.covariance))
     np.testing.assert_allclose(ratio, 2.0, rtol=0.02)  # (27) counts the unknowns once in 240 and once in 960
 
@@ -78,7 +89,7 @@ def test_more_data_of_the_same_kind_shrink_standard_deviations_with_the_root() -
 def test_a_parameter_that_nothing_excites_is_named(nothing: int) -> None:
     silent = A * (np.arange(5) != nothing)
     with pytest.raises(IdentificationError, match=f"rank 4 of 5: {NAMES[nothing]} not determined") as caught:
-        gauss_markov(silent, A @ U, NAMES, ONES)
+        gauss_markov(Regression(silent, A @ U, NAMES), ONES)
     one_line(caught.value)
 
 
@@ -86,7 +97,7 @@ def test_parameters_that_only_act_together_are_named_together() -> None:
     twins = A.copy()
     twins[:, :, 4] = -2.0 * A[:, :, 1]
     with pytest.raises(IdentificationError, match="rank 4 of 5: mxC, k0 not determined"):
-        gauss_markov(twins, A @ U, NAMES, ONES)
+        gauss_markov(Regression(twins, A @ U, NAMES), ONES)
 
 
 @pytest.mark.parametrize(("samples", "enough"), [(1, False), (2, True)])
@@ -94,16 +105,16 @@ def test_fewer_forces_than_unknowns_are_refused(samples: int, enough: bool) -> N
     six = np.random.default_rng(1).normal(size=(samples, 6, 6))
     names = [*NAMES, "k1"]
     if enough:
-        gauss_markov(six, np.ones((samples, 6)), names, ONES)
+        gauss_markov(Regression(six, np.ones((samples, 6)), names), ONES)
         return
     with pytest.raises(IdentificationError, match="1 samples give 6 forces for 6 unknowns; record more") as caught:
-        gauss_markov(six, np.ones((samples, 6)), names, ONES)
+        gauss_markov(Regression(six, np.ones((samples, 6)), names), ONES)
     one_line(caught.value)
 
 
 def test_a_nuisance_is_estimated_and_costs_certainty_but_is_not_counted() -> None:
-    plain = gauss_markov(A[:, :, :4], A @ U + NOISE, NAMES[:4], ONES)
-    with_nuisance = gauss_markov(A, A @ U + NOISE, NAMES, ONES, nuisance=1)
+    plain = gauss_markov(Regression(A[:, :, :4], A @ U + NOISE, NAMES[:4]), ONES)
+    with_nuisance = gauss_markov(Regression(A, A @ U + NOISE, NAMES, 1), ONES)
     assert (with_nuisance.rank, len(with_nuisance.values)) == (4, 5)
     assert with_nuisance.condition == pytest.approx(plain.condition)
     inverse, plain_inverse = with_nuisance.covariance / with_nuisance.s0**2, plain.covariance / plain.s0**2
@@ -114,7 +125,7 @@ def test_a_nuisance_that_nothing_excites_is_an_error_in_words() -> None:
     """A delay shows nowhere when the forces do not change: all force channels dead, for example."""
     silent = np.dstack([A, np.zeros((40, 6))])
     with pytest.raises(IdentificationError, match="delay") as caught:
-        gauss_markov(silent, np.zeros((40, 6)), [*NAMES, "delay"], ONES, nuisance=1)
+        gauss_markov(Regression(silent, np.zeros((40, 6)), [*NAMES, "delay"], 1), ONES)
     one_line(caught.value)
 
 
@@ -122,7 +133,7 @@ def test_white_noise_gives_errors_as_large_as_predicted() -> None:
     """Over 200 noises (u - u_hat)^T M^-1 (u - u_hat) / 5 follows Fisher's distribution, and s0^2 chi-square."""
     draw, distance, variance = np.random.default_rng(2), [], []
     for _ in range(200):
-        fit = gauss_markov(A, A @ U + 0.7 * draw.normal(size=(40, 6)), NAMES, ONES)
+        fit = gauss_markov(Regression(A, A @ U + 0.7 * draw.normal(size=(40, 6)), NAMES), ONES)
         error = fit.values - U
         distance.append(error @ np.linalg.solve(fit.covariance, error) / 5)
         variance.append((fit.s0 / 0.7) ** 2 * 235)

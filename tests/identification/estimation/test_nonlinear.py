@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError
 from identification.estimation import nonlinear as solver
 from identification.estimation.compressed import gauss_markov, with_kernel
-from identification.estimation.fit import Filtered
+from identification.estimation.fit import Filtered, Regression
 from identification.estimation.nonlinear import estimate_selected, linear_map, nonlinear
 from identification.model import identification_model
 from identification.parameters import physical_form, select
@@ -58,9 +58,9 @@ def test_newton_and_euler_about_the_centre_of_gravity_give_the_same_forces() -> 
 @pytest.mark.parametrize("seed", range(5))
 def test_with_all_parameters_free_it_is_the_linear_estimate_propagated(seed: int) -> None:
     weights = np.array([1.0, 2.0, 0.5, 1.0, 4.0, 0.1])
-    expected = with_kernel(gauss_markov(A, forces(seed), NAMES, weights), A)
+    expected = with_kernel(gauss_markov(regression := Regression(A, forces(seed), NAMES), weights), regression)
     values, covariance = FORM.of(expected.values, expected.covariance)
-    found = nonlinear(A, forces(seed), MODEL, weights, {})
+    found = nonlinear(Regression(A, forces(seed), NAMES), MODEL, weights, {})
     own, spread = FORM.of(found.values, found.covariance)
     np.testing.assert_allclose(own, values, rtol=1e-9)
     np.testing.assert_allclose(np.diag(spread), np.diag(covariance), rtol=1e-9)
@@ -73,17 +73,18 @@ def test_a_static_model_is_served_too() -> None:
     model = identification_model(CASE, 5)
     matrices = model.matrices(*paper_poses(), np.zeros((480, 6)), np.zeros((480, 6)))
     measured = matrices @ U[[0, 1, 2, 3, *range(10, 20)]] + np.random.default_rng(0).normal(size=(480, 6))
-    expected = gauss_markov(matrices, measured, model.names, ONES)
-    found = nonlinear(matrices, measured, model, ONES, {})
+    regression = Regression(matrices, measured, model.names)
+    expected = gauss_markov(regression, ONES)
+    found = nonlinear(regression, model, ONES, {})
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-9)
 
 
 def test_known_values_that_are_linear_give_the_partial_linear_estimate() -> None:
     known = {"m": 31.0, "xC": 0.0, "yC": 0.0, "zC": 0.1, "IC11": 1.3, "k0": 24.0}
     expected = estimate_selected(
-        A, forces(0), NAMES, select(MODEL, known), lambda a, f, names: gauss_markov(a, f, names, ONES)
+        Regression(A, forces(0), NAMES), select(MODEL, known), lambda free: gauss_markov(free, ONES)
     )
-    found = nonlinear(A, forces(0), MODEL, ONES, known)
+    found = nonlinear(Regression(A, forces(0), NAMES), MODEL, ONES, known)
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-9, atol=1e-10)
     np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-8, atol=1e-14)
     assert (found.freedom, found.rank) == (expected.freedom, expected.rank)
@@ -92,7 +93,7 @@ def test_known_values_that_are_linear_give_the_partial_linear_estimate() -> None
 def test_a_known_central_inertia_without_its_centre_of_gravity_is_the_least_squares_one() -> None:
     """Not linear: no small change along the free parameters lowers chi^2."""
     known = {"IC11": 1.26, "IC22": 1.21, "IC33": 0.91}
-    found = nonlinear(A, forces(0), MODEL, ONES, known)
+    found = nonlinear(Regression(A, forces(0), NAMES), MODEL, ONES, known)
     values, covariance = FORM.of(found.values, found.covariance)
     for name, value in known.items():
         assert values[PHYSICAL.index(name)] == pytest.approx(value, rel=1e-12)
@@ -106,7 +107,7 @@ def test_a_known_central_inertia_without_its_centre_of_gravity_is_the_least_squa
 
 def test_intervals_hold_the_truth_in_95_of_100_where_the_problem_is_not_linear() -> None:
     def fit(seed: int):
-        return nonlinear(A, forces(seed), MODEL, ONES, {"IC11": 1.26, "IC13": 0.0})
+        return nonlinear(Regression(A, forces(seed), NAMES), MODEL, ONES, {"IC11": 1.26, "IC13": 0.0})
 
     assert 0.92 <= coverage(fit, U) <= 0.98
 
@@ -114,22 +115,23 @@ def test_intervals_hold_the_truth_in_95_of_100_where_the_problem_is_not_linear()
 def test_a_filter_and_nuisances_are_treated_as_in_the_linear_estimate() -> None:
     late, filtered = np.random.default_rng(2).normal(size=(200, 6, 1)), Filtered(0.1, 5)
     wide = np.dstack([A, late])
-    expected = gauss_markov(wide, forces(0), [*NAMES, "delay"], ONES, 1, filtered)
-    found = nonlinear(wide, forces(0), MODEL, ONES, {}, filtered)
+    regression = Regression(wide, forces(0), [*NAMES, "delay"], 1, filtered)
+    expected = gauss_markov(regression, ONES)
+    found = nonlinear(regression, MODEL, ONES, {})
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-8)
     np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-8, atol=1e-14)
     assert (found.s0, found.rank) == (pytest.approx(expected.s0), expected.rank)
 
 
 def test_data_without_noise_give_the_parameters_exactly() -> None:
-    found = nonlinear(A, A @ U, MODEL, ONES, {})
+    found = nonlinear(Regression(A, A @ U, NAMES), MODEL, ONES, {})
     np.testing.assert_allclose(FORM.of(found.values, found.covariance)[0], TRUE, rtol=1e-9, atol=1e-11)
 
 
 def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solver, "STEPS", 1)
     with pytest.raises(IdentificationError, match="did not become small within 1"):
-        nonlinear(A, forces(0), MODEL, ONES, {})
+        nonlinear(Regression(A, forces(0), NAMES), MODEL, ONES, {})
 
 
 @pytest.mark.parametrize(
@@ -143,12 +145,12 @@ def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_what_cannot_be_known_is_said_in_a_line(known, message: str) -> None:
     with pytest.raises(IdentificationError, match=message) as caught:
-        nonlinear(A, forces(0), MODEL, ONES, known)
+        nonlinear(Regression(A, forces(0), NAMES), MODEL, ONES, known)
     one_line(caught.value)
 
 
 def test_parameters_that_a_standstill_does_not_determine_are_named() -> None:
     still = MODEL.matrices(*paper_poses(), np.zeros((480, 6)), np.zeros((480, 6)))
     with pytest.raises(IdentificationError, match=r"rank 14 of 20: IC11, IC12, .* not determined") as caught:
-        nonlinear(still, still @ U, MODEL, ONES, {})
+        nonlinear(Regression(still, still @ U, NAMES), MODEL, ONES, {})
     one_line(caught.value)

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from cases.loading import load_case
 from identification.estimation.coloured_noise import Turned, coloured_covariance, turned
 from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import matern
+from identification.estimation.fit import Regression, matern
 from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
@@ -57,7 +57,7 @@ def field(seed: int, length: float = 0.07) -> np.ndarray:
 
 def left(noise: np.ndarray) -> tuple[np.ndarray, Turned]:
     """Errors of the parameters by a noise, and the residuals of the fit."""
-    fit = gauss_markov(A, noise, NAMES, np.ones(6))
+    fit = gauss_markov(Regression(A, noise, NAMES), np.ones(6))
     return fit.values, turned(A, fit.residuals, np.ones(6))
 
 
@@ -99,7 +99,7 @@ def test_its_size_and_length_are_told() -> None:
     sizes, lengths = [], []
     for seed in range(6):
         noise = field(seed, 0.05) + 0.1 * memory(seed, 0.0)
-        fit = gauss_markov(A, noise, NAMES, np.ones(6))
+        fit = gauss_markov(Regression(A, noise, NAMES), np.ones(6))
         found = covariance_by_pose(turned(A, fit.residuals, np.ones(6)), STRUTS, fit.residuals)
         assert found is not None
         sizes.append(found.field.size**2)
@@ -110,7 +110,7 @@ def test_its_size_and_length_are_told() -> None:
 
 def test_it_does_not_depend_on_the_units_of_parameters_or_forces() -> None:
     noise = field(1) + 0.3 * memory(1, 0.3)
-    fit = gauss_markov(A, noise, NAMES, np.ones(6))
+    fit = gauss_markov(Regression(A, noise, NAMES), np.ones(6))
     unit, newton = np.logspace(-3, 4, UNKNOWNS), 1e3
     plain = covariance_by_pose(turned(A, fit.residuals, np.ones(6)), STRUTS)
     scaled = covariance_by_pose(turned(newton * A * unit, newton * fit.residuals, np.ones(6)), STRUTS)
@@ -124,7 +124,7 @@ def test_it_does_not_depend_on_the_units_of_parameters_or_forces() -> None:
 def test_samples_that_are_missing_do_not_bring_their_neighbours_together() -> None:
     """Half of the samples with a gap between: the covariance is that of the places that they have in time."""
     noise, kept = field(2) + 0.3 * memory(2, 0.3), np.r_[0:100, 200:300]
-    fit = gauss_markov(A[kept], noise[kept], NAMES, np.ones(6))
+    fit = gauss_markov(Regression(A[kept], noise[kept], NAMES), np.ones(6))
     found = covariance_by_pose(turned(A[kept], fit.residuals, np.ones(6), kept), STRUTS[kept])
     later = covariance_by_pose(turned(A[kept], fit.residuals, np.ones(6), kept + 7), STRUTS[kept])
     assert found is not None

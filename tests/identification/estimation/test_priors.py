@@ -6,7 +6,7 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation import nonlinear as solver
 from identification.estimation.compressed import gauss_markov, with_kernel
-from identification.estimation.fit import Filtered, Fit
+from identification.estimation.fit import Filtered, Fit, Regression
 from identification.estimation.priors import Prior, PriorEffect, PseudoMeasurements, with_priors
 from tests.helpers import few, one_line, paper_poses, taylor_slope
 from tests.identification.moving_run import FORM, MODEL, NAMES, ONES, PHYSICAL, SAMPLES, A, U, coverage, forces
@@ -27,12 +27,12 @@ STD = dict(zip(BODY, [0.05, 5e-4, 5e-4, 5e-4, 0.01, 0.005, 0.005, 0.01, 0.005, 0
 def estimated(
     seed: int, priors: list[Prior] | tuple[Prior, ...], **options: object
 ) -> tuple[Fit, tuple[PriorEffect, ...]]:
-    return with_priors(A, forces(seed), MODEL, ONES, priors)
+    return with_priors(Regression(A, forces(seed), NAMES), MODEL, ONES, priors)
 
 
 def test_linear_priors_give_the_mean_of_data_and_prior_weighted_by_their_information() -> None:
     """The normal equations of both: (F / s0^2 + P) u = A^T f / s0^2 + P value."""
-    free = gauss_markov(A, forces(0), NAMES, ONES)
+    free = gauss_markov(Regression(A, forces(0), NAMES), ONES)
     rows, values = np.zeros((4, 20)), np.array([p.value / p.std for p in LINEAR])
     for k, prior in enumerate(LINEAR):
         rows[k, NAMES.index(prior.name)] = 1.0 / prior.std
@@ -47,7 +47,7 @@ def test_linear_priors_give_the_mean_of_data_and_prior_weighted_by_their_informa
 
 
 def test_a_prior_that_says_nothing_changes_nothing() -> None:
-    free = with_kernel(gauss_markov(A, forces(0), NAMES, ONES), A)
+    free = with_kernel(gauss_markov(regression := Regression(A, forces(0), NAMES), ONES), regression)
     found, effects = estimated(0, [Prior("m", 0.0, 1e9), Prior("zC", 0.0, 1e9)])
     np.testing.assert_allclose(found.values, free.values, rtol=1e-8)
     np.testing.assert_allclose(found.covariance, free.covariance, rtol=1e-8, atol=1e-14)
@@ -119,12 +119,13 @@ def test_honest_priors_conflict_as_a_standard_normal_and_wrong_ones_stand_out() 
     wrong, (effect,) = estimated(0, [Prior("m", 33.0, 0.05)])
     assert effect.conflict > 10.0
     assert effect.moved > 5.0
-    assert wrong.s0 == pytest.approx(gauss_markov(A, forces(0), NAMES, ONES).s0)  # it does not hide in the noise
+    free = gauss_markov(Regression(A, forces(0), NAMES), ONES)
+    assert wrong.s0 == pytest.approx(free.s0)  # it does not hide in the noise
 
 
 def test_inertia_that_a_standstill_cannot_show_comes_from_the_design_alone() -> None:
     measured = STATIC @ U + np.random.default_rng(0).normal(size=(480, 6))
-    found, all_effects = with_priors(STATIC, measured, MODEL, ONES, CAD)
+    found, all_effects = with_priors(Regression(STATIC, measured, NAMES), MODEL, ONES, CAD)
     effects = {e.prior.name: e for e in all_effects}
     estimates, rows = PseudoMeasurements.of(CAD, MODEL).at(found.values)
     std = np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows))
@@ -135,39 +136,42 @@ def test_inertia_that_a_standstill_cannot_show_comes_from_the_design_alone() -> 
         k = all_effects.index(effect)
         assert (estimates[k], std[k]) == (pytest.approx(nominal, abs=1e-9), pytest.approx(0.5))
     assert effects["m"].data_share > 0.9
-    static = gauss_markov(STATIC[:, :, [0, 1, 2, 3, *range(10, 20)]], measured, [""] * 14, ONES)
+    static = gauss_markov(Regression(STATIC[:, :, [0, 1, 2, 3, *range(10, 20)]], measured, [""] * 14), ONES)
     assert (found.s0, found.freedom) == (pytest.approx(static.s0), static.freedom)
 
 
 def test_what_neither_data_nor_priors_determine_is_named() -> None:
     with pytest.raises(IdentificationError, match="rank 19 of 20: I23 not determined") as caught:
-        with_priors(STATIC, STATIC @ U, MODEL, ONES, [p for p in CAD if p.name != "IC23"])
+        with_priors(Regression(STATIC, STATIC @ U, NAMES), MODEL, ONES, [p for p in CAD if p.name != "IC23"])
     one_line(caught.value)
 
 
 def test_a_filter_and_nuisances_are_treated_as_in_the_linear_estimate() -> None:
     late, filtered = np.random.default_rng(2).normal(size=(SAMPLES, 6, 1)), Filtered(0.1, 5)
     wide = np.dstack([A, late])
-    expected = gauss_markov(wide, forces(0), [*NAMES, "delay"], ONES, 1, filtered)
-    found, _ = with_priors(wide, forces(0), MODEL, ONES, [Prior("m", 0.0, 1e9)], filtered)
+    regression = Regression(wide, forces(0), [*NAMES, "delay"], 1, filtered)
+    expected = gauss_markov(regression, ONES)
+    found, _ = with_priors(regression, MODEL, ONES, [Prior("m", 0.0, 1e9)])
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-7)
     np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-7, atol=1e-13)
     assert (found.s0, found.freedom) == (pytest.approx(expected.s0), pytest.approx(expected.freedom))
 
 
 def test_data_without_noise_overrule_every_prior() -> None:
-    found, _ = with_priors(A, A @ U, MODEL, ONES, CAD)
+    found, _ = with_priors(Regression(A, A @ U, NAMES), MODEL, ONES, CAD)
     np.testing.assert_allclose(found.values, U, rtol=1e-7, atol=1e-8)
 
 
 def test_without_priors_it_is_gauss_markov() -> None:
-    np.testing.assert_allclose(estimated(0, [])[0].values, gauss_markov(A, forces(0), NAMES, ONES).values, rtol=1e-8)
+    np.testing.assert_allclose(
+        estimated(0, [])[0].values, gauss_markov(Regression(A, forces(0), NAMES), ONES).values, rtol=1e-8
+    )
 
 
 def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solver, "STEPS", 1)
     with pytest.raises(IdentificationError, match="did not become small within 1"):
-        with_priors(A, forces(0), MODEL, ONES, CAD)
+        with_priors(Regression(A, forces(0), NAMES), MODEL, ONES, CAD)
 
 
 @pytest.mark.parametrize(
@@ -182,5 +186,5 @@ def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_priors_that_cannot_be_used_are_said_in_a_line(priors: list[Prior], message: str) -> None:
     with pytest.raises(IdentificationError, match=message) as caught:
-        with_priors(A, forces(0), MODEL, ONES, priors)
+        with_priors(Regression(A, forces(0), NAMES), MODEL, ONES, priors)
     one_line(caught.value)

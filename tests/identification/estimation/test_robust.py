@@ -6,13 +6,13 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation import robust
 from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Filtered
+from identification.estimation.fit import Filtered, Regression
 from identification.estimation.robust import huber
 from tests.helpers import few, one_line
 from tests.identification.moving_run import NAMES, ONES, A, U, coverage, forces
 
 Array = np.ndarray
-PRECISION = np.linalg.inv(gauss_markov(A, forces(0), NAMES, ONES).covariance)
+PRECISION = np.linalg.inv(gauss_markov(Regression(A, forces(0), NAMES), ONES).covariance)
 UNITS = np.array([1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3])
 
 
@@ -31,7 +31,10 @@ def distance(values: Array) -> float:
 @pytest.mark.slow
 def test_of_clean_data_it_wastes_5_percent() -> None:
     """Efficiency 0.95 within what 100 runs can show, and s0 of (27)."""
-    pairs = [(huber(A, forces(s), NAMES, True)[0], gauss_markov(A, forces(s), NAMES, ONES)) for s in range(100)]
+    pairs = [
+        (huber(Regression(A, forces(s), NAMES), True)[0], gauss_markov(Regression(A, forces(s), NAMES), ONES))
+        for s in range(100)
+    ]
     efficiency = sum(distance(g.values) for _, g in pairs) / sum(distance(h.values) for h, _ in pairs)
     assert 0.92 < efficiency < 0.98
     assert np.mean([h.s0 / g.s0 for h, g in pairs]) == pytest.approx(1.0, abs=0.01)
@@ -41,10 +44,13 @@ def test_of_clean_data_it_wastes_5_percent() -> None:
 
 @pytest.mark.parametrize("pooled", [True, False])
 def test_gross_errors_of_5_percent_do_little_to_it_and_ruin_least_squares(pooled: bool) -> None:
-    found = [huber(A, with_gross_errors(s), NAMES, pooled)[0] for s in range(10)]
+    found = [huber(Regression(A, with_gross_errors(s), NAMES), pooled)[0] for s in range(10)]
     assert all(r.findings == () for r in found)
     assert np.mean([distance(r.values) for r in found]) < 2.0 * 20
-    assert np.mean([distance(gauss_markov(A, with_gross_errors(s), NAMES, ONES).values) for s in range(10)]) > 200 * 20
+    assert (
+        np.mean([distance(gauss_markov(Regression(A, with_gross_errors(s), NAMES), ONES).values) for s in range(10)])
+        > 200 * 20
+    )
     for r in found:
         np.testing.assert_allclose(r.weights**-0.5, 1.0, rtol=0.35)  # an MAD of 200 forces is known to 8 %
 
@@ -52,12 +58,12 @@ def test_gross_errors_of_5_percent_do_little_to_it_and_ruin_least_squares(pooled
 @pytest.mark.parametrize("pooled", few(True, False))
 @pytest.mark.parametrize("data", few(with_gross_errors, forces))
 def test_95_of_100_intervals_hold_the_truth_with_and_without_gross_errors(pooled: bool, data) -> None:
-    assert 0.92 <= coverage(lambda s: huber(A, data(s), NAMES, pooled)[0], U) <= 0.98
+    assert 0.92 <= coverage(lambda s: huber(Regression(A, data(s), NAMES), pooled)[0], U) <= 0.98
 
 
 def test_it_solves_hubers_equations() -> None:
     """Sum psi(r / s) a / s = 0 at the scale of the residuals themselves."""
-    result, _ = huber(A, with_gross_errors(3), NAMES, pooled=False)
+    result, _ = huber(Regression(A, with_gross_errors(3), NAMES), pooled=False)
     residuals = result.residuals
     mad = 1.482602218505602 * np.median(np.abs(residuals), axis=0) * np.sqrt(1200 / 1180)
     np.testing.assert_allclose(result.weights**-0.5, mad, rtol=1e-9)
@@ -69,15 +75,15 @@ def test_it_solves_hubers_equations() -> None:
 def test_attention_falls_where_forces_are_wrong() -> None:
     measured = forces(5)
     measured[40:44, 2] += 300.0
-    _, kept = huber(A, measured, NAMES, pooled=True)
+    _, kept = huber(Regression(A, measured, NAMES), pooled=True)
     assert kept[40:44, 2].max() < 0.01
     np.testing.assert_allclose(np.mean(kept < 1.0, axis=0), 0.179, atol=0.09)
     assert np.all((kept >= 0.0) & (kept <= 1.0))
 
 
 def test_units_of_channels_do_not_matter_where_each_has_its_scale() -> None:
-    plain, _ = huber(A, forces(0), NAMES, pooled=False)
-    scaled, _ = huber(A * UNITS[:, None], forces(0) * UNITS, NAMES, pooled=False)
+    plain, _ = huber(Regression(A, forces(0), NAMES), pooled=False)
+    scaled, _ = huber(Regression(A * UNITS[:, None], forces(0) * UNITS, NAMES), pooled=False)
     np.testing.assert_allclose(scaled.values, plain.values, rtol=1e-5, atol=1e-7)
     np.testing.assert_allclose(scaled.covariance, plain.covariance, rtol=1e-4, atol=1e-12)
     np.testing.assert_allclose(scaled.weights, plain.weights / UNITS**2, rtol=2e-5)
@@ -85,7 +91,7 @@ def test_units_of_channels_do_not_matter_where_each_has_its_scale() -> None:
 
 
 def test_it_meets_exact_data_exactly() -> None:
-    np.testing.assert_allclose(huber(A, A @ U, NAMES, pooled=True)[0].values, U, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(huber(Regression(A, A @ U, NAMES), pooled=True)[0].values, U, rtol=1e-9, atol=1e-9)
 
 
 def test_behind_a_filter_it_agrees_with_gauss_markov() -> None:
@@ -93,17 +99,17 @@ def test_behind_a_filter_it_agrees_with_gauss_markov() -> None:
     filtered, noise = Filtered(0.2, 5), np.random.default_rng(0).normal(size=(1000, 6))
     kept = A @ U + noise.reshape(200, 5, 6).mean(axis=1)
     (result, _), expected = (
-        huber(A, kept, NAMES, True, filtered=filtered),
-        gauss_markov(A, kept, NAMES, ONES, 0, filtered),
+        huber(Regression(A, kept, NAMES, filtered=filtered), True),
+        gauss_markov(Regression(A, kept, NAMES, filtered=filtered), ONES),
     )
     assert result.s0 == pytest.approx(expected.s0, rel=0.05)
     np.testing.assert_allclose(np.diag(result.covariance) / np.diag(expected.covariance), 1.05, atol=0.25)
 
 
 def test_it_says_when_it_does_not_converge(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert huber(A, with_gross_errors(0), NAMES, True)[0].findings == ()
+    assert huber(Regression(A, with_gross_errors(0), NAMES), True)[0].findings == ()
     monkeypatch.setattr(robust, "ROUNDS", 3)
-    result, _ = huber(A, with_gross_errors(0), NAMES, True)
+    result, _ = huber(Regression(A, with_gross_errors(0), NAMES), True)
     assert "W still changed after 3 rounds" in result.findings[0].sentence
 
 
@@ -113,18 +119,18 @@ def test_a_stuck_channel_is_named(reading: float) -> None:
     measured = np.random.default_rng(2).normal(size=(200, 6))
     measured[:, 3] = reading
     with pytest.raises(IdentificationError, match="channel 4 ") as caught:
-        huber(matrices, measured, [f"u{k}" for k in range(10)], pooled=False)
+        huber(Regression(matrices, measured, [f"u{k}" for k in range(10)]), pooled=False)
     one_line(caught.value)
 
 
 def test_forces_that_are_all_zero_are_refused_where_each_channel_has_its_scale() -> None:
     with pytest.raises(IdentificationError) as caught:
-        huber(A, np.zeros((200, 6)), NAMES, pooled=True)
+        huber(Regression(A, np.zeros((200, 6)), NAMES), pooled=True)
     one_line(caught.value)
 
 
 def test_channels_that_are_alike_share_one_scale() -> None:
-    found, _ = huber(A * UNITS[:, None], forces(0) * UNITS, NAMES, pooled=False, alike=(0, 0, 0, 1, 1, 1))
+    found, _ = huber(Regression(A * UNITS[:, None], forces(0) * UNITS, NAMES), pooled=False, alike=(0, 0, 0, 1, 1, 1))
     scales = found.weights**-0.5
     assert np.ptp(scales[:3]) == np.ptp(scales[3:]) == 0.0
     assert scales[3] == pytest.approx(1e-3 * scales[0], rel=0.1)

@@ -9,6 +9,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from identification.estimation.channel_weights import per_channel
 from identification.estimation.compressed import gauss_markov
+from identification.estimation.fit import Regression
 from identification.estimation.nonlinear import estimate_selected
 from identification.estimation.robust import huber
 from identification.model import identification_model
@@ -17,7 +18,7 @@ from tests.helpers import one_line
 from tests.identification.moving_run import CASE, FORM, MODEL, NAMES, ONES, PHYSICAL, A, coverage, forces, truth_with
 
 EQUAL = partial(gauss_markov, weights=ONES)
-FREE = EQUAL(A, forces(0), NAMES)
+FREE = EQUAL(Regression(A, forces(0), NAMES))
 KNOWN = {"m": 31.0, "xC": 0.002, "yC": -0.001, "zC": 0.1, "IC11": 1.2, "IC12": 0.01, "IC23": -0.02, "k0": 20.0}
 
 
@@ -26,7 +27,7 @@ def physical(values: np.ndarray) -> dict[str, float]:
 
 
 def test_known_values_come_back_exactly_and_without_variance() -> None:
-    fit = estimate_selected(A, forces(0), NAMES, select(MODEL, KNOWN), EQUAL)
+    fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, KNOWN), EQUAL)
     found = physical(fit.values)
     for name, value in KNOWN.items():
         assert found[name] == pytest.approx(value, rel=1e-10), name
@@ -49,7 +50,7 @@ def test_it_is_the_least_squares_estimate_under_constraints() -> None:
     information = matrix.T @ matrix / np.outer(scale, scale)
     system = np.block([[information, (c / scale).T], [c / scale, np.zeros((4, 4))]])
     right = np.r_[matrix.T @ forces(0).ravel() / scale, d]
-    fit = estimate_selected(A, forces(0), NAMES, select(MODEL, known), EQUAL)
+    fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, known), EQUAL)
     np.testing.assert_allclose(fit.values, np.linalg.solve(system, right)[:20] / scale, rtol=1e-8, atol=1e-8)
     inverse = np.linalg.inv(system)[:20, :20] / np.outer(scale, scale)
     np.testing.assert_allclose(fit.covariance, fit.s0**2 * inverse, rtol=1e-6, atol=1e-12)
@@ -59,7 +60,7 @@ def test_it_is_the_least_squares_estimate_under_constraints() -> None:
 def test_knowing_what_the_data_say_anyway_changes_nothing_but_certainty() -> None:
     found = physical(FREE.values)
     known = {name: found[name] for name in ("m", "xC", "yC", "zC", "IC11", "IC13", "k3")}
-    fit = estimate_selected(A, forces(0), NAMES, select(MODEL, known), EQUAL)
+    fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, known), EQUAL)
     np.testing.assert_allclose(fit.values, FREE.values, rtol=1e-8, atol=1e-9)
     assert np.all(np.diag(fit.covariance) <= np.diag(FREE.covariance) * (1.0 + 1e-3))
 
@@ -67,8 +68,8 @@ def test_knowing_what_the_data_say_anyway_changes_nothing_but_certainty() -> Non
 def test_dropped_columns_are_as_if_they_had_never_been_there() -> None:
     dropped = ("I12", "I13", "I23", "k1")
     keep = [k for k, name in enumerate(NAMES) if name not in dropped]
-    expected = EQUAL(A[:, :, keep], forces(0), [NAMES[k] for k in keep])
-    fit = estimate_selected(A, forces(0), NAMES, select(MODEL, {}, dropped), EQUAL)
+    expected = EQUAL(Regression(A[:, :, keep], forces(0), [NAMES[k] for k in keep]))
+    fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, {}, dropped), EQUAL)
     np.testing.assert_allclose(fit.values[keep], expected.values)
     np.testing.assert_allclose(fit.covariance[np.ix_(keep, keep)], expected.covariance)
     np.testing.assert_array_equal(np.delete(fit.values, keep), 0.0)
@@ -91,21 +92,20 @@ def test_a_tare_leaves_only_the_offsets() -> None:
     """What was identified before stays, by linear names; new offsets are the mean of what it leaves."""
     known = {name: float(v) for name, v in zip(NAMES, FREE.values, strict=True) if not name.startswith("f_q0")}
     offsets = [name.startswith("f_q0") for name in NAMES]
-    fit = estimate_selected(A[:10], forces(1)[:10], NAMES, select(MODEL, known), EQUAL)
+    fit = estimate_selected(Regression(A[:10], forces(1)[:10], NAMES), select(MODEL, known), EQUAL)
     rest = forces(1)[:10] - A[:10] @ np.where(offsets, 0.0, FREE.values)
     np.testing.assert_allclose(fit.values[offsets], rest.mean(axis=0))
 
 
 @pytest.mark.parametrize(
     "estimator",
-    [EQUAL, per_channel, lambda a, f, names: huber(a, f, names, pooled=True)[0]],
+    [EQUAL, per_channel, lambda regression: huber(regression, pooled=True)[0]],
     ids=["W=1", "W", "huber"],
 )
 def test_every_estimator_serves_it_and_nuisances_stay_free(estimator) -> None:
     late = np.random.default_rng(2).normal(size=(200, 6, 1))
-    fit = estimate_selected(
-        np.dstack([A, late]), forces(0) + 3.0 * late[:, :, 0], [*NAMES, "delay"], select(MODEL, {"m": 31.83}), estimator
-    )
+    late_too = Regression(np.dstack([A, late]), forces(0) + 3.0 * late[:, :, 0], [*NAMES, "delay"])
+    fit = estimate_selected(late_too, select(MODEL, {"m": 31.83}), estimator)
     assert fit.values.shape == (21,)
     assert fit.values[0] == 31.83
     assert fit.values[-1] == pytest.approx(3.0, abs=4.0 * np.sqrt(fit.covariance[-1, -1]))
@@ -116,7 +116,7 @@ def test_intervals_of_the_rest_hold_the_truth_in_95_of_100() -> None:
     selection = select(MODEL, {**symmetric_platform(MODEL), "m": 31.83})
 
     def fit(seed: int):
-        return estimate_selected(A, forces(seed, truth), NAMES, selection, EQUAL)
+        return estimate_selected(Regression(A, forces(seed, truth), NAMES), selection, EQUAL)
 
     assert 0.92 <= coverage(fit, truth) <= 0.98
 
@@ -147,14 +147,14 @@ def test_what_cannot_be_selected_is_said_in_a_line(known, dropped, message: str)
 @pytest.mark.parametrize("centre", ["xC", "yC"])
 def test_a_central_product_of_inertia_needs_one_of_its_two_coordinates(centre: str) -> None:
     known = {centre: 0.01, "IC12": 0.05}
-    fit = estimate_selected(A, forces(0), NAMES, select(MODEL, known), EQUAL)
+    fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, known), EQUAL)
     found = physical(fit.values)
     assert [found[n] for n in known] == pytest.approx([0.01, 0.05])
 
 
 def test_a_first_moment_of_zero_or_with_the_mass_tells_the_centre() -> None:
     for known in ({"myC": 0.0, "mzC": 0.0, "IC11": 1.2}, {"m": 30.0, "myC": 0.3, "mzC": 3.0, "IC11": 1.2}):
-        fit = estimate_selected(A, forces(0), NAMES, select(MODEL, known), EQUAL)
+        fit = estimate_selected(Regression(A, forces(0), NAMES), select(MODEL, known), EQUAL)
         assert physical(fit.values)["IC11"] == pytest.approx(1.2)
 
 
