@@ -101,7 +101,8 @@ def fit_samples(
         effects = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
         moves = basis @ gain(columns @ basis, w, effects)
         if how.biases is not None:
-            taken += moves[:, 1:] @ how.biases.require_accelerometer().covariance @ moves[:, 1:].T
+            covariance = np.array(how.biases.require_accelerometer().covariance_m2_s4)
+            taken += moves[:, 1:] @ covariance @ moves[:, 1:].T
         if fixed_delay is not None:
             more += fixed_delay.std**2 * np.outer(moves[:, 0], moves[:, 0])
     more += taken

@@ -23,7 +23,7 @@ from identification.estimation.estimators import FitProblem, Method
 from identification.finding import Kind, note, warning
 from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
-from identification.findings.wiring import fitting_case, require_wiring
+from identification.findings.wiring import fitting_case, other_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, fit_samples
 from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
@@ -212,10 +212,12 @@ def estimate_parameters(
             try:
                 estimate = _estimated(recording, case, model, how, conditioning)
             except (IdentificationError, RecordingError) as error:
-                require_wiring(recording, case, model, negative=isinstance(error, NegativeMass))
+                if said := other_wiring(recording, case, model, negative=isinstance(error, NegativeMass)):
+                    raise IdentificationError(said) from error
                 raise
-            if estimate.warnings or leaves_much(estimate.fit, estimate.evaluated.forces, case):
-                require_wiring(recording, case, model)
+            doubtful = estimate.warnings or leaves_much(estimate.fit, estimate.evaluated.forces, case)
+            if doubtful and (said := other_wiring(recording, case, model)):
+                raise IdentificationError(said)
         return estimate
     except (IdentificationError, RecordingError) as error:
         raise error.at(recording.source) from error

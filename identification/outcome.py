@@ -228,5 +228,5 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     larger = np.maximum(std, np.sqrt(np.diag(robust)))
     growth = larger / np.where(std > 0.0, std, 1.0)
     bias = record["accelerometer"]
-    bias = None if bias is None else AccelerometerBias.of_json(bias)
+    bias = None if bias is None else AccelerometerBias.model_validate(bias)
     return Biases(str(path), result.values[offsets], white * np.outer(growth, growth), bias, remarks)

@@ -169,10 +169,11 @@ _CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in IN
 
 @dataclass(frozen=True)
 class PhysicalForm:
-    """Physical parameters of a model and the map to them."""
+    """Physical parameters of a model, and the maps to them and back."""
 
     parameters: tuple[Parameter, ...]  # names and units; mass first, as in u
     map: ca.Function  # u -> (physical parameters, their derivative with respect to u)
+    inverse: ca.Function  # physical parameters -> (u, its derivative with respect to them)
 
     def of(self, linear: ArrayLike, covariance: ArrayLike) -> tuple[Array, Array]:
         """Physical parameters and their covariance, propagated to first order.
@@ -187,30 +188,29 @@ class PhysicalForm:
 
 def physical_form(model: "Model") -> PhysicalForm:
     """The physical form of a model's parameters: centre of gravity for first moments, central inertia for inertia."""
-    u = ca.SX.sym("u", len(model.parameters))
-    if MASS not in model.blocks:  # offsets alone
-        return PhysicalForm(model.parameters, ca.Function("physical", [u], [u, ca.SX.eye(len(model.parameters))]))
-    mass = u[model.names.index(MASS.parameters[0].name)]
-    first = model.names.index(FIRST_MOMENT.parameters[0].name)
-    centre = u[first : first + 3] / mass
-    values: list[ca.SX] = []
-    parameters: list[Parameter] = []
-    start = 0
-    for block in model.blocks:
-        part = u[start : start + len(block.parameters)]
-        start += len(block.parameters)
-        if block is FIRST_MOMENT:
-            values.append(centre)
-            parameters += _CENTRE
-        elif block is INERTIA:
-            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
-            values.append(part - ca.vertcat(*(steiner[i, j] for i, j in INERTIA_INDEX)))
-            parameters += _CENTRAL_INERTIA
-        else:
-            values.append(part)
-            parameters += block.parameters
-    physical = ca.vertcat(*values)
-    return PhysicalForm(tuple(parameters), ca.Function("physical", [u], [physical, ca.jacobian(physical, u)]))
+    u, p = (ca.SX.sym(name, len(model.parameters)) for name in ("u", "p"))
+    physical, linear, parameters = ca.SX(u), ca.SX(p), list(model.parameters)
+    if MASS in model.blocks:  # else offsets alone
+        mass, start = model.names.index("m"), model.names.index(FIRST_MOMENT.parameters[0].name)
+        first = slice(start, start + 3)
+        physical[first], linear[first], parameters[first] = u[first] / u[mass], p[mass] * p[first], _CENTRE
+        if INERTIA in model.blocks:
+            start = model.names.index(INERTIA.parameters[0].name)
+            second = slice(start, start + 6)
+            physical[second] -= _parallel_axes(u[mass], physical[first])
+            linear[second] += _parallel_axes(p[mass], p[first])
+            parameters[second] = _CENTRAL_INERTIA
+    return PhysicalForm(
+        tuple(parameters),
+        ca.Function("physical", [u], [physical, ca.jacobian(physical, u)]),
+        ca.Function("linear", [p], [linear, ca.jacobian(linear, p)]),
+    )
+
+
+def _parallel_axes(mass: ca.SX, centre: ca.SX) -> ca.SX:
+    """M S(xC)^T S(xC) in the order of `INERTIA_INDEX`, shape (6,)."""
+    square = mass * ca.skew(centre).T @ ca.skew(centre)
+    return ca.vertcat(*(square[i, j] for i, j in INERTIA_INDEX))
 
 
 def body_parameters(body: RigidBody) -> dict[str, float]:

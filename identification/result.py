@@ -117,7 +117,7 @@ class Estimate:
             "known": dict(how.known),
             "dropped": list(how.dropped),
             "biases": None if how.biases is None else how.biases.to_json(),
-            "accelerometer": None if self.accelerometer is None else self.accelerometer.to_json(),
+            "accelerometer": None if self.accelerometer is None else self.accelerometer.model_dump(),
             "priors": {p.name: {"value": p.value, "std": p.std} for p in how.priors},
             "s0": fit.s0,
             "s0_N": self.s0_N,

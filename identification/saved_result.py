@@ -9,6 +9,7 @@ from pydantic import BaseModel, BeforeValidator, Field, NonNegativeFloat, Positi
 
 from cases.errors import FileProblem
 from cases.files import read_json
+from identification.estimation.biases import AccelerometerBias
 from identification.estimation.fit import Uncertain
 from identification.model import Model
 from identification.result import SCHEMA_VERSION, Value, physical_values
@@ -21,19 +22,6 @@ def _named(entry: Any) -> Any:
     if not isinstance(entry, Mapping):  # a list would do for pydantic
         raise ValueError("is not an object")
     return entry
-
-
-Numbers = Annotated[list[float], Field(min_length=3, max_length=3)]
-
-
-class AccelerometerEntry(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
-    """Biases of an accelerometer."""
-
-    bias_m_s2: Numbers
-    std_m_s2: Numbers
-    covariance_m2_s4: Annotated[list[Numbers], Field(min_length=3, max_length=3)]
-    turn_rad: Numbers
-    rms_m_s2: NonNegativeFloat
 
 
 class Linear(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
@@ -70,7 +58,7 @@ class Parameters(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
     covariance: list[list[float]]  # covariance of the linear ones by (28)
     covariance_robust: list[list[float]]
     delay_s: Annotated[Uncertain, BeforeValidator(_named)] | None
-    accelerometer: AccelerometerEntry | None
+    accelerometer: AccelerometerBias | None
 
 
 class ResultEntries(Origin, Parameters):

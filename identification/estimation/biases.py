@@ -7,11 +7,11 @@ Errors of what is not estimated reach the estimate through its own normal equati
 Afterwards a channel that reads too much all along has drifted, or something presses on it all along.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel, Field, NonNegativeFloat
 
 from cases.errors import IdentificationError
 from cases.schema import Case
@@ -27,35 +27,17 @@ FEWEST_POSES = 3  # with fewer, biases and small turns of an accelerometer canno
 DRIFTED = 3.0  # standard deviations between offsets of a run and those that it was given
 
 
-@dataclass(frozen=True, slots=True)
-class AccelerometerBias:
-    """What an accelerometer reads beside the specific force, in the axes of {P}."""
+Numbers = Annotated[list[float], Field(min_length=3, max_length=3)]
 
-    values: Array  # shape (3,) [m/s^2]
-    covariance: Array  # shape (3, 3) [m^2/s^4]
-    turn: Array  # small rotation of the readings against the orientations, estimated beside, shape (3,) [rad]
-    rms: float  # rms residual of the readings [m/s^2]
 
-    @property
-    def std(self) -> Array:
-        """Shape (3,) [m/s^2]."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
+class AccelerometerBias(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
+    """What an accelerometer reads beside the specific force, in the axes of {P}: its entry in `result.json`."""
 
-    def to_json(self) -> dict[str, Any]:
-        """Its entry in `result.json`."""
-        return {
-            "bias_m_s2": self.values.tolist(),
-            "std_m_s2": self.std.tolist(),
-            "covariance_m2_s4": self.covariance.tolist(),
-            "turn_rad": self.turn.tolist(),
-            "rms_m_s2": self.rms,
-        }
-
-    @classmethod
-    def of_json(cls, data: Mapping[str, Any]) -> "AccelerometerBias":
-        """The biases from what `to_json` made, checked before."""
-        values, covariance, turn = (np.array(data[key]) for key in ("bias_m_s2", "covariance_m2_s4", "turn_rad"))
-        return cls(values, covariance, turn, data["rms_m_s2"])
+    bias_m_s2: Numbers
+    std_m_s2: Numbers
+    covariance_m2_s4: Annotated[list[Numbers], Field(min_length=3, max_length=3)]
+    turn_rad: Numbers  # small rotation of the readings against the orientations, estimated beside
+    rms_m_s2: NonNegativeFloat  # rms residual of the readings
 
 
 def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array) -> AccelerometerBias | None:
@@ -76,7 +58,13 @@ def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array)
     solution = np.linalg.lstsq(flat, right, rcond=None)[0]
     residuals = right - flat @ solution
     covariance = np.linalg.inv(flat.T @ flat) * float(residuals @ residuals) / (len(right) - 6)
-    return AccelerometerBias(solution[:3], covariance[:3, :3], solution[3:], float(np.sqrt(np.mean(residuals**2))))
+    return AccelerometerBias(
+        bias_m_s2=solution[:3].tolist(),
+        std_m_s2=np.sqrt(np.diag(covariance)[:3]).tolist(),
+        covariance_m2_s4=covariance[:3, :3].tolist(),
+        turn_rad=solution[3:].tolist(),
+        rms_m_s2=float(np.sqrt(np.mean(residuals**2))),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +86,7 @@ class Biases:
         """Entry of a result on the origin of its offsets."""
         return {
             "result": self.source,
-            "accelerometer": None if self.accelerometer is None else self.accelerometer.to_json(),
+            "accelerometer": None if self.accelerometer is None else self.accelerometer.model_dump(),
         }
 
     def require_accelerometer(self) -> AccelerometerBias:

@@ -10,7 +10,6 @@ the estimate is the linear one, propagated. Least squares of a non-linear residu
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import casadi as ca
 import numpy as np
 from scipy.linalg import block_diag
 
@@ -20,15 +19,7 @@ from identification.estimation.compressed import column_scale, compress, fit_alo
 from identification.estimation.fit import Fit, Regression
 from identification.finding import Kind, note
 from identification.model import Model
-from identification.parameters import (
-    FIRST_MOMENT,
-    INERTIA,
-    INERTIA_INDEX,
-    MASS,
-    Selection,
-    physical_form,
-    require_names,
-)
+from identification.parameters import Selection, physical_form, require_names
 
 
 def estimate_selected(regression: Regression, selection: Selection, estimator: Callable[[Regression], Fit]) -> Fit:
@@ -64,27 +55,6 @@ TOLERANCE = 1e-9  # of a standard deviation of each parameter
 ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
 
 
-def linear_map(model: Model) -> ca.Function:
-    """The inverse of `physical_form`: physical parameters -> (u, du/dp)."""
-    names = [p.name for p in physical_form(model).parameters]
-    p = ca.SX.sym("p", len(names))
-    mass, first = p[names.index(MASS.parameters[0].name)], names.index("xC")
-    centre = p[first : first + 3]
-    values: list[ca.SX] = []
-    start = 0
-    for block in model.blocks:
-        part = p[start : start + len(block.parameters)]
-        start += len(block.parameters)
-        if block is FIRST_MOMENT:
-            part = mass * centre
-        elif block is INERTIA:
-            steiner = mass * ca.skew(centre).T @ ca.skew(centre)
-            part = part + ca.vertcat(*(steiner[i, j] for i, j in INERTIA_INDEX))
-        values.append(part)
-    u = ca.vertcat(*values)
-    return ca.Function("linear", [p], [u, ca.jacobian(u, p)])
-
-
 def nonlinear(regression: Regression, model: Model, weights: Array, known: Mapping[str, float]) -> Fit:
     """Fit of u by Gauss-Newton in the physical parameters; rank and condition are those of the local Jacobian.
 
@@ -100,7 +70,8 @@ def nonlinear(regression: Regression, model: Model, weights: Array, known: Mappi
         IdentificationError: a name that the model does not have, a value that is not finite, no free parameter, fewer
             forces than unknowns, parameters that the data do not determine, or a search that fails.
     """
-    names = [p.name for p in physical_form(model).parameters]
+    form = physical_form(model)
+    names = [p.name for p in form.parameters]
     require_names(known, names)
     own = len(names)
     names += regression.names[own:]
@@ -110,12 +81,12 @@ def nonlinear(regression: Regression, model: Model, weights: Array, known: Mappi
     if not free.any():
         raise IdentificationError("all parameters are known; leave at least one to estimate")
     start = np.array([known.get(name, 1.0 if name == "m" else 0.0) for name in names])
-    mapping, compressed = linear_map(model), compress(regression, weights)
+    compressed = compress(regression, weights)
 
     def full(theta: Array) -> tuple[Array, Array]:
         physical = start.copy()
         physical[free] = theta
-        u, derivative = (value.full() for value in mapping(physical[:own]))
+        u, derivative = (value.full() for value in form.inverse(physical[:own]))
         jacobian = np.eye(len(names))
         jacobian[:own, :own] = derivative
         return np.r_[u[:, 0], physical[own:]], jacobian[:, free]

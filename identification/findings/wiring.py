@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from cases.errors import HexciteError, IdentificationError
+from cases.errors import HexciteError
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.recording_format import STRUTS
 from cases.schema import Case
@@ -44,19 +44,6 @@ NOTHING = 0.1  # of what the nominal body makes the readings change by; a sensor
 DULL = 1e-12  # of the larger of what forces and moments change by, squared: channels that read one value all the time
 TURNS = 0.05  # of a unit vector: how much gravity must turn in the sensor's axes, rms
 RECORD_RAW = "record the raw wrench in the sensor's axes (of Universal Robots ft_raw_wrench)"
-
-
-def require_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> None:
-    """Raises IdentificationError where exchanged or compensated channels, or exchanged struts, explain a bad run.
-
-    Args:
-        recording: a run that something speaks against.
-        model: model that its forces are compared with.
-        negative: whether the mass came out negative for certain.
-    """
-    explanation = other_wiring(recording, case, model, negative)
-    if explanation is not None:
-        raise IdentificationError(explanation)
 
 
 def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
@@ -132,7 +119,8 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     """How struts or force channels seem to be exchanged or compensated, with the remedy; None without such signs.
 
     Args:
-        model: model that the forces are compared with.
+        recording: a run that something speaks against.
+        model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
     try:

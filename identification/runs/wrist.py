@@ -156,7 +156,7 @@ def wrist_run(
     force_stream = recording.streams[0]
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
     flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
-    beside = np.zeros(3) if biases is None else biases.require_accelerometer().values
+    beside = np.zeros(3) if biases is None else np.array(biases.require_accelerometer().bias_m_s2)
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
     quaternion, of_orientation = _smooth(turning, quaternions * flips[:, None], band, reach)

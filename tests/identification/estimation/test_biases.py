@@ -43,8 +43,8 @@ def test_biases_of_an_accelerometer_are_found_within_their_errors() -> None:
     for seed in range(200):
         found = accelerometer_bias(*readings(seed, 12, 0.03), GRAVITY)
         assert found is not None
-        away.append((found.values - [0.1, -0.2, 0.05]) / found.std)
-    assert found.turn == pytest.approx([0.01, 0.0, 0.0], abs=0.005)
+        away.append((np.array(found.bias_m_s2) - [0.1, -0.2, 0.05]) / found.std_m_s2)
+    assert found.turn_rad == pytest.approx([0.01, 0.0, 0.0], abs=0.005)
     assert np.std(away) == pytest.approx(1.0, abs=0.1)
 
 

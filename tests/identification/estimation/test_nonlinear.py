@@ -8,7 +8,7 @@ from cases.errors import IdentificationError
 from identification.estimation import nonlinear as solver
 from identification.estimation.compressed import gauss_markov, with_kernel
 from identification.estimation.fit import Filtered, Regression
-from identification.estimation.nonlinear import estimate_selected, linear_map, nonlinear
+from identification.estimation.nonlinear import estimate_selected, nonlinear
 from identification.model import identification_model
 from identification.parameters import physical_form, select
 from tests.helpers import one_line, paper_poses, taylor_slope
@@ -19,21 +19,22 @@ TRUE = FORM.of(U, np.eye(20))[0]
 
 
 def linear(p: Array) -> Array:
-    return linear_map(MODEL)(p)[0].full()[:, 0]
+    return FORM.inverse(p)[0].full()[:, 0]
 
 
 @pytest.mark.parametrize("number", range(10))
 def test_it_is_the_inverse_of_the_physical_form(number: int) -> None:
     model = identification_model(CASE, number)
     u = np.random.default_rng(number).uniform(1.0, 2.0, len(model.names))
-    values, jacobian = (v.full() for v in physical_form(model).map(u))
-    back, inverse = (v.full() for v in linear_map(model)(values[:, 0]))
+    form = physical_form(model)
+    values, jacobian = (v.full() for v in form.map(u))
+    back, inverse = (v.full() for v in form.inverse(values[:, 0]))
     np.testing.assert_allclose(back[:, 0], u, rtol=1e-12)
     np.testing.assert_allclose(inverse @ jacobian, np.eye(len(u)), atol=1e-9)
 
 
 def test_its_derivative_is_right() -> None:
-    direction, jacobian = np.random.default_rng(0).normal(size=20), linear_map(MODEL)(TRUE)[1].full()
+    direction, jacobian = np.random.default_rng(0).normal(size=20), FORM.inverse(TRUE)[1].full()
     slope = taylor_slope(lambda h: linear(TRUE + h * direction), 0.0, jacobian @ direction, 0.1)
     assert slope == pytest.approx(2.0, abs=0.1)
 
@@ -98,7 +99,7 @@ def test_a_known_central_inertia_without_its_centre_of_gravity_is_the_least_squa
     for name, value in known.items():
         assert values[PHYSICAL.index(name)] == pytest.approx(value, rel=1e-12)
         assert covariance[PHYSICAL.index(name), PHYSICAL.index(name)] == pytest.approx(0.0, abs=1e-15)
-    jacobian = A.reshape(-1, 20) @ linear_map(MODEL)(values)[1].full()
+    jacobian = A.reshape(-1, 20) @ FORM.inverse(values)[1].full()
     free = [k for k, name in enumerate(PHYSICAL) if name not in known]
     gradient = jacobian[:, free].T @ found.residuals.ravel()
     sizes = np.linalg.norm(jacobian[:, free], axis=0) * np.linalg.norm(found.residuals)
