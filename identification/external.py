@@ -21,9 +21,9 @@ from identification.outcome import Result
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block
 from identification.recording import Recording
 from identification.result import Value, physical_values
-from identification.runs.preparation import moving_run, standstills
-from identification.runs.rates import on_one_clock
+from identification.runs.preparation import moving_run, on_one_clock
 from identification.runs.sample_checks import Scan, unmeasured
+from identification.runs.standstills import standstills
 
 
 class ExternalForce(NamedTuple):

@@ -35,10 +35,9 @@ from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import MOST_DELAY, Run, mode_finding, smoothed, smoothing_finding, smoothing_of
 from identification.runs.noise_sources import noise_sources
-from identification.runs.preparation import delimited, moving_run, stands_only, standstills
-from identification.runs.rates import on_one_clock
+from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import Scan, scan
-from identification.runs.standstills import average, find_standstills, match
+from identification.runs.standstills import average, find_standstills, match, standstills
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
 

@@ -34,8 +34,7 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import MM, Array, as_html
-from identification.formats.stream import Channel, Stream
-from identification.formats.table import lost_samples, unreadable
+from identification.formats.table import Channel, Stream, lost_samples, unreadable
 
 
 class Averaged(NamedTuple):

@@ -27,8 +27,9 @@ from identification.model import Model, machine_of, regressors
 from identification.parameters import OFFSETS, nominal_parameters
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY
-from identification.runs.preparation import moving_run, standstills
+from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
+from identification.runs.standstills import standstills
 from identification.runs.wrist import wrist_run
 from identification.signals import decimated
 from identification.symbolic import Kinematics

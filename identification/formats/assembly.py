@@ -33,8 +33,17 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from cases.units import MM, Array
-from identification.formats.stream import Channel, Rows, Stream
-from identification.formats.table import UNIFORMITY, ColumnTable, crowded, listed, lost_samples, shown
+from identification.formats.table import (
+    UNIFORMITY,
+    Channel,
+    ColumnTable,
+    Rows,
+    Stream,
+    crowded,
+    listed,
+    lost_samples,
+    shown,
+)
 from identification.formats.text_errors import without
 
 # Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.

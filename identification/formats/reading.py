@@ -18,8 +18,7 @@ from cases.recording_format import ROTATION, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
-from identification.formats.stream import Rows, Stream
-from identification.formats.table import ColumnTable, require_file, unreadable
+from identification.formats.table import ColumnTable, Rows, Stream, require_file, unreadable
 from identification.formats.text_errors import without
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it

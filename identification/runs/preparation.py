@@ -1,4 +1,4 @@
-"""From a recording to what is evaluated of it: its window, its filter, and what damage leaves out."""
+"""From a recording to what is evaluated of it: one clock, a window, a filter, and what damage leaves out."""
 
 from dataclasses import replace
 
@@ -7,49 +7,100 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from cases.units import Array
 from identification.finding import Finding, Kind, warning
 from identification.formats.assembly import MOST_PUT_BACK
-from identification.hexapod import StrutsDoNotClose
-from identification.model import Model, machine_of, regressors
+from identification.formats.table import Stream
+from identification.hexapod import Hexapod
+from identification.model import Model, machine_of
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.rates import at_the_forces, at_the_motion
 from identification.runs.sample_checks import Scan, bridged
-from identification.samples import Standstills
 from identification.signals import Filter, stretches
 
+OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
+HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for
+HELD = 0.98  # of the changes, that must follow the rhythm
 LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
 MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
 STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
-SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
 MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
 MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach around it
 # Bad samples in a row that a straight line replaces; behind the filter the difference is negligible.
 MOST_BRIDGED = MOST_PUT_BACK
 
 
-def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
-    """Averaged standstills, ready to be evaluated.
+def on_one_clock(recording: Recording, case: Case) -> Recording:
+    """The run with forces and struts at the same instants; those that a gap of either would hide are marked missing.
+
+    Args:
+        recording: any; without a clock or a machine, or with one rate, it is returned as it is.
+        case: case with the machine whose struts were recorded, and the range of the sensors.
 
     Raises:
-        IdentificationError: the model needs what the recording does not have, or the struts cannot close.
+        RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
     """
-    require_position(recording, model)
-    valid = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
-    still = np.zeros((int(valid.sum()), 6))
+    if (case.hexapod is None and case.chain is None) or recording.t is None:
+        return recording
+    motion = _motion(recording, case)
+    if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
+        return recording
+    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
+    if interval < OVERSAMPLED * step:
+        return at_the_forces(recording, motion)
+    return at_the_motion(recording, motion, interval, step, case)
+
+
+def _motion(recording: Recording, case: Case) -> Stream | None:
+    """The struts with their own clock; None where they have that of the forces."""
     if recording.struts is not None:
-        none = np.zeros_like(recording.struts[valid])
-        try:
-            standing = machine_of(case).kinematics(recording.struts[valid], none, none)
-        except StrutsDoNotClose as error:
-            row = int(np.flatnonzero(valid)[error.sample])
-            raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
-        matrices = regressors(model, standing)
-    else:
-        assert recording.rotations is not None  # the reader admits no recording without a pose
-        matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)
-    t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
-    scale = np.ones(len(valid)) if recording.weights is None else recording.weights
-    return Standstills(model, t[valid], recording.forces[valid], matrices, scale[valid], recording.t is not None)
+        return _released(recording)
+    stream = recording.stream_with("struts") or recording.stream_with("poses")
+    if stream is None or stream.poses is None or stream.struts is not None:
+        return stream
+    return replace(stream, struts=Hexapod.of(case).strut_lengths(stream.poses))
+
+
+def _released(recording: Recording) -> Stream | None:
+    """The samples of struts that a file holds until the next one comes; None where every row has its own.
+
+    Raises:
+        RecordingError: they are held between gaps, but not in one rhythm over these.
+    """
+    assert recording.struts is not None
+    assert recording.t is not None
+    rhythm = _rhythm_of(recording.struts)
+    if rhythm is None:
+        cuts = 1 + np.flatnonzero(recording.lost)
+        between = _rhythm_of(max(np.split(recording.struts, cuts), key=len)) if len(cuts) else None
+        if between is not None:
+            raise RecordingError(
+                f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
+                f"the struts are held for {between[0]} rows each, and a gap breaks their rhythm",
+                "cut the run there, or export struts and forces as files of their own",
+            )
+        return None
+    ratio, phase = rhythm
+    rows = slice(phase, None, ratio)
+    trigger = None if recording.trigger is None else recording.trigger[rows]
+    missing = None if recording.missing is None else recording.missing[rows]
+    return Stream(
+        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger,
+        lines=recording.lines.later(phase, ratio), missing=missing, missing_in=recording.missing_in,
+    )  # fmt: skip
+
+
+def _rhythm_of(struts: Array) -> tuple[int, int] | None:
+    """Rows for each sample of held struts, shape (n, 6), and the first of these; None where every row has its own."""
+    changes = np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
+    if len(changes) < HELD_CHANGES:
+        return None
+    ratio = int(np.median(np.diff(changes)))
+    phase = int(np.bincount(changes % ratio).argmax())
+    if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
+        return None
+    return ratio, phase
 
 
 def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
@@ -72,16 +123,14 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             "moving runs are evaluated from struts only, remove t_s if each row is an averaged standstill",
         )
     low_pass = checked_filter(recording, case)
-    count = len(recording.struts) - 2 * low_pass.margin
     warnings: tuple[Finding, ...] = ()
     bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
     invalid = spoilt_by(bad, recording.lost, low_pass)
-    if bad.any():
-        recording = replace(recording, struts=bridged(recording.struts, bad), forces=bridged(recording.forces, bad))
-    assert recording.struts is not None
+    struts = bridged(recording.struts, bad)
+    recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad))
     if whole:
-        low_pass.require(recording.struts, 0.0)
-        window = np.arange(max(count, 0))
+        low_pass.require(struts, 0.0)
+        window = np.arange(len(struts) - 2 * low_pass.margin)
     else:
         window, warnings = _window(recording, low_pass, *case.drive_words)
     together = np.flatnonzero(np.diff(window) == 1)
@@ -100,9 +149,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
 
 def stands_only(recording: Recording) -> bool:
     """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
-    if recording.t is None or recording.trigger is None or recording.struts is None:
-        return False
-    if not delimited(recording.trigger):
+    if recording.t is None or recording.struts is None or recording.trigger is None or not delimited(recording.trigger):
         return False
     ranges = [np.ptp(recording.struts[w], axis=0).max() for w in stretches(recording.trigger) if w.stop > w.start + 1]
     return bool(ranges) and bool(max(ranges) < STANDING)
@@ -138,7 +185,7 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
 
 def _other_clock(step: float, cutoff: float) -> str:
     """What to add where the time stamps make sense in a smaller unit."""
-    for unit, factor in SMALLER_UNITS.items():
+    for unit, factor in {"ms": 1e-3, "us": 1e-6}.items():
         if cutoff < 0.2 / (step * factor) < MOST_RATE:
             return f"; time stamps {step:.3g} s apart seem to be in {unit}: set recording.clock.unit = '{unit}'"
     return ""
@@ -182,13 +229,8 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding
         )
     if share <= 0.0:
         return ()
-    return (
-        warning(
-            Kind.DAMAGE,
-            f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
-            f"{reach:.3g} s on either side, as far as the filter reaches",
-        ),
-    )
+    sentence = f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
+    return (warning(Kind.DAMAGE, f"{sentence}{reach:.3g} s on either side, as far as the filter reaches"),)
 
 
 def require_position(recording: Recording, model: Model) -> None:
@@ -219,13 +261,9 @@ def _window(
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
-            warnings = (
-                warning(
-                    Kind.WINDOW,
-                    f"the {drives} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
-                    "evaluated; record a trigger where only a part is meant",
-                ),
-            )
+            sentence = f"the {drives} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
+            sentence += "evaluated; record a trigger where only a part is meant"
+            warnings = (warning(Kind.WINDOW, sentence),)
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     if travel < LEAST_TRAVEL:
         raise IdentificationError(

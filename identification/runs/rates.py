@@ -16,105 +16,16 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import Array
-from identification.formats.stream import Channel, Stream
-from identification.hexapod import Hexapod
+from identification.formats.table import Channel, Stream
 from identification.recording import Averaged, Recording
 
-OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
-HELD_CHANGES = 50  # changes of the struts, from which on a rhythm is looked for
-HELD = 0.98  # of the changes, that must follow the rhythm
 FULL_RANGE = 0.999
 ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 
 
-def on_one_clock(recording: Recording, case: Case) -> Recording:
-    """The run with forces and struts at the same instants; those that a gap of either would hide are marked missing.
-
-    Args:
-        recording: any; without a clock or a machine, or with one rate, it is returned as it is.
-        case: case with the machine whose struts were recorded, and the range of the sensors.
-
-    Raises:
-        RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
-    """
-    if (case.hexapod is None and case.chain is None) or recording.t is None:
-        return recording
-    motion = _motion(recording, case)
-    if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
-        return recording
-    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
-    if interval < OVERSAMPLED * step:
-        return _at_the_forces(recording, motion)
-    return _at_the_motion(recording, motion, interval, step, case)
-
-
-def _motion(recording: Recording, case: Case) -> Stream | None:
-    """The struts with their own clock; None where they have that of the forces."""
-    if recording.struts is not None:
-        return _released(recording)
-    stream = recording.stream_with("struts") or recording.stream_with("poses")
-    if stream is None or stream.poses is None or stream.struts is not None:
-        return stream
-    return replace(stream, struts=Hexapod.of(case).strut_lengths(stream.poses))
-
-
-def changes_of(struts: Array) -> NDArray[np.int64]:
-    """Rows of struts, shape (n, 6), that differ from the one before, shape (changes,)."""
-    return np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
-
-
-def rhythm_of(struts: Array) -> tuple[int, int] | None:
-    """Rows for each sample of held struts, shape (n, 6), and the first of these; None where every row has its own."""
-    changes = changes_of(struts)
-    if len(changes) < HELD_CHANGES:
-        return None
-    ratio = int(np.median(np.diff(changes)))
-    phase = int(np.bincount(changes % ratio).argmax())
-    if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
-        return None
-    return ratio, phase
-
-
-def _released(recording: Recording) -> Stream | None:
-    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
-    assert recording.struts is not None
-    rhythm = rhythm_of(recording.struts)
-    if rhythm is None:
-        _require_one_rhythm(recording)
-        return None
-    return _samples(recording, *rhythm)
-
-
-def _require_one_rhythm(recording: Recording) -> None:
-    """Raises RecordingError where struts are held between gaps, but not in one rhythm over these."""
-    cuts = 1 + np.flatnonzero(recording.lost)
-    if not len(cuts) or recording.struts is None:
-        return
-    longest = max(np.split(recording.struts, cuts), key=len)
-    rhythm = rhythm_of(longest)
-    if rhythm is not None:
-        raise RecordingError(
-            f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
-            f"the struts are held for {rhythm[0]} rows each, and a gap breaks their rhythm",
-            "cut the run there, or export struts and forces as files of their own",
-        )
-
-
-def _samples(recording: Recording, ratio: int, phase: int) -> Stream:
-    assert recording.struts is not None
-    assert recording.t is not None
-    rows = slice(phase, None, ratio)
-    trigger = None if recording.trigger is None else recording.trigger[rows]
-    lines = recording.lines.later(phase, ratio)
-    missing = None if recording.missing is None else recording.missing[rows]
-    return Stream(
-        recording.source, recording.t[rows], recording.struts[rows], None, None, trigger, lines=lines,
-        missing=missing, missing_in=recording.missing_in,
-    )  # fmt: skip
-
-
-def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
+def at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
+    """The run at the samples of the motion, which are an interval apart [s], the forces averaged over it."""
     assert motion.t is not None
     assert recording.t is not None
     t, forces = _measured(recording.t, recording.forces, recording.missing)
@@ -215,7 +126,7 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     return means
 
 
-def _at_the_forces(recording: Recording, motion: Stream) -> Recording:
+def at_the_forces(recording: Recording, motion: Stream) -> Recording:
     """Struts as fast as the forces or faster, on a clock of their own."""
     from scipy.interpolate import CubicSpline
 

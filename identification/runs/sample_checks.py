@@ -15,8 +15,7 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM, Array
 from identification.finding import Finding, Kind, Severity, sentences, warning
-from identification.formats.stream import Stream
-from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
+from identification.formats.table import GAP, HOST_GAP, Lines, Stream, lost_samples
 from identification.recording import Recording
 from identification.signals import stretches
 

@@ -1,4 +1,4 @@
-"""Standstills in a recorded run: detected with or without a trigger, matched to a program's poses, and averaged."""
+"""Standstills in a recorded run: detected with or without a trigger, averaged, matched to poses, made samples."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,10 +10,12 @@ from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
 from cases.units import DEG, MM, Array
 from identification.formats.table import Lines
-from identification.model import machine_of
+from identification.hexapod import StrutsDoNotClose
+from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
-from identification.runs.preparation import MOVING, delimited
-from identification.runs.sample_checks import unmeasured
+from identification.runs.preparation import MOVING, delimited, require_position
+from identification.runs.sample_checks import Scan, unmeasured
+from identification.samples import Standstills
 from identification.signals import stretches
 
 Flags = NDArray[np.bool_]
@@ -161,6 +163,31 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     degrees = None if averages.temperature is None else averages.temperature[part]
     struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
     return replace(averages, struts=struts, forces=forces, weights=weights, temperature=degrees), part
+
+
+def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
+    """Averaged standstills, ready to be evaluated.
+
+    Raises:
+        IdentificationError: the model needs what the recording does not have, or the struts cannot close.
+    """
+    require_position(recording, model)
+    valid = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
+    still = np.zeros((int(valid.sum()), 6))
+    if recording.struts is not None:
+        none = np.zeros_like(recording.struts[valid])
+        try:
+            standing = machine_of(case).kinematics(recording.struts[valid], none, none)
+        except StrutsDoNotClose as error:
+            row = int(np.flatnonzero(valid)[error.sample])
+            raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
+        matrices = regressors(model, standing)
+    else:
+        assert recording.rotations is not None  # the reader admits no recording without a pose
+        matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)
+    t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
+    scale = np.ones(len(valid)) if recording.weights is None else recording.weights
+    return Standstills(model, t[valid], recording.forces[valid], matrices, scale[valid], recording.t is not None)
 
 
 def _same(pose: Array, other: Array, turns: Flags) -> bool:

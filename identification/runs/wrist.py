@@ -20,8 +20,7 @@ from identification.estimation.biases import Biases
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.fit import Filtered, Robust
 from identification.finding import Finding
-from identification.formats.stream import Stream
-from identification.formats.table import HOST_GAP, equal_steps, lost_samples
+from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
 from identification.model import Model
 from identification.parameters import MASS
 from identification.recording import Recording

@@ -20,9 +20,9 @@ from identification.motion import Array
 from identification.outcome import Result
 from identification.parameters import physical_form
 from identification.recording import Recording, read
-from identification.runs.preparation import moving_run, standstills
-from identification.runs.rates import on_one_clock
+from identification.runs.preparation import moving_run, on_one_clock
 from identification.runs.sample_checks import scan
+from identification.runs.standstills import standstills
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_figures import predicted_std
 from planner.plan_folder import fingerprint

@@ -13,8 +13,9 @@ from identification.parameters import physical_form
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.evaluation import Run
-from identification.runs.preparation import moving_run, standstills
+from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
+from identification.runs.standstills import standstills
 from identification.simulate import ForceParts, pose_covariance
 
 

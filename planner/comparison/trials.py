@@ -19,7 +19,7 @@ from identification.motion import Array
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording, read
 from identification.result import Estimate
-from identification.runs.rates import on_one_clock
+from identification.runs.preparation import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
 from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, sensed
 from identification.trajectories.executed import Execution

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cases.loading import load_case
 from identification.identify import estimate_parameters
 from identification.recording import Recording, read, write_recording
-from identification.runs.rates import on_one_clock
+from identification.runs.preparation import on_one_clock
 from identification.samples import Conditioning
 from tests.bench.reliability.recordings import stained
 from tests.helpers import answer

@@ -25,7 +25,7 @@ from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import read
-from identification.runs.rates import on_one_clock
+from identification.runs.preparation import on_one_clock
 from identification.simulate import simulate_recording
 from tests.bench.reliability.tally import Tally, tallied
 from tests.helpers import Harmonic, paper_poses

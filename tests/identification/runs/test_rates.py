@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 from cases.errors import RecordingError
 from cases.loading import load_case
-from identification.formats.stream import Stream
+from identification.formats.table import Stream
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
-from identification.runs.rates import interval_means, on_one_clock
+from identification.runs.preparation import on_one_clock
+from identification.runs.rates import interval_means
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, one_line
 from tests.simulated_machine import PoseExecution, true_forces
