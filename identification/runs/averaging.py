@@ -26,6 +26,7 @@ from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
+from identification.runs.fourier_series import FourierSeries, fit_series
 from identification.runs.periods import (
     FEWEST,
     PeriodScatter,
@@ -35,7 +36,7 @@ from identification.runs.periods import (
     telling_harmonics,
 )
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
-from identification.runs.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
+from identification.runs.repeating import RepeatingPart, find_part, given_part
 from identification.runs.sample_checks import Scan, bridged
 from identification.samples import Conditioning
 from identification.symbolic import Kinematics

@@ -15,7 +15,8 @@ from cases.errors import RecordingError
 from cases.units import Array
 from identification.finding import Finding, Kind, warning
 from identification.recording import Recording
-from identification.runs.repeating import FourierSeries, RepeatingPart, fit_series
+from identification.runs.fourier_series import FourierSeries, fit_series
+from identification.runs.repeating import RepeatingPart
 from identification.runs.sample_checks import places
 from identification.signals import stretches
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from identification.runs.repeating import FourierSeries, fit_series, refined_period
+from identification.runs.fourier_series import FourierSeries, fit_series, refined_period
 
 STEP = 1e-3
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import make_interp_spline
 
 from cases.errors import RecordingError
-from identification.runs.repeating import FourierSeries, find_part, given_part
+from identification.runs.fourier_series import FourierSeries
+from identification.runs.repeating import find_part, given_part
 from tests.helpers import one_line
 
 STEP = 2e-3
