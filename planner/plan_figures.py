@@ -152,9 +152,6 @@ def predicted_std(
         information: mean of H A^T W A H, or that `of_estimate` where W is not right for the noise, shape (u, u).
         duration: duration of the motion [s].
         noise: standard deviation of a force sample [N]; W is in units of noise^-2.
-
-    Raises:
-        CaseError: the case has no nominal body.
     """
     covariance = noise**2 / (duration * case.recording.rate_Hz) * np.linalg.inv(information)
     return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
@@ -171,9 +168,6 @@ def predicted_std_at_poses(
         regressors: regressors of the poses, scaled, shape (n, 6, u).
         poses: shape (n, 6) [m, rad].
         noise: standard deviation of an averaged force [N].
-
-    Raises:
-        CaseError: the case has no nominal body.
     """
     inverse = np.linalg.inv(total_information(regressors))
     covariance = noise**2 * inverse
@@ -199,9 +193,6 @@ def predicted_std_of(
 
     Args:
         scaling: scaling of its columns, shape (u,).
-
-    Raises:
-        CaseError: the case has no nominal body.
     """
     errors = PoseErrors.of(case, noise)
     by_pose = None
@@ -222,9 +213,6 @@ def worst_std(
 
     Args:
         scaling: scaling of its columns, shape (u,).
-
-    Raises:
-        CaseError: the case has no nominal body, or fewer payloads.
     """
     worst: dict[str, tuple[float, int]] = {}
     for payload in payloads:
@@ -245,7 +233,6 @@ def figures_of(
 
     Raises:
         IdentificationError: the motion does not excite all parameters of the model.
-        CaseError: the case has no nominal body, or fewer payloads.
     """
     scaling = reference_scaling(case, model)
     mu = singular_values(mean_information(model, scaling, motion), model.names)

@@ -58,7 +58,6 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
 
     Raises:
         IdentificationError: the motion does not excite all parameters of the model.
-        CaseError: the case has no machine or no limits.
     """
     model, motion = identification_model(case, request.model), planned.motion
     scaling = reference_scaling(case, model)

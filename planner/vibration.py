@@ -81,9 +81,6 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     Args:
         payload: number of payloads that are mounted.
         seconds: measuring time of the white noise: motions are compared at equal time [s].
-
-    Raises:
-        CaseError: the case has no machine or no nominal body.
     """
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None or case.simulation is None or case.simulation.disturbances is None:

@@ -9,7 +9,6 @@ log det G <= log det F + u log(dmax / u), dmax being the largest derivative over
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from time import process_time
-from typing import NamedTuple
 
 import numpy as np
 
@@ -179,10 +178,10 @@ def searched_design(
 
     draw, size, n = np.random.default_rng(SEED), len(scaling), len(home)
 
-    def ways() -> Iterator[Way]:
+    def variations() -> Iterator[Variation]:
         for sweep in range(SWEEPS):
             for k in draw.permutation(3 * n):
-                yield Way(k, (-1.0, 1.0), ()) if k >= 2 * n else Way(k, () if sweep else LEVELS, CLIMBS)
+                yield (k, (-1.0, 1.0), ()) if k >= 2 * n else (k, () if sweep else LEVELS, CLIMBS)
 
     def largest(inverse: Array, known: Array) -> Maximum:
         root = np.linalg.cholesky((inverse + inverse.T) / 2)
@@ -192,27 +191,25 @@ def searched_design(
 
         random = _drawn(draw, RANDOM, n)
         starts = np.vstack([random[np.argsort(-derivative(random))[:CLIMBERS]], known])
-        climbed, values = climb(derivative, starts, ways())
+        climbed, values = climb(derivative, starts, variations())
         return Maximum(np.inf, float(values.max()), climbed[values > size * (1.0 + gap / 2)], 0)
 
     return exchanged(matrices_of, _drawn(draw, FIRST_SEARCHED, n), largest, gap, deadline, progress)
 
 
-class Way(NamedTuple):
-    """How one coordinate of a state is varied."""
-
-    coordinate: int
-    levels: tuple[float, ...]  # values that it takes, as shares of the half width
-    steps: tuple[float, ...]  # steps up and down from these values
-    quadratic: bool = False  # whether the function is quadratic in it: three values determine its vertex
+Variation = tuple[int, tuple[float, ...], tuple[float, ...]]
+"""A coordinate of a state, the values that it takes, and steps up and down from these, as shares of the half width."""
 
 
-def climb(function: Callable[[Array], Array], starts: Array, ways: Iterable[Way]) -> tuple[Array, Array]:
+def climb(
+    function: Callable[[Array], Array], starts: Array, variations: Iterable[Variation], quadratic: range = range(0)
+) -> tuple[Array, Array]:
     """Distinct local maxima of a function, coordinate by coordinate from many states.
 
     Args:
         function: states, shape (n, k) -> values, shape (n,).
         starts: states as shares of the half widths, shape (n, k).
+        quadratic: coordinates in which the function is quadratic: three values determine its vertex.
 
     Returns:
         States, shape (n, k), and values, shape (n,).
@@ -229,8 +226,8 @@ def climb(function: Callable[[Array], Array], starts: Array, ways: Iterable[Way]
         better = new > values + 1e-9
         states[better], values[better] = trial[better], new[better]
 
-    for k, levels, steps, quadratic in ways:
-        if quadratic:
+    for k, levels, steps in variations:
+        if k in quadratic:
             low, mid, high = (at(k, level)[1] for level in (-1.0, 0.0, 1.0))
             bend = (low + high) / 2 - mid
             attempt(k, np.where(bend < -1e-12, (low - high) / np.minimum(4 * bend, -1e-12), np.sign(high - low)))

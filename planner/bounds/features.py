@@ -95,9 +95,6 @@ def box_features(case: Case, model: Model, scaling: Array) -> Features:
 
     Args:
         scaling: reference scaling, shape (u,).
-
-    Raises:
-        CaseError: the case has no machine or no limits.
     """
     machine, _, box = case.need_machine("the information limit")
     middle = np.r_[machine.home.vector + box.pose.mean(axis=0), np.zeros(12)]

@@ -91,7 +91,6 @@ def information_limit(
         renew: compute a known bound again; that over the box where it is an estimate.
 
     Raises:
-        CaseError: the case has no machine or no limits.
         HexciteError: there is no bound yet after the time limit, or the convex optimisation failed.
     """
     file, previous = _file(case, model, tight), known_bound(case, model, tight)

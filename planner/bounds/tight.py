@@ -19,7 +19,7 @@ from cases.schema import Case
 from cases.units import Array
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
-from planner.bounds.design import Design, Way, climb
+from planner.bounds.design import Design, climb
 from planner.bounds.features import Features, Moments, lagrangian, motion_moments
 
 SEED = 0
@@ -153,9 +153,9 @@ def climbed_from(derivative: TightDerivative, known: Array, draw: np.random.Gene
     """
     random = _candidates(RANDOM, draw)
     best = np.argsort(-derivative.at(random))[:CLIMBERS]
-    every = (k for _ in range(SWEEPS) for k in draw.permutation(_ACTIVE))
-    ways = (
-        Way(k, (-1.0, 1.0) if k < 3 or k >= 12 else LEVELS, STEPS if 3 <= k < 12 else (), quadratic=k >= 12)
-        for k in every
+    variations = (
+        (k, LEVELS, STEPS) if 3 <= k < 12 else (k, (-1.0, 1.0), ())
+        for _ in range(SWEEPS)
+        for k in draw.permutation(_ACTIVE)
     )
-    return climb(derivative.at, np.vstack([random[best], known]), ways)
+    return climb(derivative.at, np.vstack([random[best], known]), variations, range(12, 18))

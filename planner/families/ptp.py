@@ -117,11 +117,7 @@ class PointToPointFamily:
 
     @classmethod
     def of(cls, case: Case, moves: int, duration: float) -> "PointToPointFamily":
-        """The family of a case.
-
-        Raises:
-            CaseError: the case has no machine, limits or controller.
-        """
+        """The family of a case."""
         middle, half = box_middle(case)
         box = case.need_motion("planning")[1]
         cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
@@ -351,9 +347,6 @@ def controlled(case: Case, controller: str | None) -> Controlled:
 
     Args:
         controller: name of a dialect, or virtual; None for none.
-
-    Raises:
-        CaseError: the case has no limits, or no settings of this controller.
     """
     if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
         return Controlled(case, controller)

@@ -36,9 +36,6 @@ def enough_intervals(case: Case, duration: float) -> int:
 
     Between knots accelerations are straight lines: with knots further apart than it takes to go from one limit of
     acceleration to the other at the limit of jerk, the motion cannot reach full acceleration.
-
-    Raises:
-        CaseError: the case has no machine or limits.
     """
     box = case.need_motion("planning")[1]
     swing = float(np.min(2 * box.acceleration / box.jerk))

@@ -16,7 +16,7 @@ from identification.limit_proof import prove
 from identification.model import Model
 from identification.motion import Array, StandingPoses
 from planner.bounds.branch import Maximum
-from planner.bounds.design import EXCHANGED, LEVELS, Design, Way, climb, exchanged
+from planner.bounds.design import EXCHANGED, LEVELS, Design, climb, exchanged
 from planner.pose_criteria import pose_regressors
 from planner.poses.space import REASONS, ROUNDING, JointSpace, margins_of, space_of, valid_poses
 
@@ -191,8 +191,8 @@ def continuous_design(case: Case, model: Model, scaling: Array, seeds: Array) ->
             return _derivative(matrices_of(shares), inverse)
 
         starts = np.vstack([pool[np.argsort(-derivative(pool))[:STARTS]], known])
-        ways = (Way(k, () if sweep else LEVELS, CLIMBS) for sweep in range(SWEEPS) for k in range(space.size))
-        climbed, values = climb(derivative, starts, ways)
+        variations = ((k, () if sweep else LEVELS, CLIMBS) for sweep in range(SWEEPS) for k in range(space.size))
+        climbed, values = climb(derivative, starts, variations)
         return Maximum(np.inf, float(values.max()), climbed[values > len(scaling) * (1.0 + SPACE_GAP / 2)], 0)
 
     return exchanged(matrices_of, pool, largest, SPACE_GAP)

@@ -52,7 +52,6 @@ def poses_planned(
         HexciteError: the request cannot be met; the message says what to change.
         InfeasiblePlan: there is no valid pose, or no way between the chosen ones.
         IdentificationError: poses cannot determine the model.
-        CaseError: the case lacks machine, limits or poses.
     """
     start = perf_counter()
     case.need_motion("a plan of poses")

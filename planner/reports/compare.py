@@ -1,7 +1,7 @@
 """The page of a comparison: parameters side by side (Table 6), planned and executed motions, and recommendation."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -135,7 +135,11 @@ def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
 def _std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
     symbols = ("circle-open", "diamond", "circle")
     series = [
-        Series(entry.name, {n: t.std for n, t in entry.parameters.items()}, colour, symbols[entry.level - 1])
+        (
+            entry.name,
+            {n: t.std for n, t in entry.parameters.items()},
+            {"color": colour, "symbol": symbols[entry.level - 1]},
+        )
         for entry, colour in coloured(groups)
     ]
     caption = (
@@ -145,38 +149,34 @@ def _std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
     return ratio_chart("std", caption, series, height=420)
 
 
-class Series(NamedTuple):
-    """Standard deviations of one method."""
-
-    name: str  # name in the legend
-    deviations: Mapping[str, float]  # deviations by parameter; parameters that it does not determine are missing
-    colour: str  # colour of its markers
-    symbol: str = "circle"  # plotly's name of the marker
+Series = tuple[str, Mapping[str, float], dict[str, str]]
+"""Standard deviations of one method: its name in the legend, deviations by parameter (those that it does not determine
+are missing), and colour and symbol of plotly's markers."""
 
 
 def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any) -> Chart:
     """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is omitted."""
-    names = list(dict.fromkeys(n for s in series for n in s.deviations))
-    deviations = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
-    best = {n: min(values) for n, values in deviations.items() if values}
+    names = list(dict.fromkeys(n for _, deviations, _ in series for n in deviations))
+    above_zero = {n: [std[n] for _, std, _ in series if std.get(n, 0.0) > 0.0] for n in names}
+    best = {n: min(values) for n, values in above_zero.items() if values}
     figure = Chart(name, caption, y="times the smallest", **layout)
-    for k, one in enumerate(series):
-        parameters = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
+    for k, (label, deviations, marker) in enumerate(series):
+        parameters = [n for n in deviations if n in best and deviations[n] > 0.0]
         aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
         figure.add(
             "scatter",
             x=[names.index(n) + aside for n in parameters],
-            y=[one.deviations[n] / best[n] for n in parameters],
-            name=plain(one.name),
+            y=[deviations[n] / best[n] for n in parameters],
+            name=plain(label),
             mode="markers",
-            marker={"size": 8, "color": one.colour, "symbol": one.symbol},
-            text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in parameters],
+            marker={"size": 8, **marker},
+            text=[f"{plain(n)}: {deviations[n]:.3g}" for n in parameters],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
     figure.x_axis(
         range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
         ticktext=[plain(n) for n in names], tickangle=-90,
     )  # fmt: skip
-    largest = max((one.deviations[n] / best[n] for one in series for n in one.deviations if n in best), default=1.0)
+    largest = max((std[n] / best[n] for _, std, _ in series for n in std if n in best), default=1.0)
     figure.y_axis(type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
     return figure

@@ -28,11 +28,7 @@ MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 
 
 def case_figure(case: Case, reach: Reach) -> Figure:
-    """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
+    """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate."""
     machine, workspace, limits = case.need_machine("the picture of the machine")
     figure = Figure(figsize=(23, 6), layout="constrained")
     grid = figure.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 1.0), wspace=0.08)
@@ -58,11 +54,7 @@ def case_figure(case: Case, reach: Reach) -> Figure:
 
 
 def chain_figure(case: Case, reach: Reach) -> Figure:
-    """A chain at home in 3-D, with its bodies, its tool and the keep-out boxes, and each joint's reach.
-
-    Raises:
-        CaseError: the case has no chain or no limits.
-    """
+    """A chain at home in 3-D, with its bodies, its tool and the keep-out boxes, and each joint's reach."""
     chain, _ = case.need_chain("the picture of the machine")
     figure = Figure(figsize=(14, 7), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))

@@ -12,7 +12,7 @@ from planner.comparison.error_budget import SUSPICIOUS
 from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
 from planner.precision import legible, parameter_words
-from planner.reports.compare import Series, ratio_chart
+from planner.reports.compare import ratio_chart
 from planner.reports.figures import COLOURS, colour_or_grey
 from planner.reports.page import Block, Chart, answers, note, page, plain, section, table
 
@@ -123,7 +123,8 @@ def _std_charts(trials: Sequence[Trial]) -> list[Chart]:
     charts = []
     for name, shown, deviations, caption in kinds:
         series = [
-            Series(s.method, d, colour_or_grey(k)) for k, (s, d) in enumerate(zip(shown, deviations, strict=True))
+            (s.method, d, {"color": colour_or_grey(k), "symbol": "circle"})
+            for k, (s, d) in enumerate(zip(shown, deviations, strict=True))
         ]
         caption += ", over the smallest of each parameter."
         charts.append(ratio_chart(name, caption, series, height=400, showlegend=True))

@@ -52,9 +52,6 @@ class Course:
         Args:
             path: path from rest to rest.
             margin: share of every limit that stays unused.
-
-        Raises:
-            CaseError: the case has no machine or no limits.
         """
         limits = case.need_motion("re-timing")[1]
         knots = _knots(path.duration)
@@ -86,13 +83,6 @@ class Course:
 
 def _knots(duration: float) -> Array:
     return np.linspace(0.0, duration, max(20, int(np.ceil(duration / KNOT_DISTANCE))) + 1)
-
-
-def _basis(duration: float) -> "BSpline":
-    from scipy.interpolate import BSpline
-
-    knots = _knots(duration)
-    return BSpline(np.concatenate([np.zeros(3), knots, np.full(3, duration)]), np.eye(len(knots) + 2), 3)
 
 
 @dataclass(frozen=True)
@@ -149,7 +139,10 @@ def paced(path: Trajectory, course: Course, most: float, free: tuple[Array, Arra
         free: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
             shape (n,), above 0 and at most 1.
     """
-    basis = _basis(path.duration)
+    from scipy.interpolate import BSpline
+
+    knots = _knots(path.duration)
+    basis = BSpline(np.concatenate([np.zeros(3), knots, np.full(3, path.duration)]), np.eye(len(knots) + 2), 3)
     at = [ca.sparsify(ca.DM(basis(course.s, nu=order))) for order in range(3)]
     x = ca.MX.sym("x", basis.c.shape[0])
     p, slope, bend = (ca.mtimes(matrix, x) for matrix in at)
@@ -177,10 +170,4 @@ def paced(path: Trajectory, course: Course, most: float, free: tuple[Array, Arra
     status = solver_text(stats["return_status"])
     if not np.isfinite(solution).all():
         solution, status = np.full(len(solution), begin), f"{status}; one pace all along"
-    return PacedMotion(path, _with(basis, solution), f"ipopt: {status}, {int(stats['iter_count'])} iterations")
-
-
-def _with(basis: "BSpline", coefficients: Array) -> "BSpline":
-    from scipy.interpolate import BSpline
-
-    return BSpline(basis.t, coefficients, 3)
+    return PacedMotion(path, BSpline(basis.t, solution, 3), f"ipopt: {status}, {int(stats['iter_count'])} iterations")

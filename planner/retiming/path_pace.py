@@ -45,7 +45,6 @@ def retimed_path(
 
     Raises:
         InfeasiblePlan: no pace satisfies all limits; the message names the one that is exceeded.
-        CaseError: the case has no machine or no limits.
     """
     if path.duration > LONGEST:
         raise InfeasiblePlan(

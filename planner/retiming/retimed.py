@@ -79,7 +79,6 @@ def retimed(
     Raises:
         InfeasiblePlan: the motion cannot be re-timed that way; the message says why.
         IdentificationError: the motion does not excite all parameters of the model.
-        CaseError: the case has no machine, limits or controller.
     """
     start, off_path = perf_counter(), (0.0, 0.0)
     after: Trajectory
@@ -117,7 +116,6 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
 
     Raises:
         UntimedMotion: the motion is not a sequence of moves and pauses.
-        CaseError: the case has no machine, limits or controller.
     """
     case.need_motion("re-timing")
     cycle = case.need_controller("re-timing in whole controller cycles").cycle

@@ -133,11 +133,7 @@ def near_limits(case: Case) -> tuple[LimitGroup, ...]:
 
 
 def standing_limits(case: Case) -> ca.Function:
-    """Coordinates -> shares of the limits that a standstill uses, torques and sensor forces with each load among them.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
+    """Coordinates -> shares of the limits that a standstill uses, also of torques, and sensor forces with each load."""
     count = len(box_middle(case)[0])
     pose, still = ca.SX.sym("pose", count), ca.SX.zeros(count)
     loads = tuple(range(len(case.bodies))) if case.sensors.range is not None else ()

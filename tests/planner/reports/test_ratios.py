@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from planner.reports.compare import SPREAD, Series, ratio_chart
+from planner.reports.compare import SPREAD, ratio_chart
 
 SERIES = (
-    Series("a", {"m": 0.2, "zC": 3e-5, "k0": 0.0}, "#000"),
-    Series("b", {"m": 0.1, "IC33": 7.0, "k0": 0.0}, "#111", "diamond"),
-    Series("<b>c</b>", {"zC": 1.5e-5}, "#222"),
+    ("a", {"m": 0.2, "zC": 3e-5, "k0": 0.0}, {"color": "#000"}),
+    ("b", {"m": 0.1, "IC33": 7.0, "k0": 0.0}, {"color": "#111", "symbol": "diamond"}),
+    ("<b>c</b>", {"zC": 1.5e-5}, {"color": "#222"}),
 )
 
 
@@ -37,6 +37,8 @@ def test_names_are_text():
 
 @pytest.mark.parametrize("largest", [1.3, 3.0, 30.0])
 def test_the_axis_has_labels_where_the_markers_are(largest: float):
-    figure = ratio_chart("std", "Ratios.", [Series("a", {"m": 1.0}, "#000"), Series("b", {"m": largest}, "#111")])
+    figure = ratio_chart(
+        "std", "Ratios.", [("a", {"m": 1.0}, {"color": "#000"}), ("b", {"m": largest}, {"color": "#111"})]
+    )
     ticks = figure.layout["yaxis"]["tickvals"]
     assert sum(1.0 <= tick <= largest for tick in ticks) >= 3
