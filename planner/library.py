@@ -20,9 +20,6 @@ from planner.search import Failed
 from planner.search.parallel import silent, without_gain
 from planner.search.solving import Start
 
-Told = Callable[[str], None]
-"""Shows a line about how far a search has come."""
-
 
 class Settings(TypedDict, total=False):
     """What may be asked of a motion; `planner.request.Request` has the defaults.
@@ -75,7 +72,7 @@ def plan(
     family: FamilySettings | None = None,
     duration: float = 12.0,
     *,
-    progress: Told | None = None,
+    progress: Callable[[str], None] | None = None,
     **settings: Unpack[Settings],
 ) -> Plan:
     """The most informative motion inside the machine's limits, proven.
@@ -100,7 +97,7 @@ def plan(
     return planned(request, case, progress)
 
 
-def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
+def planned(request: Request, case: Case, progress: Callable[[str], None] | None = None) -> Plan:
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
@@ -228,9 +225,9 @@ class Progress:
             self.remark(f"{other}first starts, {seconds:.0f} s")
             return
         if self.bound is not None:
-            text = f"{100 * self.bound.efficiency(best.tried.logdet):.1f} % of the limit of information"
+            text = f"{100 * self.bound.efficiency(best.record.logdet):.1f} % of the limit of information"
         else:
-            text = f"criterion {self.request.criterion} {best.tried.criterion_value:.4g}"
+            text = f"criterion {self.request.criterion} {best.record.criterion_value:.4g}"
         starts = f"{count} start{'s' * (count > 1)}"
         self.remark(f"{other}{text} after {starts}, {seconds:.0f} s, {self._left(seconds)}")
 

@@ -29,7 +29,7 @@ from planner.noise import (
     seen_through,
 )
 from planner.pose_criteria import total_information
-from planner.search import Failed, Tried
+from planner.search import Failed, StartRecord
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Rival:
 class Search:
     """Record of the search for a motion."""
 
-    starts: tuple[Tried, ...]  # starts with a feasible motion, the best first
+    starts: tuple[StartRecord, ...]  # starts with a feasible motion, the best first
     failed_starts: tuple[Failed, ...]  # the others, with the reason
     interrupted: bool  # whether Ctrl-C ended the search early
     solve_s: float  # computing time [s]

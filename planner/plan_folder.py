@@ -215,11 +215,7 @@ def _part(part: Trajectory) -> dict[str, Any]:
 
 
 def _times(profile: Profile) -> dict[str, float]:
-    return {
-        "jerk_time_s": profile.jerk_time,
-        "hold_time_s": profile.hold_time,
-        "cruise_time_s": profile.cruise_time,
-    }
+    return {"jerk_time_s": profile.jerk_time, "hold_time_s": profile.hold_time, "cruise_time_s": profile.cruise_time}
 
 
 def motion_of_entries(data: dict[str, Any]) -> Trajectory:

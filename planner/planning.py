@@ -109,18 +109,18 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     at_once, later = ([], rival) if count == 1 else (rival, [])  # a single refinement leaves a core free for it
     results, interrupted = _explored(request, controlled.case, listener, run, explored_until, at_once)
     explored = _own(results, request)
-    score = max((s.tried.criterion_value for s in explored if s.tried.refined), default=-np.inf)
+    score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
-    promising = sorted((s for s in explored if not s.tried.refined and s.promise > score), key=lambda s: -s.promise)
+    promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
-        Task(controlled.case, request.model, s.family, request.criterion, s.tried.seed, request.payload, Step.REFINE,
+        Task(controlled.case, request.model, s.family, request.criterion, s.record.seed, request.payload, Step.REFINE,
              s.begin)
         for s in promising[:count]
     ]  # fmt: skip
     if explored and (refinements or later) and not interrupted:
         second, interrupted = run([*refinements, *later], listener, until)
         results += second
-    starts = sorted(_own(results, request), key=lambda s: -s.tried.criterion_value)
+    starts = sorted(_own(results, request), key=lambda s: -s.record.criterion_value)
     failed = tuple(r for r in results if isinstance(r, Failed))
     if not starts:
         if interrupted:
@@ -131,7 +131,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         family = request.family.families(controlled.case, request.duration)[0]
         family = family if family.settings == best.family.settings else best.family
         plain = without_pose_errors(controlled.case)
-        task = Task(plain, request.model, family, "D", best.tried.seed, request.payload,
+        task = Task(plain, request.model, family, "D", best.record.seed, request.payload,
                     begin=shipped_start(family, case))  # fmt: skip
         answer, interrupted = run([task], lambda _: listener(None), until)
         white = next(_starts(answer), None)

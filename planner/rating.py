@@ -47,7 +47,7 @@ class PlannedMotion(NamedTuple):
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
         if self.rival is None or not self.starts:
             return 0.0
-        return float(np.exp((self.rival.tried.logdet - self.starts[0].tried.logdet) / parameters))
+        return float(np.exp((self.rival.record.logdet - self.starts[0].record.logdet) / parameters))
 
 
 def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: float) -> Plan:
@@ -67,14 +67,14 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     if planned.rival is not None:
         efficiency = planned.of_rival(parameters) * bound.efficiency(figures["logdet"])
         rival = Rival(planned.rival.family.name, efficiency)
-    tried = tuple(start.tried for start in planned.starts)
+    starts = tuple(start.record for start in planned.starts)
     ends = motion.at([0.0, motion.duration])
     at_rest = max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST
     laws = planned.laws or both_laws(case, request.model, motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     worth = Worth(
         settings=planned.settings,
-        search=Search(tried, planned.failed, planned.interrupted, seconds, rival),
+        search=Search(starts, planned.failed, planned.interrupted, seconds, rival),
         criterion_value=figures["criterion_value"],
         logdet=figures["logdet"],
         condition=figures["condition"],
@@ -152,7 +152,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
             f"weaker than a motion of another family that took seconds: --family {planned.rival.family.name} has "
             f"{times:.2f} times the D-efficiency{remark}"
         )
-    refined = [s.tried for s in planned.starts if s.tried.refined]
+    refined = [s.record for s in planned.starts if s.record.refined]
     if refined and not planned.interrupted and not refined[0].converged:
         words.append(
             f"the search had not converged where it ended ({solver_text(refined[0].solver)}): more --seconds or "

@@ -26,8 +26,7 @@ WIDEST = 1000  # characters that a table may take
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what an earlier run wrote there.")]
 OwnCase = Annotated[
-    str | None,
-    typer.Option("--case", help="Built-in name, folder or case file; a plan, run or result knows its own."),
+    str | None, typer.Option("--case", help="Built-in name, folder or case file; a plan, run or result knows its own.")
 ]
 Stale = Annotated[
     bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")

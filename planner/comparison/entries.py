@@ -183,22 +183,17 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     units = _units(model)
     weighted = counted_information(lambda root: _seen(matrices, root, scaling), noise, by_pose)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors)
-    recordings = frozenset(map(sha256_of, files_of([path])))
-    machine, plan = _machine(about), about.get("plan_hash")
-    conditions = Conditions(case, noise.sensors, _mounted(about), machine, recordings, plan)
+    recordings, payload = frozenset(map(sha256_of, files_of([path]))), about.get("payload")
+    load = float(payload["mass_kg"]) if isinstance(payload, dict) and "mass_kg" in payload else None
+    conditions = Conditions(case, noise.sensors, load, _machine(about), recordings, about.get("plan_hash"))
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
         str(path), Level.EXECUTED, conditions, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Deviation(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None},
-        (*(str(about[k]) for k in ("remark",) if about.get(k)), *stale_in),
+        (*([str(about["remark"])] if about.get("remark") else []), *stale_in),
     )  # fmt: skip
-
-
-def _mounted(about: Mapping[str, Any]) -> float | None:
-    payload = about.get("payload")
-    return float(payload["mass_kg"]) if isinstance(payload, dict) and "mass_kg" in payload else None
 
 
 def _machine(about: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ and the same for the struts. p is a cubic B-spline, so that jerks stay finite; t
 the third equation has steps in p'.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -33,11 +33,10 @@ INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is inte
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class PathLimits:
     """A path and the terms of its limits, at the points at which they are constraints."""
 
     s: Array  # places on the path, its own time, shape (n,) [s]
-    weights: Array  # weights of the integral over s, shape (n,) [s]
     first: Array  # derivatives of the c coordinates and the lengths of k struts with respect to s, shape (n, c + k)
     second: Array  # shape (n, c + k)
     third: Array  # third derivatives of the coordinates, shape (n, c)
@@ -46,8 +45,8 @@ class Course:
     jerk: Array  # shape (c,)
 
     @classmethod
-    def of(cls, path: Trajectory, case: Case, margin: float) -> "Course":
-        """The course of a path.
+    def of(cls, path: Trajectory, case: Case, margin: float) -> "PathLimits":
+        """The limits of a path.
 
         Args:
             path: path from rest to rest.
@@ -60,7 +59,6 @@ class Course:
         struts, most = machine_of(case).further_drives(case, motion.pose, motion.rates, motion.accelerations)
         return cls(
             s,
-            np.full(len(s), path.duration / len(s)),
             np.hstack([motion.rates, struts[0]]),
             np.hstack([motion.accelerations, struts[1]]),
             motion.jerks,
@@ -91,7 +89,7 @@ class PacedMotion:
 
     path: Trajectory
     pace: "BSpline"  # p over the planned time
-    solver: str = field(default="", compare=False)  # status of the optimiser
+    solver: str  # status of the optimiser
 
     @cached_property
     def _clock(self) -> tuple[Array, Array]:
@@ -131,38 +129,37 @@ class PacedMotion:
         )
 
 
-def paced(path: Trajectory, course: Course, most: float, free: tuple[Array, Array]) -> PacedMotion:
+def paced(path: Trajectory, limits: PathLimits, most: float, free: tuple[Array, Array]) -> PacedMotion:
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
         most: largest pace, as a multiple of the planned one.
-        free: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
+        free: shares of the limits of accelerations and of jerks that may be used at each point of the path, each of
             shape (n,), above 0 and at most 1.
     """
     from scipy.interpolate import BSpline
 
     knots = _knots(path.duration)
     basis = BSpline(np.concatenate([np.zeros(3), knots, np.full(3, path.duration)]), np.eye(len(knots) + 2), 3)
-    at = [ca.sparsify(ca.DM(basis(course.s, nu=order))) for order in range(3)]
+    at = [ca.sparsify(ca.DM(basis(limits.s, nu=order))) for order in range(3)]
     x = ca.MX.sym("x", basis.c.shape[0])
     p, slope, bend = (ca.mtimes(matrix, x) for matrix in at)
     change, third = p * slope, p * (slope**2 + p * bend)
     with np.errstate(divide="ignore"):
-        fastest = np.minimum(most, np.min(course.velocity / np.abs(course.first), axis=1))
+        fastest = np.minimum(most, np.min(limits.velocity / np.abs(limits.first), axis=1))
     rows = [p / ca.DM(fastest)]
-    for k, limit in enumerate(course.acceleration):
-        one, two = (ca.DM(v[:, k] / (limit * free[0])) for v in (course.first, course.second))
+    for k, limit in enumerate(limits.acceleration):
+        one, two = (ca.DM(v[:, k] / (limit * free[0])) for v in (limits.first, limits.second))
         rows.append(two * p**2 + one * change)
-    for k, limit in enumerate(course.jerk):
-        one, two, three = (
-            ca.DM(v[:, k] / (limit * free[1])) for v in (course.first, course.second, course.third)
-        )  # fmt: skip
+    for k, limit in enumerate(limits.jerk):
+        one, two, three = (ca.DM(v[:, k] / (limit * free[1])) for v in (limits.first, limits.second, limits.third))
         rows.append(three * p**3 + 3.0 * two * p * change + one * third)
-    problem = {"x": x, "f": ca.dot(ca.DM(course.weights), 1.0 / p) / path.duration, "g": ca.vertcat(*rows)}
+    weights = np.full(len(limits.s), path.duration / len(limits.s))
+    problem = {"x": x, "f": ca.dot(ca.DM(weights), 1.0 / p) / path.duration, "g": ca.vertcat(*rows)}
     options = {"ipopt": {"print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-6}, "print_time": False}
     solver = ca.nlpsol("pace", "ipopt", problem, options)
-    begin = min(most, course.own_pace * float(min(h.min() for h in free)))
-    count = len(course.s)
+    begin = min(most, limits.own_pace * float(min(h.min() for h in free)))
+    count = len(limits.s)
     low = np.concatenate([np.zeros(count), -np.ones((len(rows) - 1) * count)])
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
     stats = solver.stats()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
+class StartRecord:
     """One start of a search, as a plan records it."""
 
     seed: int  # seed of the random start

@@ -145,10 +145,7 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         "grad_f": NumpyFunction("nlp_grad_f", [x, nothing], [("f", number), ("grad_f_x", vector)], gradient),
         "jac_g": NumpyFunction("nlp_jac_g", [x, nothing], [both[1], ("jac_g_x", table)], jacobian),
         "hess_lag": NumpyFunction(
-            "nlp_hess_l",
-            [x, nothing, ("lam_f", 1), ("lam_g", count)],
-            [("hess_gamma_x_x", triangle)],
-            hessian,
+            "nlp_hess_l", [x, nothing, ("lam_f", 1), ("lam_g", count)], [("hess_gamma_x_x", triangle)], hessian
         ),
     }
     nlp = NumpyFunction("nlp", [x, nothing], both, values)

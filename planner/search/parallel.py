@@ -239,7 +239,4 @@ def _result(future: Future[Start | Failed]) -> Start | Failed:
     try:
         return future.result()
     except BrokenProcessPool:
-        return Failed(
-            0,
-            "a worker process died, perhaps for want of memory; close other programs, or ask for less",
-        )
+        return Failed(0, "a worker process died, perhaps for want of memory; close other programs, or ask for less")

@@ -104,10 +104,7 @@ class NonlinearProgram:
     @cached_property
     def row_bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of all rows, shapes (R,)."""
-        return (
-            np.concatenate([part.lower for part in self.rows]),
-            np.concatenate([part.upper for part in self.rows]),
-        )
+        return (np.concatenate([part.lower for part in self.rows]), np.concatenate([part.upper for part in self.rows]))
 
     @cached_property
     def pattern(self) -> tuple[Indices, Indices]:

@@ -20,7 +20,7 @@ from identification.model import identification_model
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
-from planner.search import Failed, Tried
+from planner.search import Failed, StartRecord
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
@@ -43,7 +43,7 @@ SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the o
 class Start:
     """Result of one start."""
 
-    tried: Tried
+    record: StartRecord
     unknowns: Array  # unknowns of the motion within the limits
     family: Family  # family of the unknowns
     shrunk: float  # share to which the motion was shrunk towards the middle of the box at last
@@ -158,7 +158,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
         )
     promise = run.rate(unknowns) if exploring else after
-    tried = Tried(
+    record = StartRecord(
         seed=task.seed,
         refined=not exploring,
         start_logdet=before if np.isfinite(before) else None,
@@ -169,7 +169,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         iterations=run.iterations,
         seconds=time.perf_counter() - start,
     )
-    return Start(tried, feasible.unknowns, run.family, feasible.share, unknowns, promise)
+    return Start(record, feasible.unknowns, run.family, feasible.share, unknowns, promise)
 
 
 class _Run:

@@ -42,11 +42,7 @@ def groups(table: "pa.Table") -> list[SettingsGroup]:
         members.setdefault(key, []).append(row)
     ordered = sorted(members, key=lambda key: [(value is not None, value) for value in key])
     return [
-        _group(
-            {n: v for n, v in zip(GROUPED, key, strict=True) if v is not None},
-            members[key],
-            columns,
-        )
+        _group({n: v for n, v in zip(GROUPED, key, strict=True) if v is not None}, members[key], columns)
         for key in ordered
     ]
 

@@ -46,7 +46,7 @@ def criteria_table() -> None:
             with workers(Event()) as run:
                 found = search(request, case, silent, run)
             values[letter] = criteria_of(case, found.motion)
-            seconds = [start.tried.seconds for start in found.starts]
+            seconds = [start.record.seconds for start in found.starts]
             rows.append(
                 [
                     f"{family}{', best order, period' if settings else ''}, {letter}-optimal",

@@ -69,7 +69,7 @@ def search(name: str, seconds: float) -> None:
         except HexciteError as error:
             print(f"{name}, {k}: {error}", flush=True)
         else:
-            efficiency = bound.efficiency(found.tried.logdet)
+            efficiency = bound.efficiency(found.record.logdet)
             print(f"{name}, {k}: {efficiency:.4f}", flush=True)
             if efficiency > best:
                 table = table_of(found.family, found.unknowns).round(DIGITS).tolist()
@@ -83,7 +83,7 @@ def _refined(task: Task, found: Start) -> Start:
     """The motion after as many refinements as pay."""
     for _ in range(HARDER):
         better = run_start(replace(task, family=found.family, step=Step.REFINE, begin=found.begin))
-        if better.tried.logdet <= found.tried.logdet and found.tried.refined:
+        if better.record.logdet <= found.record.logdet and found.record.refined:
             break
         found = better
     return found

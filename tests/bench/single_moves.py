@@ -157,7 +157,7 @@ def single_moves_rows() -> list[list[str]]:
         ["point-to-point moves, d_efficiency of the best design of single moves that was found", f"{attained:.3f}", ""],
         ["  more than that is not expected of any motion of moves (estimate)", f"{upper:.3f}", ""],
         ["  durations of these moves", f"{durations.min():.2f} to {durations.max():.2f} s", ""],
-        ["a plan of 40 moves in 12 s, one start, d_efficiency", f"{bound.efficiency(plan.tried.logdet):.3f}", ""],
+        ["a plan of 40 moves in 12 s, one start, d_efficiency", f"{bound.efficiency(plan.record.logdet):.3f}", ""],
         [
             f"  time in moves that carry {_percent(FULL)} of the design's or more",
             _percent(float(shares[full].sum())),

@@ -95,14 +95,14 @@ def test_the_search_is_for_the_information_that_the_weights_leave(hexapod_case: 
         seen = seen_through(model, expected_noise(case, model, payload).whitening)
         found = run_start(Task(case, 9, family, "D", 1, payload))
         information = mean_information(seen, scaling, family.motion(found.unknowns))
-        assert found.tried.criterion_value == pytest.approx(
+        assert found.record.criterion_value == pytest.approx(
             CRITERIA["D"](singular_values(information, model.names)), rel=1e-9
         )
         problem = build_program(case, seen, family, scaling, MARGIN)
         at = family.start(np.random.default_rng(3), problem.worst)
         exact = np.linalg.slogdet(mean_information(seen, scaling, family.motion(at)))[1]
         assert problem.value(at) == pytest.approx(-exact / 20, abs=1e-4)  # means over the grid, and over all
-        scores.append(found.tried.criterion_value)
+        scores.append(found.record.criterion_value)
     assert scores[1] < scores[0] - 5.0  # with weights mounted, noise hides more
 
 

@@ -68,7 +68,7 @@ def test_the_heaviest_load_is_limited_where_it_comes_close_and_none_where_it_doe
 
 def explored_and_refined(case: Case, name: str) -> Start:
     first = run_start(Task(case, 0, family_of(case, name), "D", seed=1))
-    return first if first.tried.refined else run_start(Task(case, 0, first.family, "D", 1, begin=first.begin))
+    return first if first.record.refined else run_start(Task(case, 0, first.family, "D", 1, begin=first.begin))
 
 
 @pytest.mark.slow
@@ -87,7 +87,7 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
         lambda case: tuple(g for g in near_limits(case) if g.kind is not LimitKind.SENSOR_FORCE),
     )
     shrunk = explored_and_refined(weak, name)
-    assert shaped.tried.logdet > shrunk.tried.logdet + 0.5  # of ten parameters: each is known at least 2.5 % better
+    assert shaped.record.logdet > shrunk.record.logdet + 0.5  # of ten parameters: each is known at least 2.5 % better
 
 
 def test_shares_grow_with_what_is_mounted(weak: Case):

@@ -12,7 +12,7 @@ from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Stat
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
 from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
-from planner.search import Tried
+from planner.search import StartRecord
 from planner.search.solving import DRAWN_BACK, Start
 
 SIZE = 20
@@ -26,7 +26,7 @@ def check(kind: LimitKind, place: str, ratio: float) -> LimitCheck:
 def start(hexapod_case: Case) -> Start:
     family = FourierFamily(2, 3.0, 1, *box_middle(hexapod_case))
     unknowns = 0.01 * np.random.default_rng(0).normal(size=18)
-    tried = Tried(1, True, -9.0, -5.0, -5.0, "Solve_Succeeded", True, 9, 1.0)
+    tried = StartRecord(1, True, -9.0, -5.0, -5.0, "Solve_Succeeded", True, 9, 1.0)
     return Start(tried, unknowns, family, 1.0, unknowns, -5.0)
 
 
@@ -39,7 +39,7 @@ def found(start: Start) -> PlannedMotion:
 
 def rival(start: Start, case: Case, times: float) -> Start:
     family = PointToPointFamily.of(case, 8, 3.0)
-    return replace(start, family=family, tried=replace(start.tried, logdet=start.tried.logdet + SIZE * np.log(times)))
+    return replace(start, family=family, record=replace(start.record, logdet=start.record.logdet + SIZE * np.log(times)))
 
 
 Said = Callable[[PlannedMotion], tuple[str, ...]]
@@ -66,8 +66,8 @@ def test_another_family_that_carries_more(
 
 @pytest.mark.parametrize("interrupted", [False, True])
 def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion, start: Start, said: Said):
-    tried = replace(start.tried, converged=False, solver="Maximum_Iterations_Exceeded")
-    unfinished = replace(start, tried=tried)
+    tried = replace(start.record, converged=False, solver="Maximum_Iterations_Exceeded")
+    unfinished = replace(start, record=tried)
     weak = said(found._replace(starts=(unfinished,), interrupted=interrupted))
     if interrupted:  # it says so itself
         assert weak == ()
@@ -77,9 +77,9 @@ def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion
 
 
 def test_only_the_best_refined_start_need_have_converged(found: PlannedMotion, start: Start, said: Said):
-    unfinished = replace(start.tried, converged=False)
-    explored = replace(start, tried=replace(unfinished, refined=False))
-    assert said(found._replace(starts=(start, explored, replace(start, tried=unfinished)))) == ()
+    unfinished = replace(start.record, converged=False)
+    explored = replace(start, record=replace(unfinished, refined=False))
+    assert said(found._replace(starts=(start, explored, replace(start, record=unfinished)))) == ()
     assert said(found._replace(starts=(explored, start))) == ()
 
 

@@ -113,9 +113,9 @@ def test_nor_does_an_optimised_one(model: Model, found: Design):
     start = run_start(Task(CASE, number, family, "D", seed=1))
     drawn = family.motion(family.start(np.random.default_rng(1), lambda values: float(np.abs(values).max())))
     scaling = reference_scaling(CASE, model)
-    assert start.tried.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]
-    assert start.tried.logdet < information_limit(CASE, model).logdet
-    assert model is ALL or start.tried.logdet < bound_of(found)
+    assert start.record.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]
+    assert start.record.logdet < information_limit(CASE, model).logdet
+    assert model is ALL or start.record.logdet < bound_of(found)
 
 
 def random_derivative(seed: int) -> TightDerivative:

@@ -122,14 +122,14 @@ def test_an_optimised_motion_is_proven_and_carries_far_more_than_a_random_one(
     report = prove(found.family.motion(found.unknowns), case)
     assert report.kept
     assert 0.99 < report.worst_ratio <= 1.0
-    assert found.tried.refined
+    assert found.record.refined
     inside = keep_limits(case, family, start, 1000.0).unknowns
     before, after = (
         np.linalg.slogdet(mean_information(model, scaling, some.motion(values)))[1]
         for some, values in ((family, inside), (found.family, found.unknowns))
     )
     assert after > before + 10.0
-    assert found.tried.logdet == pytest.approx(after, abs=1e-9)
+    assert found.record.logdet == pytest.approx(after, abs=1e-9)
 
 
 def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(found: Start):
