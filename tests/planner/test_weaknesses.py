@@ -39,7 +39,8 @@ def found(start: Start) -> PlannedMotion:
 
 def rival(start: Start, case: Case, times: float) -> Start:
     family = PointToPointFamily.of(case, 8, 3.0)
-    return replace(start, family=family, record=replace(start.record, logdet=start.record.logdet + SIZE * np.log(times)))
+    record = replace(start.record, logdet=start.record.logdet + SIZE * np.log(times))
+    return replace(start, family=family, record=record)
 
 
 Said = Callable[[PlannedMotion], tuple[str, ...]]
