@@ -217,6 +217,12 @@ class Case(Heading):
                     f"limits.motion.{name} = [{inner[0]:g}, {inner[1]:g}] reaches beyond workspace.{name} = "
                     f"[{outer[0]:g}, {outer[1]:g}]; the motion box must lie inside, narrow it or widen the workspace"
                 )
+        inner, outer = self.limits.motion.strut_length_mm, self.workspace.strut_length_mm
+        if max(inner[0], outer[0]) >= min(inner[1], outer[1]):
+            yield (
+                f"limits.motion.strut_length_mm = [{inner[0]:g}, {inner[1]:g}] and workspace.strut_length_mm = "
+                f"[{outer[0]:g}, {outer[1]:g}] have no length in common; correct one of them"
+            )
 
     @cached_property
     def gravity(self) -> Array:

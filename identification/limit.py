@@ -131,7 +131,7 @@ class Quantity:
         values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
         ratio = values - (low + high) / 2
         np.abs(ratio, out=ratio)
-        ratio /= (high - low) / 2
+        ratio /= np.where(high > low, (high - low) / 2, np.nan)  # nothing lies between limits that contradict
         if np.isnan(ratio.max()):
             ratio[np.isnan(ratio)] = np.inf
         return cls(Limit(kind), labels, values, np.stack([low, high]), ratio)

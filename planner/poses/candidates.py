@@ -12,19 +12,21 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
-from identification.limit_proof import prove
+from identification.limit import TOLERANCE
 from identification.model import Model
-from identification.motion import Array, StandingPoses
+from identification.motion import Array
 from planner.bounds.branch import Maximum
 from planner.bounds.design import EXCHANGED, LEVELS, Design, climb, exchanged
 from planner.pose_criteria import pose_regressors
-from planner.poses.space import REASONS, ROUNDING, JointSpace, margins_of, space_of, valid_poses
+from planner.poses.space import JointSpace, space_of, standing_report, standing_shares
+from planner.search.feasibility import remedy
 
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more never had more information
 JOINT_CANDIDATES = 2048  # default number for a chain
 # What one candidate costs at most, measured on 20 000: for the estimate in the refusal only.
 BYTES_EACH = 12_000
 SECONDS_SQUARED = 5e-8
+ROUNDING = 1e-9  # [m] poses on the very edge of the ring are in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +102,7 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     if case.chain is not None:
         joints = JointSpace.of(case)
         points = qmc.Sobol(joints.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-        every = joints.poses(2.0 * points - 1.0, points)
-        if not (valid := joints.valid(every)).any():
-            worst = prove(StandingPoses(every), case, 1.0).violations[0].sentence(timed=False)
-            raise InfeasiblePlan(f"none of {count} poses is valid: {worst}; narrow limits.motion.joints or move home")
-        return Candidates(every[valid], count, f"{count} quasi-random points")
+        return _valid(case, joints.poses(2.0 * points - 1.0, points), f"{count} quasi-random points")
     machine, _, _ = case.need_machine("pose candidates")
     grid = case.need_poses("pose candidates")
     share = qmc.Sobol(6, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
@@ -122,18 +120,14 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
 def _valid(case: Case, poses: Array, origin: str) -> Candidates:
     if not len(poses):
         raise InfeasiblePlan("no pose lies inside poses.radius_mm and the XY range; widen one of them")
-    margins = margins_of(case, poses)
-    valid = valid_poses(case, poses)
+    kept = standing_shares(case, poses) <= 1.0 + TOLERANCE
+    valid = kept.all(axis=1)
     if not valid.any():
-        if not (margins < -ROUNDING).any(axis=1).all():
-            raise InfeasiblePlan(
-                f"none of {len(poses)} poses is valid: all within reach lie in workspace.keep_out; narrow it"
-            )
-        worst = int(np.argmax((margins < -ROUNDING).sum(axis=0)))
-        share = float((margins[:, worst] < -ROUNDING).mean())
+        most = int(np.argmin(kept.mean(axis=0)))
+        worst, share = standing_report(case, poses).checks[most], 100 * (1 - kept[:, most].mean())
         raise InfeasiblePlan(
-            f"none of {len(poses)} poses is valid: {REASONS[worst]} at {100 * share:.0f} % of them; widen the "
-            "workspace or narrow the ranges of [poses]"
+            f"none of {len(poses)} poses is valid: {worst.sentence(timed=False)}, exceeded at {share:.0f} % of them; "
+            f"{remedy(worst, case)}, or narrow {'[poses]' if case.chain is None else 'limits.motion.joints'}"
         )
     return Candidates(poses[valid], len(poses), origin)
 

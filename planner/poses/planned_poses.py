@@ -30,7 +30,7 @@ from planner.poses.candidates import (
     sampled_candidates,
 )
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
-from planner.poses.space import space_of
+from planner.poses.space import standing_report, valid_poses
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.request import METHODS, PoseMethod, PoseRequest
 from planner.search.feasibility import remedy
@@ -116,10 +116,11 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
     if request.method == PoseMethod.GIVEN:
         if given is None:
             raise HexciteError("method given needs poses: name a CSV file of them with --at")
-        for number, valid in enumerate(space_of(case).valid(given), 1):
+        for number, valid in enumerate(valid_poses(case, given), 1):
             if not valid:
                 place = case.words(given[number - 1])
-                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}); take another one")
+                worst = standing_report(case, given[number - 1 : number]).violations[0].sentence(timed=False)
+                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}): {worst}; take another one")
         return Candidates(given, len(given), "poses of one's own")
     if request.candidates is None:
         return grid_candidates(case)

@@ -18,7 +18,7 @@ from cases.schema import Case
 from identification.model import Model
 from identification.motion import Array
 from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
-from planner.poses.space import JointSpace, PoseSpace, space_of
+from planner.poses.space import JointSpace, PoseSpace, space_of, valid_poses
 from planner.precision import solver_text
 from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
@@ -188,7 +188,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     status = solver_text(solver.stats()["return_status"])
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
-    if not (after > before and space.valid(refined).all()):
+    if not (after > before and valid_poses(case, refined).all()):
         return poses, f"{status}; nothing better found"
     return refined, status
 

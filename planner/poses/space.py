@@ -3,7 +3,8 @@
 A chain's poses are positions of joints in the box of `[limits.motion]`, clear of everything.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -11,14 +12,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
-from cases.units import DEG
 from identification.hexapod import Hexapod
-from identification.keep_out import distances
-from identification.limit import TOLERANCE
-from identification.limit_proof import everything, shares_at
+from identification.limit import TOLERANCE, LimitKind, LimitReport, Quantity
+from identification.limit_proof import everything, prove_at, shares_at
 from identification.model import machine_of
-from identification.motion import Array, StandingPoses
-from identification.symbolic import over_samples, rotation, rpy
+from identification.motion import Array, Motion, StandingPoses
+from identification.symbolic import rpy
 from planner.search.problem import standing_limits
 
 SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model depends on it
@@ -115,12 +114,15 @@ class PoseSpace:
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """Margins at such a pose, which must not be negative: edges of the space, machine."""
-        inside = validity_margins(self.case)(self.pose(share, like))
-        return ca.vertcat(1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4]), inside)
-
-    def valid(self, poses: Array) -> NDArray[np.bool_]:
-        """Whether the machine can stand at each pose, shape (n,)."""
-        return valid_poses(self.case, poses)
+        machine, workspace, _ = self.case.need_machine("pose candidates")
+        pose, hexapod = self.pose(share, like), Hexapod.of(self.case)
+        (low, high), at = workspace.plane, pose[:2] - ca.DM(machine.home.vector[:2])
+        determinants = [ca.det(hexapod.inverse_jacobian(q)[1]) for q in (pose, ca.DM(machine.home.vector))]
+        singularity = determinants[0] / determinants[1] - self.case.need_poses("pose candidates").singularity_distance
+        discs = 1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4])
+        return ca.vertcat(
+            *discs, (at - low) / (high - low), (high - at) / (high - low), singularity, _rest(self.case, pose)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,14 +168,12 @@ class JointSpace:
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """Margins, which must not be negative: clearances, torques and sensor forces at rest."""
-        return 1 - ca.fabs(standing_limits(self.case)(self.pose(share, like)))
+        return _rest(self.case, self.pose(share, like))
 
-    def valid(self, poses: Array) -> NDArray[np.bool_]:
-        """Whether the machine can stand at each pose, by the proof of limits, shape (k,)."""
-        if not len(poses):
-            return np.zeros(0, dtype=bool)
-        shares = shares_at(StandingPoses(poses), self.case, np.arange(len(poses), dtype=float), True, everything)
-        return np.asarray(shares.max(axis=1) <= 1.0 + TOLERANCE)
+
+def _rest(case: Case, pose: ca.SX) -> ca.SX:
+    """Margins of standing at a pose by the search's own limits."""
+    return 1 - ca.fabs(standing_limits(case)(pose))
 
 
 def space_of(case: Case) -> PoseSpace | JointSpace:
@@ -181,63 +181,37 @@ def space_of(case: Case) -> PoseSpace | JointSpace:
     return PoseSpace.of(case) if case.chain is None else JointSpace.of(case)
 
 
-ROUNDING = 1e-9  # poses on the very edge of the workspace are valid
-REASONS = (
-    *(f"strut {k} too short" for k in range(1, 7)),
-    *(f"strut {k} too long" for k in range(1, 7)),
-    *(f"base joint {k} beyond its angle" for k in range(1, 7)),
-    *(f"platform joint {k} beyond its angle" for k in range(1, 7)),
-    "too close to a singularity",
-    *("x below the workspace", "x above the workspace", "y below the workspace", "y above the workspace"),
-)
-
-
-def validity_margins(case: Case) -> ca.Function:
-    """Pose -> margins, shape (29,), each a share of its limit; the pose is valid where none is below 0.
-
-    In the order of `REASONS`: strut lengths from below and above over the range of lengths; cosines of the angles at
-    base and platform less those of their limits; determinant of J_Hex^-1 over that at home less the smallest share;
-    position in the XY range over its width.
-
-    Raises:
-        CaseError: the case lacks machine, workspace or poses.
-    """
-    machine, workspace, _ = case.need_machine("the validity of poses")
-    hexapod = Hexapod.of(case)
-    pose = ca.SX.sym("pose", 6)
-    lengths, jacobian = hexapod.inverse_jacobian(pose)
-    normal = rotation(pose[3:])[:, 2]
-    directions = jacobian[:, :3]  # unit vectors along the struts, row by row
-    at_base = directions[:, 2] - float(np.cos(workspace.base_joint_angle_deg * DEG))
-    at_platform = directions @ normal - float(np.cos(workspace.platform_joint_angle_deg * DEG))
-    shortest, longest = workspace.strut_length
-    home = np.linalg.det(hexapod.inverse_jacobian(machine.home.vector)[1].full())
-    singularity = ca.det(jacobian) / float(home) - case.need_poses("the validity of poses").singularity_distance
-    in_range = []
-    for axis, (low, high) in enumerate((workspace.x_mm, workspace.y_mm)):
-        value = (pose[axis] - machine.home.vector[axis]) / 1e-3
-        in_range += [(value - low) / (high - low), (high - value) / (high - low)]
-    width = longest - shortest
-    margins = ca.vertcat(
-        (lengths - shortest) / width, (longest - lengths) / width, at_base, at_platform, singularity, *in_range
-    )
-    return ca.Function("validity_margins", [pose], [ca.densify(margins)], {"cse": True})
-
-
-def margins_of(case: Case, poses: Array) -> Array:
-    """Margins of poses, shape (n, 29)."""
-    return over_samples(validity_margins(case), poses)[0]
-
-
 def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
-    """Whether the machine can stand at each pose, outside every keep-out box, shape (n,)."""
-    machine, workspace, _ = case.need_machine("the validity of poses")
-    valid = np.all(margins_of(case, poses) >= -ROUNDING, axis=1)
-    turn, origin, base = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix(), poses[:, :3], machine.base.points
-    strut = origin[:, None] + machine.platform.points @ turn.transpose(0, 2, 1) - base
-    for box in workspace.keep_out:
-        valid &= distances(box, workspace, origin, turn, base, strut).min(axis=1) >= 0.0
-    return np.asarray(valid)
+    """Whether the machine can stand at each pose, by the proof of limits, shape (n,)."""
+    return np.asarray((standing_shares(case, poses) <= 1.0 + TOLERANCE).all(axis=1))
+
+
+def standing_shares(case: Case, poses: Array) -> Array:
+    """Share of each limit, in the order of `standing_report`, that standing at each pose uses, shape (n, limits)."""
+    if not len(poses):
+        return np.zeros((0, 1))
+    return shares_at(StandingPoses(poses), case, np.arange(float(len(poses))), _in_box(case), _standing)
+
+
+def standing_report(case: Case, poses: Array) -> LimitReport:
+    """The limits of standing at poses, shape (n, k), the worst of each; see `valid_poses`."""
+    return prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), in_box=_in_box(case), limited=_standing)
+
+
+def _in_box(case: Case) -> bool:
+    """Whether poses stay in the motion box: those of a platform may lie anywhere in its workspace."""
+    return not case.need_motion("pose candidates")[1].of_pose
+
+
+def _standing(motion: Motion, case: Case, in_box: bool) -> Iterator[Quantity]:
+    """All limits, singularities at the distance that `[poses]` states."""
+    for quantity in everything(motion, case, in_box):
+        if quantity.of.kind is LimitKind.SINGULARITY:
+            least = case.need_poses("the validity of poses").singularity_distance
+            ends = np.full_like(quantity.limits, least)
+            yield replace(quantity, limits=ends, ratio=quantity.ratio / (1.0 - least))
+        else:
+            yield quantity
 
 
 def places(case: Case, poses: Array) -> Array:

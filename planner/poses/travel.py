@@ -15,7 +15,7 @@ from identification.limit_proof import MARGIN, slowed_for_forces
 from identification.model import machine_of
 from identification.motion import Array
 from identification.trajectories.moves import Profile, StraightMove, fastest_profile, ruckig_profile
-from planner.poses.space import space_of
+from planner.poses.space import valid_poses
 
 INSTANTS = 161  # instants of a move at which its struts are checked
 COARSE = 17  # the same where the pairs of poses are so many that only their order matters
@@ -65,7 +65,7 @@ def travel_times(case: Case, poses: Array) -> Array:
         durations[block] *= np.maximum(_slowness(case, start[block], end[block], laws[law[block]]), 1.0)
         share = np.linspace(0.0, 1.0, instants)[:, None]
         places = start[block][:, None, :] + share * (end - start)[block][:, None, :]
-        valid = space_of(case).valid(places.reshape(-1, start.shape[1])).reshape(len(places), -1)
+        valid = valid_poses(case, places.reshape(-1, start.shape[1])).reshape(len(places), -1)
         durations[block][~valid.all(axis=1)] = np.inf
     times = np.zeros((len(poses), len(poses)))
     times[pairs[:, 0], pairs[:, 1]] = times[pairs[:, 1], pairs[:, 0]] = durations

@@ -48,6 +48,12 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "limits upside down": ("x_mm = [-250.0, 250.0]", "x_mm = [250.0, -250.0]", f"{BOX}.x_mm", "250 .*-250; swap"),
     "empty range": ("x_mm = [-250.0, 250.0]", "x_mm = [5.0, 5.0]", f"{BOX}.x_mm", "5 is not below.* 5"),
     "box without home": ("z_mm = [-100.0, 100.0]", "z_mm = [10.0, 100.0]", BOX, r"z_mm = \[10, 100\].*contain 0"),
+    "struts of motions that are none of the workspace": (
+        "strut_length_mm = [650.0, 1550.0]",
+        "strut_length_mm = [650.0, 700.0]",
+        "",
+        "no length in common",
+    ),
     "box beyond the workspace": ("x_mm = [-250.0, 250.0]", "x_mm = [-350.0, 250.0]", "", "beyond workspace.x_mm"),
     "parallel bars": (UPPER, HIGHER, FRAME, "parallel"),
     "bars that meet": (UPPER, f"upper = {{ points_mm = {[[0.0, 0.0, 100.0]] * 6} }}", FRAME, "six bars"),
