@@ -173,6 +173,7 @@ class LimitCheck:
     binding: bool = True
     # lower and upper limit, in `unit`, where there are two; the share is counted from the middle between them
     bounds: tuple[float, float] | None = None
+    line: int = 0  # line of the program; 0 of a motion that is not a program's
 
     @property
     def name(self) -> str:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -66,19 +67,15 @@ def write(
         *plan.stale,
         language.start,
     )
-    words = language.load(path.suffix.lower())
-    written = proven_program(plan.motion, plan.case, words, str(path), header, speed, accept)
+    program = proven_program(plan.motion, plan.case, language, path, header, speed, accept)
     planned = plan.motion.duration / speed
-    if not isinstance(plan.motion, Joined) and written.proof.excitation > LONGER * planned:
+    if not isinstance(plan.motion, Joined) and program.proof.excitation > LONGER * planned:
         remarks += (
-            f"the excitation lasts {written.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} needs "
+            f"the excitation lasts {program.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} needs "
             "blocks of whole controller cycles, and the pieces of this motion last others (change --knots, --duration "
             "or --period of hexcite plan, or --speed)",
         )
-    guarantees = words.guarantees(written.reading, plan.case)
-    program = Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
-    vars(program)["proof"] = written.proof  # of these bytes: it need not be proven again
-    return program
+    return replace(program, remarks=(*remarks, *plan.stale))
 
 
 def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None) -> Dialect:

@@ -16,7 +16,7 @@ from cases.schema import Case
 from cases.units import as_html
 from identification.motion import Array
 from postprocessors.blocks import NeutralProgram
-from postprocessors.proving.guarantees import Forecast, Guarantees
+from postprocessors.proving.guarantees import AS_PLANNED, Forecast, Guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading
 
@@ -36,7 +36,7 @@ class Language:
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
     # forecast of the program's duration; by default that it is as planned
-    forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: Forecast()
+    forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: AS_PLANNED
     # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[NeutralProgram, Case], NeutralProgram] = lambda program, case: program
 
@@ -200,11 +200,12 @@ class Program:
     guarantees: Guarantees  # guarantees of the controller
     case: Case  # case that it is for
     remarks: tuple[str, ...] = ()  # remarks beside its proof
+    proven: ProgramProof | None = None  # its proof, where it is known from its making
 
     @cached_property
     def proof(self) -> ProgramProof:
         """The proof of its limits; raises ProgramError where the motion is not defined."""
-        return prove_program(self.reading, self.case, self.guarantees)
+        return self.proven or prove_program(self.reading, self.case, self.guarantees)
 
     @property
     def forecast(self) -> Forecast:

@@ -1,7 +1,8 @@
 """From a planned motion to a program's text that has been read back and proven; this module returns nothing else."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from identification.motion import Array, Joined, Measurement, Standstill, Trajec
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.dialects import Language
+from postprocessors.dialects import Dialect, Program
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
@@ -21,29 +22,21 @@ from postprocessors.reading import Reading, Stretch, Timed, Untimed
 ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
 
 
-@dataclass(frozen=True, slots=True)
-class Written:
-    """A program that may be written."""
-
-    content: bytes  # content of the file
-    proof: ProgramProof  # proof of that content, which was successful
-    reading: Reading  # that content as read back
-
-
 def proven_program(
     trajectory: Trajectory,
     case: Case,
-    language: Language,
-    file: str,
+    dialect: Dialect,
+    file: Path | str,
     header: tuple[str, ...],
     speed: float = 1.0,
     accepted: Collection[str] = (),
-) -> Written:
+) -> Program:
     """Writes a program and proves what it wrote.
 
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
+        file: name of the program, whose suffix may choose between forms of the dialect.
         header: comment lines; the proven limits are added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without enforcement.
@@ -53,8 +46,10 @@ def proven_program(
             enforces and that is not accepted.
         CaseError: the case has no machine or no controller.
     """
+    path = Path(file)
+    language = dialect.load(path.suffix.lower())
     program = language.prepare(excitation_program(trajectory, case, header, speed), case)
-    reading = language.read(language.write(program, case), file, case)
+    reading = language.read(language.write(program, case), str(path), case)
     proof = prove_program(reading, case, language.guarantees(reading, case))
     proof.require_accepted(accepted)
     if language.same is None:
@@ -63,10 +58,11 @@ def proven_program(
         language.same(program, reading, case)
     draft = replace(program, header=(*header, *_findings(proof)))
     content = language.write(draft, case)
-    again = language.read(content, file, case)
+    again = language.read(content, str(path), case)
     if not _same_stretches(again, reading):
-        raise ProgramError(file, 0, 0, "the header changes how the program reads; report this")
-    return Written(content, replace(proof, remarks=tuple(remarks(again, case))), again)
+        raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
+    proven = replace(proof, remarks=tuple(remarks(again, case)))
+    return Program(path, dialect, content, again, language.guarantees(again, case), case, proven=proven)
 
 
 def _findings(proof: ProgramProof) -> tuple[str, ...]:

@@ -71,7 +71,7 @@ def post(
 
 def answer_of_program(program: "Program") -> dict[str, Any]:
     """The JSON answer of a program that was written."""
-    proof, forecast = program.proof, program.forecast
+    proof, (stretch, remarks) = program.proof, program.forecast
     return {
         "program": str(program.path),
         "dialect": program.dialect.name,
@@ -80,8 +80,8 @@ def answer_of_program(program: "Program") -> dict[str, Any]:
         "excitation_s": proof.excitation,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
-        "predicted_stretch": forecast.stretch,
-        "remarks": [*program.remarks, *forecast.remarks],
+        "predicted_stretch": stretch,
+        "remarks": [*program.remarks, *remarks],
         "limits": proof.limits.to_json(),
     }
 
@@ -119,8 +119,7 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "violations": [
-            {"line": v.line, "limit": str(v.check.kind.family), "sentence": v.check.sentence()}
-            for v in proof.violations
+            {"line": v.line, "limit": str(v.kind.family), "sentence": v.sentence()} for v in proof.violations
         ],
         "duration_s": proof.duration,
         "remarks": [*proof.remarks, *([other] if other else [])],

@@ -60,12 +60,9 @@ class Guarantees:
         return self.law(min(velocity, turning), along * acceleration, along * jerk)
 
 
-@dataclass(frozen=True, slots=True)
-class Forecast:
-    """The time that a controller will take for a program, predicted before it runs."""
-
-    stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
-    remarks: tuple[str, ...] = ()  # remarks and remedies, one sentence each
+Forecast = tuple[float, tuple[str, ...]]
+"""Predicted duration over planned duration of a program's timed paths, and remarks and remedies, one sentence each."""
+AS_PLANNED: Forecast = 1.0, ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,13 +202,11 @@ def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
     """Forecast for POLY blocks: each ends in time, but the controller chooses the time law within it."""
     motions = _polynomials(reading)
     if not motions:
-        return Forecast()
+        return AS_PLANNED
     position, angle = np.max([path_speed_deviation(motion, motion) for motion in motions], axis=0)
-    return Forecast(
-        1.0,
-        (
-            f"time within a POLY block is the controller's: at constant path speed in each block it strays up to "
-            f"{position / MM:.2g} mm and {angle / DEG:.2g} deg from the plan; a shorter controller.sinumerik."
-            "poly_block_ms leaves it less",
-        ),
+    remark = (
+        f"time within a POLY block is the controller's: at constant path speed in each block it strays up to "
+        f"{position / MM:.2g} mm and {angle / DEG:.2g} deg from the plan; a shorter controller.sinumerik."
+        "poly_block_ms leaves it less"
     )
+    return 1.0, (remark,)

@@ -1,7 +1,7 @@
 """Proves that a program's text is inside the limits of a case, or names the line where it is not."""
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,14 +24,6 @@ def _times(ratio: float) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Violation:
-    """A limit that the program exceeds."""
-
-    line: int  # line of the program
-    check: LimitCheck  # which limit, and by how much
-
-
-@dataclass(frozen=True, slots=True)
 class ProgramProof:
     """The proof of a program."""
 
@@ -41,7 +33,7 @@ class ProgramProof:
     duration: float  # duration of everything whose duration is known [s]
     excitation: float  # duration of the motion with the trigger on [s]
     limits: LimitReport  # worst case of each limit
-    violations: tuple[Violation, ...]  # limits that are exceeded, the worst first
+    violations: tuple[LimitCheck, ...]  # limits that are exceeded, with their lines, the worst first
     remarks: tuple[str, ...]  # remarks beside the limits: where it begins and ends
 
     @property
@@ -113,11 +105,11 @@ class ProgramProof:
         if self.violations:
             first = self.violations[0]
             more = f" ({len(self.violations) - 1} more)" if len(self.violations) > 1 else ""
-            kind = first.check.kind
+            kind = first.kind
             remedy = (
                 "slow down or change the move" if kind.kinetic or kind is LimitKind.FEED_TO_HOME else "change the move"
             )
-            raise ProgramError(self.file, first.line, 0, f"{first.check.sentence()}; {remedy}{more}")
+            raise ProgramError(self.file, first.line, 0, f"{first.sentence()}; {remedy}{more}")
 
 
 def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> ProgramProof:
@@ -138,14 +130,14 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     by = Judge(case, guarantees, reading.file, ForceBounds.of(case))
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
-    violations: list[Violation] = []
+    violations: list[LimitCheck] = []
     for part in reading.stretches:
         report, duration = judge(part, by, clock)
         reports.append(report)
-        violations += [Violation(_line(part, v.time - clock), v) for v in report.violations]
+        violations += [replace(v, line=_line(part, v.time - clock)) for v in report.violations]
         clock += duration
         excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
-    worst_first = tuple(sorted(violations, key=lambda v: -v.check.ratio))
+    worst_first = tuple(sorted(violations, key=lambda v: -v.ratio))
     return ProgramProof(
         reading.file,
         guarantees.controller,

@@ -224,7 +224,7 @@ def test_a_step_between_polynomials_is_judged_as_what_it_is():
         text = SINUMERIK.text(f"G64 G93\n{body}\nG94 G60 G1\nG4 F0.1")
         proof = SINUMERIK.proof(text)
         assert proof.ok is ok
-    kinds = {v.check.name for v in proof.violations}
+    kinds = {v.name for v in proof.violations}
     assert {"acceleration (x, step between blocks)", "jerk (x, step between blocks)"} <= kinds
 
 
@@ -233,7 +233,7 @@ def test_a_motion_that_passes_a_limit_is_named_with_its_line(typed: Typed):
     ok = typed.proof(typed.text(typed.timed(smooth_points(typed, "X", 20.0))))
     assert ok.ok
     bad = typed.proof(typed.text(typed.timed(smooth_points(typed, "X", 300.0))))
-    assert "position (x)" in {v.check.name for v in bad.violations}
+    assert "position (x)" in {v.name for v in bad.violations}
     with pytest.raises(ProgramError, match=r"p, line \d+: .* limit"):
         bad.require()
 

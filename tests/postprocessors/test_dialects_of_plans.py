@@ -49,9 +49,8 @@ FORMS = {"sinumerik": ".mpf", "twincat": ".nc", "setpoints": ".csv", "setpoints,
 @pytest.mark.parametrize("form", few(*FORMS, kept=3))
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_motion_is_written_and_proven(name: str, form: str, speed: float):
-    language = dialect(form.split(",")[0]).load(FORMS[form])
     motion = MOTIONS[name]()
-    written = proven_program(motion, CASE, language, "p", ("a note",), speed)
+    written = proven_program(motion, CASE, dialect(form.split(",")[0]), f"p{FORMS[form]}", ("a note",), speed)
     enforced = {"setpoints": "proven", "sinumerik": "proven; SINUMERIK enforces", "twincat": "proven; TwinCAT enforces"}
     assert written.proof.verdict.partition(":")[0] == enforced[form.split(",")[0]]
     if name == "poses":
@@ -63,7 +62,7 @@ def test_a_motion_is_written_and_proven(name: str, form: str, speed: float):
 
 
 def test_outside_the_motion_box_a_table_may_position_but_not_excite():
-    language = dialect("setpoints").load()
+    language = dialect("setpoints")
     excitation = Joined(poses().parts[::2])
     program = proven_program(poses(), CASE, language, "p", ())
     assert program.proof.ok
@@ -73,7 +72,7 @@ def test_outside_the_motion_box_a_table_may_position_but_not_excite():
 
 def test_a_limit_that_the_case_does_not_promise_needs_to_be_accepted():
     nobody = changed(CASE, controller__sinumerik__controller_keeps=())
-    language = dialect("sinumerik").load()
+    language = dialect("sinumerik")
     with pytest.raises(ProgramError, match=r"SINUMERIK does not enforce .*jerk.*accept"):
         proven_program(moves(), nobody, language, "p", ())
     every = ("acceleration", "jerk", "strut velocity", "strut acceleration", "velocity", "sensor force")

@@ -71,7 +71,7 @@ def test_an_edit_that_no_motion_could_follow_within_the_limits_is_caught():
 def test_the_line_of_the_edit_is_named_within_two_lines():
     for line, _, p, share in random_edits():
         if share > 1.001:
-            assert abs(p.violations[0].line - line) <= 2, p.violations[0].check.sentence()
+            assert abs(p.violations[0].line - line) <= 2, p.violations[0].sentence()
 
 
 def test_what_the_proof_lets_pass_the_independent_judge_lets_pass():

@@ -14,10 +14,10 @@ from cases.errors import CaseError, ProgramError
 from cases.loading import load_case
 from identification.motion import Joined, Motion
 from identification.trajectories.curves import polynomials_of
-from postprocessors.dialects import dialect
+from postprocessors.dialects import Program, dialect
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Timed
-from postprocessors.writing import Written, proven_program
+from postprocessors.writing import proven_program
 from tests.helpers import few, one_line
 from tests.postprocessors.joint_walks import ROBOT, walk
 
@@ -39,11 +39,11 @@ class Swing:
         return Motion(time, home + pose, *others)
 
 
-def written(motion, speed: float = 1.0) -> Written:
-    return proven_program(motion, ROBOT, LANGUAGE, "walk.yaml", ("a walk",), speed)
+def written(motion, speed: float = 1.0) -> Program:
+    return proven_program(motion, ROBOT, dialect("ros2"), "walk.yaml", ("a walk",), speed)
 
 
-def message(program: Written) -> tuple[np.ndarray, np.ndarray, list[str]]:
+def message(program: Program) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Times, shape (n,), and position, rate, acceleration, shape (n, 3, joints), as PyYAML reads them."""
     data = yaml.safe_load(program.content)
     points = data["points"]
@@ -57,7 +57,7 @@ MOTIONS = {"moves": MOVES, "spline": polynomials_of(walk(ROBOT).parts), "swing":
 
 
 @cache
-def written_motion(name: str, speed: float = 1.0) -> Written:
+def written_motion(name: str, speed: float = 1.0) -> Program:
     return written(MOTIONS[name], speed)
 
 

@@ -25,7 +25,7 @@ CASE = load_case("hexapod")
 BOX = CASE.limits.motion
 SLOW = [0.6 * limit for limit in (BOX.rate, BOX.acceleration, BOX.jerk)]
 ACCEPTED = ("jerk", "strut acceleration", "strut velocity", "sensor force")
-LANGUAGE = dialect("linuxcnc").load()
+LINUXCNC = dialect("linuxcnc")
 
 
 @st.composite
@@ -74,7 +74,7 @@ def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
 @settings(max_examples=15)
 @given(motion=motions())
 def test_a_written_program_is_proven_but_for_what_linuxcnc_does_not_know(motion: Joined):
-    written = proven_program(motion, CASE, LANGUAGE, "p.ngc", ("random",), 1.0, ACCEPTED)
+    written = proven_program(motion, CASE, LINUXCNC, "p.ngc", ("random",), 1.0, ACCEPTED)
     limits = written.proof.limits.to_json()
     assert limits["acceleration, untimed moves"]["status"] == "enforced by controller"
     assert limits["jerk, untimed moves"]["status"] == "NOT enforced"
@@ -104,7 +104,7 @@ def test_a_slowed_program_takes_the_same_way_longer(hexapod_case: Case):
     motion = Joined((StraightMove.fastest(HOME, HOME + 0.02, *SLOW),))
     durations = []
     for speed in (1.0, 0.1):
-        written = proven_program(motion, hexapod_case, LANGUAGE, "p.ngc", (), speed, ACCEPTED)
+        written = proven_program(motion, hexapod_case, LINUXCNC, "p.ngc", (), speed, ACCEPTED)
         durations.append(written.proof.excitation)
     assert durations[1] == pytest.approx(10 * durations[0], rel=1e-3)
 
@@ -112,11 +112,11 @@ def test_a_slowed_program_takes_the_same_way_longer(hexapod_case: Case):
 def test_a_spline_that_uses_the_whole_jerk_limit_is_proven_though_blocks_are_finer_than_its_knots(hexapod_case: Case):
     motion = jerked(0.998 * BOX.jerk * [1, 0, 0, 1, 0, 0], 0.04)
     accepted = ("acceleration", *ACCEPTED)
-    proof = proven_program(motion, hexapod_case, LANGUAGE, "p.ngc", (), accepted=accepted).proof
+    proof = proven_program(motion, hexapod_case, LINUXCNC, "p.ngc", (), accepted=accepted).proof
     assert proof.limits.to_json()["jerk"]["ratio"] == pytest.approx(0.998, abs=2e-3)
     faster = jerked(1.01 * BOX.jerk * [1, 0, 0, 1, 0, 0], 0.04)
     with pytest.raises(ProgramError, match="jerk"):
-        proven_program(faster, hexapod_case, LANGUAGE, "p.ngc", (), accepted=accepted)
+        proven_program(faster, hexapod_case, LINUXCNC, "p.ngc", (), accepted=accepted)
 
 
 def test_a_spline_becomes_a_timed_path_of_its_own_duration(hexapod_case: Case):

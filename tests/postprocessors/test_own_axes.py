@@ -19,9 +19,10 @@ from tests.postprocessors.execute.runs import run_text
 from tests.postprocessors.joint_walks import ROBOT, walk
 
 CASE = load_case("five_axis_table")
-LANGUAGE = dialect("linuxcnc").load()
+LINUXCNC = dialect("linuxcnc")
+LANGUAGE = LINUXCNC.load()
 TEXT = proven_program(
-    walk(CASE, jerk=False), CASE, LANGUAGE, "walk.ngc", ("a walk",), accepted=("jerk",)
+    walk(CASE, jerk=False), CASE, LINUXCNC, "walk.ngc", ("a walk",), accepted=("jerk",)
 ).content.decode()
 HEAD = "G17 G21 G40 G49 G54 G80 G90 G91.1 G94\nG92.1\nG61\nG1 X0 Y0 Z0 A0 C0 F500\n"
 
@@ -112,19 +113,19 @@ def test_a_move_beyond_the_box_is_a_violation(pattern: str, new: str, limit: str
     last = max(k for k, line in enumerate(lines[: lines.index("M65 P0")]) if line.startswith("G1"))
     lines[last] = re.sub(pattern, new, lines[last])
     proof = judged("\n".join(lines) + "\n")
-    assert any(limit in v.check.name and v.line in (last + 1, last + 2) for v in proof.violations)
+    assert any(limit in v.name and v.line in (last + 1, last + 2) for v in proof.violations)
 
 
 def test_a_first_move_that_is_too_fast_whatever_its_feed_counts() -> None:
     feed = float(re.search(r"C0 F([\d.]+)", TEXT)[1])
     proof = judged(TEXT.replace(f"C0 F{feed:g}", f"C0 F{1.1 * feed:g}", 1))
-    assert any("feed to home" in v.check.name for v in proof.violations)
+    assert any("feed to home" in v.name for v in proof.violations)
 
 
 def test_paths_are_refused_by_the_writer() -> None:
     path = polynomials_of(walk(CASE, 3).parts)
     with pytest.raises(HexciteError, match="corners") as caught:
-        proven_program(path, CASE, LANGUAGE, "walk.ngc", ())
+        proven_program(path, CASE, LINUXCNC, "walk.ngc", ())
     one_line(caught.value)
 
 
@@ -156,5 +157,5 @@ def test_joints_that_are_no_axes_are_named() -> None:
     with pytest.raises(
         ProgramError, match=r"joint base turns and is not an axis of LinuxCNC; name it A, B, C"
     ) as caught:
-        proven_program(walk(ROBOT, jerk=False), ROBOT, LANGUAGE, "walk.ngc", ())
+        proven_program(walk(ROBOT, jerk=False), ROBOT, LINUXCNC, "walk.ngc", ())
     one_line(caught.value)

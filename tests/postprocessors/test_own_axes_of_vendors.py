@@ -44,8 +44,7 @@ def made(endless: bool = False, **settings: object) -> Case:
 
 CASE = made()
 TEXTS = {
-    name: proven_program(walk(CASE), CASE, dialect(name).load(), FILES[name], ("a walk",)).content.decode()
-    for name in FILES
+    name: proven_program(walk(CASE), CASE, dialect(name), FILES[name], ("a walk",)).content.decode() for name in FILES
 }
 
 
@@ -73,7 +72,7 @@ def test_f_counts_lengths_in_mm_and_turns_in_degrees_as_the_text_says(name: str)
     limits = 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk
     there = [StraightMove.fastest(a, b, *limits) for a, b in ((home, turned), (turned, walk(CASE).parts[0].start))]
     motion = Joined((*there, *walk(CASE).parts))
-    text = proven_program(motion, CASE, dialect(name).load(), FILES[name], ()).content.decode()
+    text = proven_program(motion, CASE, dialect(name), FILES[name], ()).content.decode()
     lines, reading = text.splitlines(), read(name, text)
     moves = {part.line: part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None}
     group: list[str] = []
@@ -136,14 +135,14 @@ def test_standstills_switch_the_trigger_at_each(name: str) -> None:
     there = StraightMove.fastest(home, away, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     back = StraightMove.fastest(away, home, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     motion = Joined((Measurement(home, 0.5, 1.0), there, Measurement(away, 0.5, 1.0), back))
-    program = proven_program(motion, CASE, dialect(name).load(), FILES[name], ())
+    program = proven_program(motion, CASE, dialect(name), FILES[name], ())
     pauses = [part.duration for part in program.reading.stretches if isinstance(part, Still)]
     assert pauses == [0.5, 1.0, 0.5, 1.0]
 
 
 @BOTH
 def test_paths_endless_axes_and_foreign_settings_are_one_line_each(name: str) -> None:
-    language = dialect(name).load()
+    language = dialect(name)
     with pytest.raises(HexciteError, match="ptp") as caught:
         proven_program(polynomials_of(walk(CASE).parts), CASE, language, FILES[name], ())
     one_line(caught.value)

@@ -9,20 +9,21 @@ from hypothesis import strategies as st
 
 from cases.errors import CaseError, HexciteError, ProgramError
 from cases.loading import load_case
-from postprocessors.dialects import dialect
+from postprocessors.dialects import Program, dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading import Untimed
-from postprocessors.writing import Written, excitation_program, proven_program
+from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import one_line
 from tests.postprocessors.joint_walks import robot, walk
 
 CASE = robot()
-LANGUAGE = dialect("urscript").load()
+URSCRIPT = dialect("urscript")
+LANGUAGE = URSCRIPT.load()
 
 
-def written(jerk: bool = False, speed: float = 1.0) -> Written:
-    return proven_program(walk(CASE, jerk=jerk), CASE, LANGUAGE, "walk.script", ("a walk",), speed, ("jerk",))
+def written(jerk: bool = False, speed: float = 1.0) -> Program:
+    return proven_program(walk(CASE, jerk=jerk), CASE, URSCRIPT, "walk.script", ("a walk",), speed, ("jerk",))
 
 
 TEXT = written().content.decode()
@@ -70,7 +71,7 @@ def test_only_the_jerk_of_the_ramps_is_nobodys() -> None:
     for name in ("angle", "joint angle", "angular velocity", "angular acceleration", "sensor force", "sensor moment"):
         assert names[name] == "proven"
     with pytest.raises(ProgramError, match="does not enforce jerk") as caught:
-        proven_program(walk(CASE), CASE, LANGUAGE, "walk.script", ())
+        proven_program(walk(CASE), CASE, URSCRIPT, "walk.script", ())
     one_line(caught.value)
 
 
@@ -133,11 +134,11 @@ def test_an_edit_beyond_a_limit_is_a_violation_in_its_line(what: str) -> None:
     line = 1 + text[: text.index(re.sub(pattern, new, FIRST))].count("\n")
     proof = judged(text)
     assert not proof.ok
-    assert any(v.line in (line, line + 1) and limit in v.check.name for v in proof.violations)
+    assert any(v.line in (line, line + 1) and limit in v.name for v in proof.violations)
 
 
 def test_a_fast_first_move_is_a_violation() -> None:
-    assert any("feed to home" in v.check.name for v in judged(TEXT.replace("v=0.2094395102", "v=0.5")).violations)
+    assert any("feed to home" in v.name for v in judged(TEXT.replace("v=0.2094395102", "v=0.5")).violations)
 
 
 def test_arguments_may_stand_without_names() -> None:

@@ -140,7 +140,7 @@ def test_a_table_of_setpoints_is_proven_in_all_its_limits():
     from postprocessors.writing import proven_program
     from tests.postprocessors.test_dialects_of_plans import moves
 
-    result = proven_program(Joined((moves(),)), keeps("setpoints"), dialect("setpoints").load(), "p", ()).proof
+    result = proven_program(Joined((moves(),)), keeps("setpoints"), dialect("setpoints"), "p", ()).proof
     assert said(result, False) == {k: {P} for k in KINETIC[:6]}
     assert said(result, True) == {}
 

@@ -19,7 +19,7 @@ from identification.limit import LimitKind
 from identification.motion import Array, TimedPoints
 from identification.trajectories.moves import TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
-from postprocessors.proving.guarantees import Forecast, Guarantees
+from postprocessors.proving.guarantees import AS_PLANNED, Forecast, Guarantees
 from postprocessors.reading import Reading, Timed
 
 ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5
@@ -127,7 +127,7 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     """Predicted stretch of a program by LinuxCNC, with its set-up and under the case's own acceleration limits."""
     headroom, paths = acceleration_headroom(reading, case), triggered_paths(reading)
     if not paths:
-        return Forecast()
+        return AS_PLANNED
     stretch, own = predicted_stretch(paths, case, headroom), predicted_stretch(paths, case, 1.0)
     planned = sum(p.duration for p in paths)
     remarks = []
@@ -143,7 +143,7 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
             f"under the case's own acceleration limits it would take {own:.2f} times as long "
             f"(acceleration_headroom is {headroom:g}); point-to-point moves keep their time and these limits"
         )
-    return Forecast(stretch, tuple(remarks))
+    return stretch, tuple(remarks)
 
 
 def _about(longer: tuple[float, float] | None) -> str:

@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.motion import TimedPoints
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, unit_profile
-from postprocessors.dialects import dialect
+from postprocessors.dialects import Program, dialect
 from postprocessors.execute.linuxcnc.stretching import (
     CUT,
     NOTICEABLE,
@@ -23,7 +23,7 @@ from postprocessors.execute.linuxcnc.stretching import (
     sufficient_headroom,
     triggered_paths,
 )
-from postprocessors.writing import Written, proven_program
+from postprocessors.writing import proven_program
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.execute.runs import run_text
@@ -89,14 +89,13 @@ def test_post_is_told_the_stretch_and_the_remedies(hexapod_case: Case):
         (6.0, "ms (controller.block_ms)"),
     ):
         tight = changed(hexapod_case, controller__linuxcnc__acceleration_headroom=headroom)
-        forecast = dialect("linuxcnc").load().forecast(reading, tight)
+        stretch, (remark, *_) = dialect("linuxcnc").load().forecast(reading, tight)
         paths = triggered_paths(reading)
-        assert forecast.stretch == predicted_stretch(paths, tight, headroom)
-        remark = forecast.remarks[0]
-        assert f"{forecast.stretch:.2f} times as long" in remark
+        assert stretch == predicted_stretch(paths, tight, headroom)
+        assert f"{stretch:.2f} times as long" in remark
         assert f"acceleration_headroom = {sufficient_headroom(paths, tight, headroom)}" in remark
         assert words in remark
-    assert linuxcnc_forecast(read_linuxcnc(typed("M64 P0\nG1 X5"), "p.ngc"), tight).remarks == ()
+    assert linuxcnc_forecast(read_linuxcnc(typed("M64 P0\nG1 X5"), "p.ngc"), tight)[1] == ()
 
 
 def test_blocks_without_a_way_last_as_long_as_written_and_part_the_path():
@@ -110,13 +109,13 @@ def test_blocks_without_a_way_last_as_long_as_written_and_part_the_path():
 SEGMENT = 92.3e-3  # [s] whole blocks of 10 ms do not fill it
 
 
-def jerky(case: Case) -> Written:
+def jerky(case: Case) -> Program:
     """There and back in pieces that last no whole cycles, at 60 % of the tightest limit."""
     far = HOME + np.r_[0.02, -0.015, 0.01, 0.03, -0.02, 0.03]
     moves = [StraightMove(a, b, unit_profile(SEGMENT, 0.0, 0.0)) for a, b in ((HOME, far), (far, HOME))]
     motion = polynomials_of(moves * 4)
     accepted = ("acceleration", "jerk", "strut acceleration", "sensor force", "strut velocity")
-    return proven_program(motion, case, dialect("linuxcnc").load(), "p.ngc", (), accepted=accepted)
+    return proven_program(motion, case, dialect("linuxcnc"), "p.ngc", (), accepted=accepted)
 
 
 def test_blocks_last_whole_cycles_and_pieces_begin_at_points(hexapod_case: Case):
