@@ -52,17 +52,11 @@ class LimitedMachine(Protocol):
     def ranges(self, motion: Motion, /) -> Iterable[Quantity]:
         """Where the coordinates are, between the ends of what the machine can reach."""
 
-    def load(self, motion: Motion, /) -> LoadMotion:
-        """Motion of the load's frame."""
-
     def drives(self, motion: Motion, /) -> tuple[Array, Array, Array]:
         """Positions, rates and accelerations of the drives, shapes (n, k) [m or rad]."""
 
-    def drive_rates(self, motion: Motion, /) -> Iterable[Quantity]:
-        """Rates of the drives, where these are not the coordinates."""
-
     def mechanics(self, motion: Motion, /) -> tuple[LoadMotion, Iterable[Quantity]]:
-        """Motion of the load's frame, and all further limits, which need it."""
+        """Motion of the load's frame, and all further limits, which need it: each is computed when it is asked for."""
 
     def fastest(self, rate: Array, acceleration: Array, /) -> tuple[float, float, float]:
         """Bounds of the load's |omega|, |alpha| and |p''| in any pose [rad/s, rad/s^2, m/s^2].
@@ -123,14 +117,17 @@ def load_shares(motion: Motion, case: Case) -> Array:
     loads = Loads.of(case)
     if loads is None:
         return np.zeros(0)
-    forces = loads.forces(motion, *limited_machine(case).load(motion))
+    forces = loads.forces(motion, *limited_machine(case).mechanics(motion)[0])
     return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))
 
 
 def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
     """Rates of the coordinates, and of the drives where these are others."""
-    yield from _rates(motion, case.need_motion("the proof of limits")[1])
-    yield from limited_machine(case).drive_rates(motion)
+    limits = case.need_motion("the proof of limits")[1]
+    yield from _rates(motion, limits)
+    if limits.of_pose:
+        further = limited_machine(case).mechanics(motion)[1]
+        yield next(quantity for quantity in further if quantity.of.kind is LimitKind.STRUT_VELOCITY)
 
 
 def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:

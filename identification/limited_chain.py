@@ -52,17 +52,9 @@ class LimitedChain:
                 low, high = self.chain.position[:, own]
                 yield Quantity.between(kind, labels, motion.pose[:, own], low, high)
 
-    def load(self, motion: Motion) -> LoadMotion:
-        """Motion of the sensor's frame."""
-        return sensor_motion(chain_frames(motion, self.chain))
-
     def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
         """The joints themselves."""
         return motion.pose, motion.rates, motion.accelerations
-
-    def drive_rates(self, motion: Motion) -> Iterable[Quantity]:
-        """None beside those of the coordinates."""
-        return ()
 
     def mechanics(self, motion: Motion) -> tuple[LoadMotion, Iterable[Quantity]]:
         """Torques of the drives, and distances of bodies."""

@@ -34,23 +34,14 @@ class LimitedHexapod:
         offset = motion.pose[:, :2] - self.machine.home.vector[:2]
         yield Quantity.between(LimitKind.WORKSPACE_POSITION, ("x", "y"), offset, low, high)
 
-    def load(self, motion: Motion) -> LoadMotion:
-        """The platform's own motion."""
-        return rotation_motion(motion), motion.accelerations[:, :3]
-
     def drives(self, motion: Motion) -> tuple[Array, Array, Array]:
         """Strut lengths [m], velocities and accelerations, each of shape (n, 6)."""
         return _along(*strut_vectors(motion, rotation_motion(motion), self.machine)[:3])
 
-    def drive_rates(self, motion: Motion) -> Iterable[Quantity]:
-        """Velocities of the struts alone."""
-        most = np.full(6, self.limits.strut_velocity_m_s)
-        yield Quantity.between(LimitKind.STRUT_VELOCITY, _STRUTS, self.drives(motion)[1], -most, most)
-
     def mechanics(self, motion: Motion) -> tuple[LoadMotion, Iterable[Quantity]]:
-        """Limits of struts and joints, with the distances from boxes and singularities."""
-        load = self.load(motion)
-        return load, self._mechanics(motion, load[0])
+        """The platform's own motion; limits of struts and joints, with the distances from boxes and singularities."""
+        rotation = rotation_motion(motion)
+        return (rotation, motion.accelerations[:, :3]), self._mechanics(motion, rotation)
 
     def _mechanics(self, motion: Motion, rotation: tuple[Array, Array, Array]) -> Iterable[Quantity]:
         machine, workspace, limits = self.machine, self.workspace, self.limits

@@ -127,7 +127,7 @@ class ForceBounds:
         return self._checks(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
     def _forces(self, motion: Motion) -> Array:
-        return self.loads.forces(motion, *self.machine.load(motion))
+        return self.loads.forces(motion, *self.machine.mechanics(motion)[0])
 
     def _checks(self, most: Array, times: Array) -> tuple[LimitCheck, ...]:
         """The worst force, and the worst moment where moments have a range."""

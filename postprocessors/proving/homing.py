@@ -18,7 +18,7 @@ from identification.limit_proof import limited_machine, prove
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.guarantees import Guarantees, Judge
-from postprocessors.reading import Reading, Stretch, Timed, Untimed
+from postprocessors.reading import Arc, Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
     from postprocessors.dialects import Program
@@ -34,7 +34,7 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
         return None
     way = np.abs(part.end - part.start)
     if part.arc is not None:
-        return _arc(part, part.start, limits, guarantees)
+        return _arc(part, part.start, part.arc, limits, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
     if part.acceleration is not None:
@@ -42,17 +42,16 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
 
 
-def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> CircularMove:
-    turn = part.arc
-    assert turn is not None
+def _arc(part: Untimed, start: Array, arc: Arc, limits: Box, guarantees: Guarantees) -> CircularMove:
+    plane, centre, angle = arc
     assert part.feed is not None
-    first, second, _ = turn.plane.axes
+    first, second, _ = plane.axes
     length = part.length
     way = np.abs(part.end - start)
     way[[first, second]] = length  # either axis may carry all of it
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
-    law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(turn.angle))
-    return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)
+    law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(angle))
+    return CircularMove(start, part.end[3:], plane, centre, angle, law)
 
 
 def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:

@@ -6,9 +6,9 @@ Their common functions for lines, words and axes are at the end.
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -40,13 +40,12 @@ class Timed:
         return self.lines[int(np.clip(block, 0, len(self.lines) - 1))]
 
 
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """A way of the origin on a circle in a coordinate plane; the other coordinates change in proportion."""
+Arc = tuple[Plane, Array, float]
+"""A way of the origin on a circle; the other coordinates change in proportion.
 
-    plane: Plane  # plane in which it lies
-    centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
-    angle: float  # turned about the plane's normal, positive counter-clockwise, at most a full circle [rad]
+The plane in which it lies; the centre along the plane's first and second axis, absolute in {B}, shape (2,) [m]; the
+angle turned about the plane's normal, positive counter-clockwise, at most a full circle [rad].
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +70,10 @@ class Untimed:
         assert self.start is not None
         way = self.end - self.start
         if self.arc is not None:
-            first, second, _ = self.arc.plane.axes
-            arm = self.start[[first, second]] - self.arc.centre
-            return abs(self.arc.angle) * float(np.hypot(arm[0], arm[1]))
+            plane, centre, angle = self.arc
+            first, second, _ = plane.axes
+            arm = self.start[[first, second]] - centre
+            return abs(angle) * float(np.hypot(arm[0], arm[1]))
         if self.counted is not None:
             return float(np.linalg.norm(way[list(self.counted)]))
         return float(np.linalg.norm(way[:3] if self.linear else way[3:]))
@@ -135,15 +135,12 @@ class Reading:
         return np.array(poses)
 
 
-class TimedBlock(NamedTuple):
-    """A block whose time the program states."""
+TimedBlock = tuple[int, float, Array, Array | None]
+"""A block whose time the program states: line, duration [s], pose at its end, shape (6,) [m, rad], and coefficients.
 
-    line: int  # line of the program
-    duration: float  # [s]
-    end: Array  # pose at its end, shape (6,) [m, rad]
-    # c_i of the polynomial sum_i c_i p^i, p from 0 to 1 at constant rate, which begins where the machine stands, shape
-    # (d + 1, 6) [m, rad]; None for a straight line
-    coefficients: Array | None = None
+c_i of the polynomial sum_i c_i p^i, p from 0 to 1 at constant rate, which begins where the machine stands, shape
+(d + 1, 6) [m, rad]; None for a straight line.
+"""
 
 
 class Grouping:
@@ -191,11 +188,10 @@ class Grouping:
             raise self.error(self.waiting[0], "the trigger switches in the middle of a path; switch at rest")
         self._settle_trigger()
         if self.pose is None:
-            problem = "a timed block starts from an unknown pose; first move home at a feed (G94)"
-            raise self.error(block.line, problem)
+            raise self.error(block[0], "a timed block starts from an unknown pose; first move home at a feed (G94)")
         if exact:
             problem = "a timed block under G61: the controller stops at its end and does not keep the time; use G64"
-            raise self.error(block.line, problem)
+            raise self.error(block[0], problem)
         self.timed.append(block)
 
     def move(
@@ -241,19 +237,24 @@ class Grouping:
 
     def _finish_path(self) -> None:
         if self.timed:
-            lines = tuple(block.line for block in self.timed)
-            self.stretches.append(Timed(lines, self._path(self.timed), self.trigger))
-            self.pose, self.timed = self.timed[-1].end, []
+            lines, times, ends, polynomials = zip(*self.timed, strict=True)
+            self.stretches.append(Timed(lines, self._path(lines, times, ends, polynomials), self.trigger))
+            self.pose, self.timed = ends[-1], []
 
-    def _path(self, blocks: list[TimedBlock]) -> TimedPoints | PolynomialMotion:
-        straight = [block for block in blocks if block.coefficients is None]
-        if len(straight) == len(blocks):
-            ends = np.vstack([np.array(self.pose), *(block.end for block in blocks)])
-            return TimedPoints.through(np.cumsum([0.0, *(block.duration for block in blocks)]), ends)
-        if straight:
-            raise self.error(straight[0].line, "a timed straight block among polynomials; write a path in one form")
-        pieces = ((np.array(block.coefficients), block.duration) for block in blocks)
-        return PolynomialMotion(tuple(Piece(own / time ** np.arange(len(own))[:, None], time) for own, time in pieces))
+    def _path(
+        self, lines: Sequence[int], times: Sequence[float], ends: Sequence[Array], polynomials: Sequence[Array | None]
+    ) -> TimedPoints | PolynomialMotion:
+        pieces = [
+            Piece(own / time ** np.arange(len(own))[:, None], time)
+            for own, time in zip(polynomials, times, strict=True)
+            if own is not None
+        ]
+        if not pieces:
+            return TimedPoints.through(np.cumsum([0.0, *times]), np.vstack([np.array(self.pose), *ends]))
+        if len(pieces) < len(lines):
+            first = next(line for line, own in zip(lines, polynomials, strict=True) if own is None)
+            raise self.error(first, "a timed straight block among polynomials; write a path in one form")
+        return PolynomialMotion(tuple(pieces))
 
 
 Item = TypeVar("Item")
@@ -261,19 +262,18 @@ Item = TypeVar("Item")
 _INK = re.compile(r"\S")
 
 
-def program_lines(text: str, file: str, longest: int, most: float = math.inf) -> list[str]:
+def program_lines(content: bytes, file: str, longest: int, most: float = math.inf) -> list[str]:
     """The lines of a program; only line feeds end one.
 
     Args:
-        text: text of the program, one character a byte (latin-1), so that columns are right whatever the encoding
-            really is.
+        content: the program; one character a byte, so that columns are right whatever the encoding really is.
         longest: largest number of characters in a line of the controller.
         most: largest number of lines with content in its memory.
 
     Raises:
         ProgramError: a character that is not plain ASCII, a line too long, too many lines; with line and column.
     """
-    lines = text.replace("\r\n", "\n").split("\n")
+    lines = content.decode("latin-1").replace("\r\n", "\n").split("\n")
     count = 0
     for number, line in enumerate(lines, start=1):
         if not line.isascii() or not line.replace("\t", " ").isprintable():
@@ -300,12 +300,14 @@ def each_word(
     position: int,
     pattern: re.Pattern[str],
     word_of: Callable[[re.Match[str], int], Item],
-    unreadable: Callable[[int, str], ProgramError],
+    place: tuple[str, int],
+    remedy: Callable[[str], str],
 ) -> Iterator[Item]:
     """Words of a line from a position on, one by one.
 
     Args:
-        unreadable: column and first characters of a text that is not a word -> error.
+        place: file and line, for messages.
+        remedy: of the first characters of a text that is not a word.
 
     Raises:
         ProgramError: a part of the line is not a word.
@@ -313,7 +315,8 @@ def each_word(
     while (ink := _INK.search(text, position)) is not None:
         match = pattern.match(text, position)
         if match is None:
-            raise unreadable(ink.start() + 1, text[ink.start() : ink.start() + 12].rstrip())
+            bad = text[ink.start() : ink.start() + 12].rstrip()
+            raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {remedy(bad)}")
         yield word_of(match, ink.start() + 1)
         position = match.end()
 

@@ -34,7 +34,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
         CaseError: the case has no chain.
     """
     chain, _ = case.need_chain("a joint trajectory")
-    reader = _Reader(file, program_lines(content.decode("latin-1"), file, LONGEST_LINE))
+    reader = _Reader(file, program_lines(content, file, LONGEST_LINE))
     names, points = reader.message()
     if names != list(chain.names):
         reader.fail(reader.named, f"joints {', '.join(names)} are not those of the case, {', '.join(chain.names)}")
@@ -107,20 +107,21 @@ def _grouped(reader: _Reader, points: list[_Point]) -> Grouping:
         if not duration > 0.0:
             reader.fail(place, f"time_from_start {until:g} s is not after the point before; correct it")
         standing = np.array_equal(before, after) and not after[1:].any()
-        blocks.append(TimedBlock(place, duration, after[0], None if standing else _quintic(before, after, duration)))
-    moving = [k for k, block in enumerate(blocks) if block.coefficients is not None]
+        blocks.append((place, duration, after[0], None if standing else _quintic(before, after, duration)))
+    moving = [k for k, (*_, coefficients) in enumerate(blocks) if coefficients is not None]
     motions = Grouping(reader.file)
     motions.stand(state[0])
     motions.pause(line, time)
     for k, block in enumerate(blocks):
+        place, duration, _, coefficients = block
         if k in moving[:1]:
-            motions.switch(block.line, True, at_once=True)
-        if block.coefficients is None:
-            motions.pause(block.line, block.duration)
+            motions.switch(place, True, at_once=True)
+        if coefficients is None:
+            motions.pause(place, duration)
         else:
             motions.block(block)
         if k in moving[-1:]:
-            motions.switch(block.line, False, at_once=True)
+            motions.switch(place, False, at_once=True)
     return motions
 
 

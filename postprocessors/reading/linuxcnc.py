@@ -14,7 +14,6 @@ import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from cases.units import DEG, MM
 from postprocessors.reading import Reading, axis_letters, each_word, program_lines
 from postprocessors.reading.modal import ModalState, Word
 
@@ -65,11 +64,9 @@ class _LinuxCncInterpreter(ModalState):
 
     def __init__(self, file: str, case: Case) -> None:
         axes = axis_letters(case, "LinuxCNC", file)
-        scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
-        super().__init__(file, list(axes), "ABC", scale, not case.need_motion("a program")[1].of_pose)
+        super().__init__(file, axes, not case.need_motion("a program")[1].of_pose)
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
-        self.said: set[str] = set()
         self.moved = False
 
     def read(self, words: list[Word]) -> None:
@@ -80,7 +77,6 @@ class _LinuxCncInterpreter(ModalState):
                 if word.name not in (*self.axes, *"FPQIJK"):
                     self.fail(word, f"{word.name}{word.value:g} is not a word of an excitation; remove it")
                 self.require_number(word)
-        self.require_one_of_each_group(block)
         for word in codes:
             self._code(word, block)
         if not self.moved:
@@ -157,10 +153,8 @@ def _words(text: str, line: int, file: str) -> list[Word]:
         letter, number = match["letter"].upper(), float(match["number"])
         return Word(f"{letter}{number:g}", column) if letter in "GM" else Word(letter, column, number)
 
-    def unreadable(column: int, bad: str) -> ProgramError:
-        return ProgramError(file, line, column, f"cannot read {bad!r}; words are a letter and a plain decimal number")
-
-    return [w for w in each_word(text, 0, _WORD, word, unreadable) if w is not None]
+    remedy = "words are a letter and a plain decimal number"
+    return [w for w in each_word(text, 0, _WORD, word, (file, line), lambda bad: remedy) if w is not None]
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
@@ -173,5 +167,5 @@ def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
         ProgramError: anything that is not understood, with line and column; no end of program.
     """
     interpreter = _LinuxCncInterpreter(file, case)
-    reading = interpreter.read_program(program_lines(content.decode("latin-1"), file, LONGEST_LINE), _words)
+    reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

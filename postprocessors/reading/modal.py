@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar, NamedTuple, NoReturn
 
 import numpy as np
@@ -11,7 +11,7 @@ from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array
 from identification.trajectories.moves import Plane
-from postprocessors.reading import Arc, Grouping, Reading, TimedBlock
+from postprocessors.reading import Grouping, Reading
 
 ROUND = 2e-3  # [mm] largest difference of the radii at both ends, by rounding of words; LinuxCNC accepts 5e-3
 STILL = 1e-7  # [mm] distance below which places are the same
@@ -39,8 +39,6 @@ class ModalState(ABC):
 
     Args:
         axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
-        angles: words of the angles where F counts them.
-        scale: SI value of the coordinates' units, shape (k,) [m or rad].
         own_axes: whether the coordinates are the machine's own axes; else they are the pose of a platform.
     """
 
@@ -52,16 +50,17 @@ class ModalState(ABC):
     inverse_time: ClassVar[bool] = True  # whether that F is one over minutes; else seconds
     feed_group: ClassVar[str] = ""  # command that names the axes whose path F counts, with {} for them; empty: none
 
-    def __init__(self, file: str, axes: list[str], angles: Iterable[str], scale: Array, own_axes: bool) -> None:
+    def __init__(self, file: str, axes: Sequence[str], own_axes: bool) -> None:
         self.file = file
         self.group_of = {name: k for k, group in enumerate(self.groups) for name in group}
         self.axes = axes
-        self.angles = tuple(angles)
-        self.scale = scale
         self.own_axes = own_axes
         self.line = 0
         self.motions = Grouping(file)
         self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
+        self.angles = tuple(name for name in axes if name not in ("X", "Y", "Z"))  # where F counts them
+        self.scale = np.where(self.linear, MM, DEG)  # SI values of the coordinates' units [m or rad]
+        self.said: set[str] = set()  # settings that a move needs before it, beside modal words
         self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
@@ -115,20 +114,17 @@ class ModalState(ABC):
         return any(name in self.modal.values() for name in names)
 
     def once_each(self, words: Iterable[Word]) -> dict[str, Word]:
-        """The words of a block by their names, each of which may stand in it once."""
+        """The words of a block by their names, each of which may stand in it once, and one of each group."""
         block: dict[str, Word] = {}
+        first: dict[int, Word] = {}
         for word in words:
             if word.name in block:
                 self.fail(word, f"a second {word.name.rstrip('=') or 'bare number'} word in one block; remove one")
             block[word.name] = word
-        return block
-
-    def require_one_of_each_group(self, seen: dict[str, Word]) -> None:
-        """Refuses two words of one group in a block, which are an error for the controller."""
-        first: dict[int, Word] = {}
-        for word in seen.values():
+        for word in block.values():
             if word.name in self.group_of and (before := first.setdefault(self.group_of[word.name], word)) is not word:
                 self.fail(word, f"{before.name} and {word.name} in one block exclude each other; remove one")
+        return block
 
     def take_feed(self, seen: dict[str, Word]) -> None:
         """Sets the feed of the block, if it has one."""
@@ -212,7 +208,7 @@ class ModalState(ABC):
         axes = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
         self.pose = end
         if duration is not None:
-            self.motions.block(TimedBlock(self.line, duration, end * self.scale), exact)
+            self.motions.block((self.line, duration, end * self.scale, None), exact)
             return
         counted = axes if self.own_axes and known else None
         self.motions.move(self.line, end * self.scale, feed, linear, exact, law=(counted, None))
@@ -251,5 +247,5 @@ class ModalState(ABC):
             angle = turned if positive else 2 * np.pi - turned
         angle = angle if positive else -angle
         self.pose = end
-        arc = Arc(plane, centre * MM, angle)
+        arc = plane, centre * MM, angle
         self.motions.move(self.line, end * self.scale, self.feed * MM / MINUTE, True, exact, arc)

@@ -12,7 +12,6 @@ import numpy as np
 
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
-from cases.units import DEG, MM
 from postprocessors.reading import Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.sinumerik_words import (
@@ -40,20 +39,18 @@ class _SinumerikInterpreter(ModalState):
     def __init__(self, file: str, settings: SinumerikAxes, case: Case) -> None:
         self.settings = settings
         self.of_pose = settings if isinstance(settings, Sinumerik) else None  # None: in the machine's own axes
-        self.said: set[str] = set()  # settings that stand in blocks of their own
         if self.of_pose is not None:
             words = self.of_pose.orientation_words
             axes = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in words)]
-            angles = list(self.of_pose.orientation_axes)
             rpy = ["ORIWKS", "ORIRPY"] if any(w[-1].isdigit() for w in words) else []
             self.needed = ["G90", "G710", "G500", "SOFT", "ORIAXES", *rpy]
         else:
             axes = list(axis_letters(case, "SINUMERIK", file, endless=False))
-            angles = [axis for axis in axes if axis in "ABC"]
-            radii = (f"FGREF[{axis}]" for axis in angles)
+            radii = (f"FGREF[{axis}]" for axis in axes if axis in "ABC")
             self.needed = ["G90", "G710", "G500", "SOFT", "TRAFOOF", "COMPOF", "G94", *radii]
-        scale = np.array([MM if axis in ("X", "Y", "Z") else DEG for axis in axes])
-        super().__init__(file, axes, angles, scale, self.of_pose is None)
+        super().__init__(file, axes, self.of_pose is None)
+        if self.of_pose is not None:
+            self.angles = self.of_pose.orientation_axes
         self.action: tuple[int, bool] | None = None  # line of a switch that waits for the next block, and whether on
 
     def read(self, words: list[Word]) -> None:
@@ -61,15 +58,14 @@ class _SinumerikInterpreter(ModalState):
         if polynomials and self.own_axes:
             self._refuse("PO", polynomials[0])
         block = self.once_each(word for word in words if word.name != "PO")
-        self.require_one_of_each_group(block)
         for name, word in block.items():
             self._modal(name, word, block)
         if "G4" in block:
             self._dwell(block)
         else:
             self._feed_and_move(block, polynomials)
-        if "M30" in block or "M2" in block:
-            self._end(block.get("M30") or block.get("M2"))
+        if end := block.get("M30") or block.get("M2"):
+            self._end(end)
 
     def _modal(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in NEUTRAL or name in ("G4", "M2", "M30"):
@@ -221,7 +217,7 @@ class _SinumerikInterpreter(ModalState):
         self._flush_trigger(before_motion=True)
         self.arc(block, first, True)
 
-    def _end(self, word: Word | None) -> None:
+    def _end(self, word: Word) -> None:
         if self.action is not None:
             self.line = self.action[0]
             self.fail(None, "the action waits for a next block that never comes; write a dwell after it")
@@ -241,5 +237,5 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
         CaseError: the case has no settings of this dialect.
     """
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
-    lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
+    lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _SinumerikInterpreter(file, settings, case).read_program(lines, sinumerik_words)

@@ -120,10 +120,7 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
     def word(match: re.Match[str], column: int) -> Word:
         return _word(match, column, line, file)
 
-    def unreadable(column: int, bad: str) -> ProgramError:
-        return ProgramError(file, line, column, f"cannot read {bad!r}; {_remedy(bad)}")
-
-    return [*words, *each_word(text, position, _WORD, word, unreadable)]
+    return [*words, *each_word(text, position, _WORD, word, (file, line), _remedy)]
 
 
 def _without_comment(text: str) -> str:
@@ -226,7 +223,7 @@ def polynomial(
     coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
     duration = MINUTE / float(seen["F"].value or math.nan)
     state.pose = end
-    return TimedBlock(state.line, duration, end * state.scale, coefficients * state.scale)
+    return state.line, duration, end * state.scale, coefficients * state.scale
 
 
 def _piece(state: ModalState, settings: Sinumerik, word: Word) -> tuple[float, list[float]]:

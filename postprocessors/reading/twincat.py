@@ -6,11 +6,8 @@ functions are those of the case. In a machine's own axes no transformation is ac
 
 import re
 
-import numpy as np
-
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
-from cases.units import DEG, MM
 from postprocessors.reading import Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.twincat_words import (
@@ -37,23 +34,20 @@ class _TwinCatInterpreter(ModalState):
     def __init__(self, file: str, settings: TwinCatAxes, case: Case) -> None:
         self.settings = settings
         self.of_pose = settings if isinstance(settings, TwinCat) else None  # None: in the machine's own axes
-        letters, sign_b = "XYZABC", 1
+        letters = "XYZABC"
         if self.of_pose is not None:
-            sign_b = self.of_pose.angle_sign_b
             self.needed = {f"#KIN ID[{self.of_pose.kinematic_id}]": "#KIN ID", "#TRAFO ON": "#TRAFO ON"}
         else:
             letters = axis_letters(case, "TwinCAT", file, endless=False)
             self.needed = {"G94": "G94", "#TRAFO OFF": "#TRAFO OFF"}
-        scale = np.array([MM if a in "XYZ" else DEG * (sign_b if a == "B" else 1) for a in letters])
-        angles = (a for a in letters if a in "ABC")
-        super().__init__(file, list(letters), angles, scale, self.of_pose is None)
-        self.said: set[str] = set()  # commands that a move needs before it
+        super().__init__(file, letters, self.of_pose is None)
+        if self.of_pose is not None:
+            self.scale[4] *= self.of_pose.angle_sign_b
         self.path = PointPath(self)
         self.messages = 0
 
     def read(self, words: list[Word]) -> None:
         block = self.once_each(words)
-        self.require_one_of_each_group(block)
         command = next((w for name, w in block.items() if name.startswith("#")), None)
         if command is not None:
             self._command(command)
@@ -66,8 +60,8 @@ class _TwinCatInterpreter(ModalState):
             if "" in block:
                 self.fail(block[""], "a number without a letter; write its letter")
             self._feed_and_move(block)
-        if "M30" in block or "M2" in block:
-            self._end(block.get("M30") or block.get("M2"))
+        if end := block.get("M30") or block.get("M2"):
+            self._end(end)
 
     def _word(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in ("N", "G4", "G60", "M2", "M30", ""):
@@ -214,7 +208,7 @@ class _TwinCatInterpreter(ModalState):
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
         self.arc(block, first, exact)
 
-    def _end(self, word: Word | None) -> None:
+    def _end(self, word: Word) -> None:
         if self.path.kind:
             self.fail(word, "a path of points is still open at the end; close it")
         if self.transformed:
@@ -233,5 +227,5 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
         CaseError: the case has no settings of this dialect.
     """
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
-    lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
+    lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _TwinCatInterpreter(file, settings, case).read_program(lines, twincat_words)

@@ -102,11 +102,10 @@ def twincat_words(text: str, line: int, file: str) -> list[Word]:
     def word(match: re.Match[str], column: int) -> Word:
         return _word(match, column, line, file)
 
-    def unreadable(column: int, bad: str) -> ProgramError:
-        remedy = _REMEDIES.get(bad[:1], "words are a letter and a plain number")
-        return ProgramError(file, line, column, f"cannot read {bad!r}; {remedy}")
+    def remedy(bad: str) -> str:
+        return _REMEDIES.get(bad[:1], "words are a letter and a plain number")
 
-    return [*words, *each_word(text, position, _WORD, word, unreadable)]
+    return [*words, *each_word(text, position, _WORD, word, (file, line), remedy)]
 
 
 def _without_comments(text: str) -> str:

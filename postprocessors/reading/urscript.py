@@ -46,7 +46,7 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
     if len(chain.joints) != JOINTS or not limits.turns.all():
         problem = f"URScript moves {JOINTS} joints that turn; case {case.name} has others, choose another dialect"
         raise ProgramError(file, 0, 0, problem)
-    return _Interpreter(file, settings).read(program_lines(content.decode("latin-1"), file, LONGEST_LINE))
+    return _Interpreter(file, settings).read(program_lines(content, file, LONGEST_LINE))
 
 
 class _Interpreter:
@@ -56,15 +56,11 @@ class _Interpreter:
         self.begun = self.ended = False
         self.pose: np.ndarray | None = None
         self.motions = Grouping(file)
-        self.statements: dict[str, Callable[[dict[str, str]], None]] = {
-            "movej": self._movej,
-            "sleep": self._sleep,
-            "set_standard_digital_out": self._output,
-        }
-        self.arguments = {
-            "movej": ("q", "a", "v", "t", "r"),
-            "sleep": ("t",),
-            "set_standard_digital_out": ("n", "b"),
+        # statement -> what it does, and the names of its arguments in their order
+        self.statements: dict[str, tuple[Callable[[dict[str, str]], None], tuple[str, ...]]] = {
+            "movej": (self._movej, ("q", "a", "v", "t", "r")),
+            "sleep": (self._sleep, ("t",)),
+            "set_standard_digital_out": (self._output, ("n", "b")),
         }
 
     def fail(self, problem: str, column: int = 0) -> NoReturn:
@@ -101,11 +97,12 @@ class _Interpreter:
         name = call[1]
         if name not in self.statements:
             self.fail(f"{name} is {_REMEDY.get(name, 'not a statement of an excitation; remove it')}", column)
-        self.statements[name](self._named(name, call[2], column))
+        execute, names = self.statements[name]
+        execute(self._named(name, names, call[2], column))
 
-    def _named(self, call: str, text: str, column: int) -> dict[str, str]:
+    def _named(self, call: str, names: tuple[str, ...], text: str, column: int) -> dict[str, str]:
         """Arguments by name; those without a name are first, in their order."""
-        names, values, position = self.arguments[call], dict[str, str](), 0
+        values, position = dict[str, str](), 0
         while position < len(text):
             part = _PARTS.match(text, position)
             if part is None or (text[part.end() - 1] == "," and not text[part.end() :].strip()):

@@ -38,7 +38,8 @@ class _Log(Grouping):
         self.reports: list[Any] = []
 
     def block(self, block: TimedBlock, exact: bool = False) -> None:
-        self.reports.append(Move(block.end, block.duration, None, exact))
+        _, duration, end, _ = block
+        self.reports.append(Move(end, duration, None, exact))
 
     def move(self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, arc=None, law=()) -> None:
         self.reports.append(Move(end, None, feed, exact, arc))

@@ -65,8 +65,9 @@ def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
         assert np.all(np.abs(stretch.end - part.end) < 1e-8)
         assert (stretch.arc is not None) == isinstance(part, CircularMove)
         if stretch.arc is not None:
-            assert stretch.arc.plane is part.plane
-            assert stretch.arc.angle == pytest.approx(part.angle, abs=2e-5)
+            plane, _, angle = stretch.arc
+            assert plane is part.plane
+            assert angle == pytest.approx(part.angle, abs=2e-5)
         ran = predicted(stretch, BOX, linuxcnc_guarantees(reading, CASE))
         assert ran.duration == pytest.approx(part.duration, rel=2e-3)
 
@@ -93,9 +94,10 @@ def test_linuxcnc_accepts_random_moves_and_turns_them_as_far(rs274: Callable):
         turns = [s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Untimed) and s.arc]
         assert len(arcs) == len(turns)
         for numbers, turn in zip(arcs, turns, strict=True):
-            assert numbers[:2] == pytest.approx(turn.end[list(turn.arc.plane.axes[:2])] * 1e3, abs=1e-3)
-            assert numbers[2:4] == pytest.approx(turn.arc.centre * 1e3, abs=1e-3)
-            assert np.sign(numbers[4]) == np.sign(turn.arc.angle)
+            plane, centre, angle = turn.arc
+            assert numbers[:2] == pytest.approx(turn.end[list(plane.axes[:2])] * 1e3, abs=1e-3)
+            assert numbers[2:4] == pytest.approx(centre * 1e3, abs=1e-3)
+            assert np.sign(numbers[4]) == np.sign(angle)
 
     accepted()
 
