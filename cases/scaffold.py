@@ -17,7 +17,7 @@ from cases.machine import Part
 from cases.poses import Poses
 from cases.schema import Case
 from cases.units import DEG, MM
-from cases.urdf import read_urdf
+from cases.urdf import read_urdf, rpy
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -145,7 +145,7 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    templates.filters |= {"numbers": _numbers, "quoted": json.dumps}
+    templates.filters |= {"numbers": _numbers, "quoted": json.dumps, "origin": lambda frame: frame[:3, 3], "rpy": rpy}
     template, arm = templates.get_template("arm.toml.jinja"), read_urdf(urdf, flange)
     write_text(file, template.render(name=name, urdf=urdf.name, arm=arm, advice=_ADVICE, mm=MM, deg=DEG))
     return file

@@ -7,11 +7,12 @@ transmissions are not read.
 
 import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
 from typing import NoReturn
+from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
 import numpy as np
@@ -28,27 +29,15 @@ _MOST = 1e6  # of any number, in units of SI: beyond any machine
 _COORDINATES = {"revolute": 1, "continuous": 1, "prismatic": 1, "fixed": 0, "planar": 2, "floating": 6}
 
 
-@dataclass(frozen=True)
-class Transform:
-    """Where a frame lies in another: turn, shape (3, 3), and origin, shape (3,) [m]."""
-
-    turn: Array = field(default_factory=lambda: np.eye(3))
-    origin: Array = field(default_factory=lambda: np.zeros(3))
-
-    def then(self, inner: "Transform") -> "Transform":
-        """The frame `inner`, which is given in this one."""
-        return Transform(self.turn @ inner.turn, self.origin + self.turn @ inner.origin)
-
-    @property
-    def rpy(self) -> Array:
-        """Roll, pitch, yaw with R = Rz(yaw) Ry(pitch) Rx(roll), shape (3,) [rad]."""
-        r = self.turn
-        yaw = math.atan2(r[1, 0], r[0, 0])
-        (a, _, _), (_, c, d) = (  # rows of Rz(-yaw) R = Ry(pitch) Rx(roll), which no pitch makes singular
-            math.cos(yaw) * r[0] + math.sin(yaw) * r[1],
-            math.cos(yaw) * r[1] - math.sin(yaw) * r[0],
-        )
-        return np.array([math.atan2(-d, c), math.atan2(-r[2, 0], a), yaw])
+def rpy(frame: Array) -> Array:
+    """Roll, pitch, yaw of a frame in another one, R = Rz(yaw) Ry(pitch) Rx(roll), shape (4, 4) -> (3,) [rad]."""
+    r = frame[:3, :3]
+    yaw = math.atan2(r[1, 0], r[0, 0])
+    (a, _, _), (_, c, d) = (  # rows of Rz(-yaw) R = Ry(pitch) Rx(roll), which no pitch makes singular
+        math.cos(yaw) * r[0] + math.sin(yaw) * r[1],
+        math.cos(yaw) * r[1] - math.sin(yaw) * r[0],
+    )
+    return np.array([math.atan2(-d, c), math.atan2(-r[2, 0], a), yaw])
 
 
 @dataclass(frozen=True)
@@ -57,7 +46,7 @@ class UrdfJoint:
 
     name: str  # name of the joint
     kind: str  # revolute, continuous or prismatic
-    place: Transform  # its frame in the moved frame of the joint before it
+    place: Array  # its frame in the moved frame of the joint before it, shape (4, 4) [-, m]
     axis: Array  # unit vector in its frame, shape (3,)
     position: tuple[float, float] | None  # lower and upper end [rad or m]; None of a continuous joint
     velocity: float | None  # largest speed [rad/s or m/s]; None of a continuous joint for which the file states none
@@ -74,7 +63,7 @@ class UrdfChain:
     base: str  # name of the root link, the frame {B}
     flange: str  # name of the link that carries the sensor
     joints: tuple[UrdfJoint, ...]  # joints that move, from the root to the flange
-    mount: Transform  # the flange in the last joint's moved frame
+    mount: Array  # the flange in the last joint's moved frame, shape (4, 4) [-, m]
 
 
 def read_urdf(file: Path, flange: str | None) -> UrdfChain:
@@ -92,21 +81,14 @@ def read_urdf(file: Path, flange: str | None) -> UrdfChain:
     return tree.chain(flange)
 
 
-@dataclass(frozen=True)
-class _Element:
-    tag: str
-    attributes: Mapping[str, str]
-    line: int
-    children: list["_Element"] = field(default_factory=list)
-
-    def all(self, tag: str) -> list["_Element"]:
-        return [child for child in self.children if child.tag == tag]
+_LINE = "#line"  # key of an element's line, which no attribute can have
 
 
-def _parsed(file: Path) -> _Element:
+def _parsed(file: Path) -> Element:
     """The root element, read by expat, which gives line numbers and can refuse a DOCTYPE before anything expands."""
     parser = expat.ParserCreate()
-    open_elements = [_Element("", {}, 0)]
+    document = Element("")
+    open_elements = [document]
 
     def refuse(problem: str) -> NoReturn:
         raise CaseError(file, f"line {parser.CurrentLineNumber}", problem)
@@ -114,8 +96,8 @@ def _parsed(file: Path) -> _Element:
     def start(tag: str, attributes: dict[str, str]) -> None:
         if tag.startswith("xacro:") or any("${" in value or "$(" in value for value in attributes.values()):
             refuse("is xacro, not URDF; expand it first: xacro FILE.urdf.xacro > robot.urdf")
-        element = _Element(tag, attributes, parser.CurrentLineNumber)
-        open_elements[-1].children.append(element)
+        element = Element(tag, attributes | {_LINE: str(parser.CurrentLineNumber)})
+        open_elements[-1].append(element)
         open_elements.append(element)
 
     parser.StartElementHandler = start
@@ -129,16 +111,16 @@ def _parsed(file: Path) -> _Element:
         raise CaseError(file, "", f"cannot be read ({error.strerror}); name a readable URDF file") from error
     except (expat.ExpatError, ValueError, LookupError) as error:
         raise CaseError(file, f"line {parser.CurrentLineNumber}", f"is not XML: {error}; correct that line") from error
-    (root,) = open_elements[0].children
+    (root,) = document
     if root.tag != "robot":
-        raise CaseError(file, f"line {root.line}", f"holds <{root.tag}>, not <robot>; name a URDF file")
+        raise CaseError(file, f"line {root.attrib[_LINE]}", f"holds <{root.tag}>, not <robot>; name a URDF file")
     return root
 
 
 class _Tree:
     """Links and joints of a file, proven to be a tree."""
 
-    def __init__(self, file: Path, root: _Element) -> None:
+    def __init__(self, file: Path, root: Element) -> None:
         self.file = file
         self.links = self._named(root, "link")
         self.joints = self._named(root, "joint")
@@ -165,39 +147,40 @@ class _Tree:
             way.insert(0, self.parent_joint[link])
             link = self.parent_of[way[0]]
         joints: list[UrdfJoint] = []
-        place = Transform()
+        place = np.eye(4)
         for name in way:
-            place = place.then(self._origin(self.joints[name], f"joint {name}"))
+            place = place @ self._origin(self.joints[name], f"joint {name}")
             if self._moves(name):
-                joints.append(replace(self._joint(name, flange), place=place))
-                place = Transform()
+                joints.append(self._joint(name, flange, place))
+                place = np.eye(4)
         if not joints:
             raise CaseError(self.file, "", f"no joint moves link {flange}; name another one of {names} with --flange")
         return UrdfChain(link, flange, tuple(joints), place)
 
-    def _named(self, root: _Element, tag: str) -> dict[str, _Element]:
-        elements: dict[str, _Element] = {}
-        for element in root.all(tag):
-            name = element.attributes.get("name", "").strip()
+    def _named(self, root: Element, tag: str) -> dict[str, Element]:
+        elements: dict[str, Element] = {}
+        for element in root.findall(tag):
+            name = element.get("name", "").strip()
             if not name:
                 self._refuse(element, f"a {tag} has no name; give it one")
             if name in elements:
-                self._refuse(element, f"{tag} {name} is there twice, first in line {elements[name].line}; rename one")
+                first = elements[name].attrib[_LINE]
+                self._refuse(element, f"{tag} {name} is there twice, first in line {first}; rename one")
             elements[name] = element
         if not elements:
             self._refuse(root, f"the robot has no {tag}; name the complete URDF file")
         return elements
 
-    def _link_of(self, name: str, joint: _Element, side: str) -> str:
-        ends = joint.all(side)
-        link = ends[0].attributes.get("link", "") if len(ends) == 1 else ""
+    def _link_of(self, name: str, joint: Element, side: str) -> str:
+        ends = joint.findall(side)
+        link = ends[0].get("link", "") if len(ends) == 1 else ""
         if not link:
             self._refuse(joint, f"joint {name} has no {side}, or more than one; give it one <{side} link=.. />")
         if link not in self.links:
             self._refuse(ends[0], f"joint {name} has the {side} {link}, but there is no such link; correct the name")
         return link
 
-    def _require_tree(self, root: _Element) -> None:
+    def _require_tree(self, root: Element) -> None:
         roots = [link for link in self.links if link not in self.parent_joint]
         if len(roots) > 1:
             second = self.links[roots[1]]
@@ -214,39 +197,38 @@ class _Tree:
 
     def _moves(self, name: str) -> bool:
         joint = self.joints[name]
-        kind = joint.attributes.get("type", "")
+        kind = joint.get("type", "")
         if kind not in _COORDINATES:
             self._refuse(joint, f"joint {name} has the type {kind!r}; URDF knows {', '.join(_COORDINATES)}")
         if _COORDINATES[kind] > 1:
             self._refuse(joint, f"joint {name} is {kind}, which no program moves; choose a --flange before it")
-        if joint.all("mimic"):
-            self._refuse(joint.all("mimic")[0], f"joint {name} mimics another one; choose a --flange before it")
+        if (mimic := joint.find("mimic")) is not None:
+            self._refuse(mimic, f"joint {name} mimics another one; choose a --flange before it")
         return bool(_COORDINATES[kind])
 
-    def _joint(self, name: str, flange: str) -> UrdfJoint:
-        """A joint that moves; its place is put in by the caller."""
+    def _joint(self, name: str, flange: str, place: Array) -> UrdfJoint:
+        """A joint that moves."""
         joint = self.joints[name]
-        kind = joint.attributes["type"]
+        kind = joint.attrib["type"]
         axis = np.array([1.0, 0.0, 0.0])  # URDF's default
-        for element in joint.all("axis"):
+        for element in joint.findall("axis"):
             axis = self._vector(element, "xyz", f"axis of joint {name}")
             if np.linalg.norm(axis) < LEAST_AXIS:
                 self._refuse(element, f"the axis of joint {name} has no direction; give one, such as 0 0 1")
         bodies = list(self._bodies(self._child(name), flange))
         body = reduce(together, bodies) if bodies else None
         numbers = self._limits(name, joint, kind)
-        return UrdfJoint(name, kind, Transform(), axis / np.linalg.norm(axis), *numbers, body)
+        return UrdfJoint(name, kind, place, axis / np.linalg.norm(axis), *numbers, body)
 
     def _limits(
-        self, name: str, joint: _Element, kind: str
+        self, name: str, joint: Element, kind: str
     ) -> tuple[tuple[float, float] | None, float | None, float | None]:
         """Ends, speed and effort."""
-        elements = joint.all("limit")
-        if not elements:
+        limit = joint.find("limit")
+        if limit is None:
             if kind == "continuous":
                 return None, None, None
             self._refuse(joint, f"joint {name} has no limit; add <limit lower=.. upper=.. velocity=.. effort=.. />")
-        limit = elements[0]
         velocity, effort = (self._number(limit, key, f"limit of joint {name}") for key in ("velocity", "effort"))
         if velocity <= 0.0:
             self._refuse(limit, f"joint {name} has the velocity {velocity:g}; give its largest speed, more than 0")
@@ -266,18 +248,18 @@ class _Tree:
 
     def _bodies(self, first: str, flange: str) -> Iterator[RigidBody]:
         """Inertias of a link and of what is fixed to it, but for what stands behind the flange."""
-        waiting = [(first, Transform())]
+        waiting = [(first, np.eye(4))]
         while waiting:
             link, at = waiting.pop()
-            for inertial in self.links[link].all("inertial"):
+            for inertial in self.links[link].findall("inertial"):
                 if (body := self._body(link, inertial, at)) is not None:
                     yield body
             for child, joint in self.parent_joint.items() if link != flange else ():
-                if self.parent_of[joint] == link and self.joints[joint].attributes.get("type") == "fixed":
-                    waiting.append((child, at.then(self._origin(self.joints[joint], f"joint {joint}"))))
+                if self.parent_of[joint] == link and self.joints[joint].get("type") == "fixed":
+                    waiting.append((child, at @ self._origin(self.joints[joint], f"joint {joint}")))
 
-    def _body(self, link: str, inertial: _Element, at: Transform) -> RigidBody | None:
-        masses, tensors = inertial.all("mass"), inertial.all("inertia")
+    def _body(self, link: str, inertial: Element, at: Array) -> RigidBody | None:
+        masses, tensors = inertial.findall("mass"), inertial.findall("inertia")
         if len(masses) != 1 or len(tensors) != 1:
             self._refuse(
                 inertial, f"link {link} has an inertial without one mass and one inertia; add them or remove it"
@@ -290,9 +272,10 @@ class _Tree:
         if mass == 0.0 and not any(entries.values()):
             return None
         ixx, ixy, ixz, iyy, iyz, izz = entries.values()
-        place = at.then(self._origin(inertial, f"inertial of link {link}"))
-        inertia = place.turn @ np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]) @ place.turn.T
-        x, y, z = (float(v / MM) for v in place.origin)
+        place = at @ self._origin(inertial, f"inertial of link {link}")
+        turn = place[:3, :3]
+        inertia = turn @ np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]) @ turn.T
+        x, y, z = (float(v / MM) for v in place[:3, 3])
         i11, i12, i13, i22, i23, i33 = (float(inertia[i, j]) for i in range(3) for j in range(i, 3))
         try:
             return RigidBody(mass_kg=mass, centre_of_gravity_mm=(x, y, z), inertia_kg_m2=(i11, i12, i13, i22, i23, i33))
@@ -300,31 +283,32 @@ class _Tree:
             words = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
             self._refuse(inertial, f"link {link}: mass {mass:g}: {words}; correct the inertial or remove it")
 
-    def _origin(self, element: _Element, of: str) -> Transform:
-        for origin in element.all("origin"):
-            position = self._vector(origin, "xyz", f"origin of {of}", "0 0 0")
-            return Transform(turned(self._vector(origin, "rpy", f"origin of {of}", "0 0 0")), position)
-        return Transform()
+    def _origin(self, element: Element, of: str) -> Array:
+        frame = np.eye(4)
+        if (origin := element.find("origin")) is not None:
+            frame[:3, 3] = self._vector(origin, "xyz", f"origin of {of}", "0 0 0")
+            frame[:3, :3] = turned(self._vector(origin, "rpy", f"origin of {of}", "0 0 0"))
+        return frame
 
-    def _vector(self, element: _Element, key: str, of: str, default: str | None = None) -> Array:
-        text = element.attributes.get(key, default)
+    def _vector(self, element: Element, key: str, of: str, default: str | None = None) -> Array:
+        text = element.get(key, default)
         words = [] if text is None else text.split()
         if len(words) != 3:
             self._refuse(element, f"{key} of the {of} is {text!r}; give three numbers")
         return np.array([self._checked(element, word, f"{key} of the {of}") for word in words])
 
-    def _number(self, element: _Element, key: str, of: str) -> float:
-        text = element.attributes.get(key)
+    def _number(self, element: Element, key: str, of: str) -> float:
+        text = element.get(key)
         if text is None:
             self._refuse(element, f"the {of} has no {key}; add it")
         return self._checked(element, text.strip(), f"{key} of the {of}")
 
-    def _checked(self, element: _Element, word: str, name: str) -> float:
+    def _checked(self, element: Element, word: str, name: str) -> float:
         if not _NUMBER.fullmatch(word):
             self._refuse(element, f"{name} is {word!r}, not a number; correct it")
         if abs(float(word)) > _MOST:
             self._refuse(element, f"{name} is {word}, beyond any machine ({_MOST:g}); correct it")
         return float(word)
 
-    def _refuse(self, element: _Element, problem: str) -> NoReturn:
-        raise CaseError(self.file, f"line {element.line}", problem)
+    def _refuse(self, element: Element, problem: str) -> NoReturn:
+        raise CaseError(self.file, f"line {element.attrib[_LINE]}", problem)

@@ -181,17 +181,13 @@ class Hexapod:
 
     drives, coordinates = strut_lengths, poses
 
-    def drive_motion(self, pose: Array, rates: Array, accelerations: Array) -> list[Array]:
-        """Lengths, velocities and accelerations of the struts, shapes (n, 6)."""
-        return over_samples(self.strut_motion, pose, rates, accelerations)
-
     def further_drives(
         self, case: Case, pose: Array, rates: Array, accelerations: Array
     ) -> tuple[list[Array], tuple[Array, Array]]:
         """The struts."""
         limits = case.need_machine("the motion of struts")[2]
         most = np.full(6, limits.strut_velocity_m_s), np.full(6, limits.strut_acceleration_m_s2)
-        return self.drive_motion(pose, rates, accelerations)[1:], most
+        return over_samples(self.strut_motion, pose, rates, accelerations)[1:], most
 
     def _assembled(self, lengths: Array, start: Array | None = None) -> tuple[Array, Array]:
         """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose.

@@ -87,10 +87,6 @@ class SerialChain:
 
     coordinates = drives
 
-    def drive_motion(self, q: Array, rates: Array, accelerations: Array) -> list[Array]:
-        """The joints themselves."""
-        return [q, rates, accelerations]
-
     def further_drives(
         self, case: Case, q: Array, rates: Array, accelerations: Array
     ) -> tuple[list[Array], tuple[Array, Array]]:

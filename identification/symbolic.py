@@ -236,9 +236,6 @@ class Machine(Protocol):
     def drives(self, coordinates: ArrayLike, /) -> Array:
         """Positions of the drives, which encoders measure, at coordinates, shape (k, n) [m or rad]."""
 
-    def drive_motion(self, coordinates: Array, rates: Array, accelerations: Array, /) -> list[Array]:
-        """Positions, rates and accelerations of the drives, shapes (k, n) [m or rad]."""
-
     def further_drives(
         self, case: Case, coordinates: Array, rates: Array, accelerations: Array, /
     ) -> tuple[list[Array], tuple[Array, Array]]:

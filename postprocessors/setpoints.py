@@ -85,7 +85,9 @@ def _values(program: NeutralProgram, case: Case) -> Array:
     coordinates = [v / units for v in (motion.pose, motion.rates, motion.accelerations)]
     struts: list[Array] = []
     if limits.of_pose:
-        struts = [v / MM for v in machine_of(case).drive_motion(motion.pose, motion.rates, motion.accelerations)]
+        machine = machine_of(case)
+        derivatives, _ = machine.further_drives(case, motion.pose, motion.rates, motion.accelerations)
+        struts = [v / MM for v in (machine.drives(motion.pose), *derivatives)]
     return np.column_stack([motion.t, *coordinates, *struts, trigger])
 
 

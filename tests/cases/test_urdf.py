@@ -206,4 +206,4 @@ def test_a_file_with_pieces_put_elsewhere_is_read_or_refused_in_one_line(
     else:
         for joint in arm.joints:
             assert np.isclose(np.linalg.norm(joint.axis), 1.0)
-            np.testing.assert_allclose(joint.place.turn @ joint.place.turn.T, np.eye(3), atol=1e-12)
+            np.testing.assert_allclose(joint.place[:3, :3] @ joint.place[:3, :3].T, np.eye(3), atol=1e-12)

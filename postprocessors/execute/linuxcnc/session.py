@@ -104,25 +104,23 @@ def run_linuxcnc(
     for attempt in range(timing.ATTEMPTS):
         speed = speedup / 2**attempt
         usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + standing) / speed
-        try:
-            log, window = _session(
-                path, lines, case, headroom, timed, speed, usual if time_limit is None else time_limit
-            )
-        except LostCycles as error:
-            problem = str(error)
-        else:
-            reason = timing.supply_problem(log) or timing.dwell_problem(log, reading, window)
-            if reason is None:
-                return timing.without_surplus(log, reading, window)
+        limit = usual if time_limit is None else time_limit
+        log, report = _session(path, lines, case, headroom, timed, speed, limit)
+        window = report["started"], report["ended"]
+        if lost := lost_cycles(report, speed):
+            problem = f"{path}: {lost}"
+        elif reason := timing.supply_problem(log) or timing.dwell_problem(log, reading, window):
             problem = f"{path}, {reason}"
+        else:
+            return timing.without_surplus(log, reading, window)
         _log.info("%s", problem)
     raise ExecutionError(problem)
 
 
 def _session(
     program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
-) -> tuple[ControllerLog, tuple[int, int]]:
-    """Runs the lines once; returns the log, and the rows between which the program ran."""
+) -> tuple[ControllerLog, dict[str, Any]]:
+    """Runs the lines once; returns the log and the report of `read_report`."""
     home, _ = case.need_motion(configuration.PURPOSE)
     home_joints = machine_of(case).drives(home[None])[0]
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
@@ -141,7 +139,7 @@ def _session(
                 "run again, and check its installation if that does not help",
             )
         report = read_report(program, folder)
-        return read_log(program, folder, AxisLayout.of(case), report, speedup), (report["started"], report["ended"])
+        return read_log(folder, AxisLayout.of(case), report), report
 
 
 def _compile_clock(folder: Path) -> None:
@@ -153,10 +151,6 @@ def _compile_clock(folder: Path) -> None:
             (line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}"
         )
         raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({reason}); install the packages gcc and libc6-dev")
-
-
-class LostCycles(ExecutionError):
-    """Cycles are missing in a log: the computer was too busy to fetch them."""
 
 
 REPORT_FILE = "status.json"
@@ -204,19 +198,20 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     raise ExecutionError(place, f"LinuxCNC stopped: {message}", remedy)
 
 
-def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, Any], speedup: float) -> ControllerLog:
-    """The log of a session, in SI units.
-
-    Raises:
-        LostCycles: cycles are missing.
-    """
+def lost_cycles(report: dict[str, Any], speedup: float) -> str | None:
+    """The problem where cycles are missing in a log: the computer was too busy to fetch them."""
     gaps, count = report["lost"], report["samples"]
-    if gaps or not count:
-        raise LostCycles(
-            f"{program}: {gaps} of {count + gaps} cycles were not logged; the computer is too busy, run again with a "
-            f"speed-up below {speedup:g}"
-        )
-    samples = np.fromfile(folder / SAMPLES_FILE).reshape(count, 1 + len(layout.channels))
+    if not gaps and count:
+        return None
+    return (
+        f"{gaps} of {count + gaps} cycles were not logged; the computer is too busy, run again with a speed-up below "
+        f"{speedup:g}"
+    )
+
+
+def read_log(folder: Path, layout: AxisLayout, report: dict[str, Any]) -> ControllerLog:
+    """The log of a session, in SI units."""
+    samples = np.fromfile(folder / SAMPLES_FILE).reshape(-1, 1 + len(layout.channels))
     lines, trigger, values = samples[:, 1], samples[:, 2], samples[:, 3:]
     return ControllerLog(
         controller=f"LinuxCNC {report['version'].split('+')[0]}",
