@@ -131,7 +131,7 @@ class Walk:
 
     def anneal(self, temperature: float, proposals: int) -> None:
         """Proposes changes at one temperature."""
-        kinds = (self._shifted, self._with_new_waypoint, self._with_moved_excursion)
+        kinds = (self.shifted, self.with_new_waypoint, self.with_moved_excursion)
         while proposals > 0:
             kind = kinds[int(self.draw.choice(len(kinds), p=KINDS))]
             attempts, accepted = self._try(*kind(self.batch), temperature)
@@ -173,7 +173,7 @@ class Walk:
                 return int(k) + 1, True
         return count, False
 
-    def _shifted(self, count: int) -> Proposals:
+    def shifted(self, count: int) -> Proposals:
         """Proposals with runs of waypoints shifted in one or two coordinates."""
         draw, places = self.draw, self.count + 1
         length = np.where(draw.random(count) < FAR, draw.integers(1, places, count), draw.geometric(FEW, count))
@@ -201,7 +201,7 @@ class Walk:
         sign[outside & (draw.random(places.shape) < INWARD)] *= -1.0
         return np.clip(places + sign * steps, -1.0, 1.0)
 
-    def _with_new_waypoint(self, count: int) -> Proposals:
+    def with_new_waypoint(self, count: int) -> Proposals:
         """Proposals with one waypoint chosen anew."""
         index, at = np.arange(count), np.arange(self.count + 1)
         place = self.draw.integers(self.count + 1, size=count)
@@ -209,7 +209,7 @@ class Walk:
         points[index, place] = self._next_to(self.points[np.where(place > 0, place - 1, 1)])
         return points, np.tile(at, (count, 1)), at == place[:, None]
 
-    def _with_moved_excursion(self, count: int) -> Proposals:
+    def with_moved_excursion(self, count: int) -> Proposals:
         """Proposals without two waypoints and with an excursion to a new place elsewhere."""
         index, at = np.arange(count), np.arange(self.count + 1)
         out = self.draw.integers(self.count, size=count)[:, None]

@@ -36,9 +36,13 @@ GRACE = 20.0
 POLL = 0.005
 """Time between two checks of the processes that are being killed [s]."""
 
+MARK = "HEXCITE_SESSION"
+"""Environment variable that all processes of a session carry, by which what remains of them is recognised."""
+
+PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}
+"""Processes of which one means that a LinuxCNC is running."""
+
 _log = logging.getLogger(__name__)
-_MARK = "HEXCITE_SESSION"
-_PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}
 _ENTER = 'mount --bind "$0" /tmp && cd /tmp && exec "$@"'
 
 
@@ -94,7 +98,7 @@ def _run(
     home = folder / "home"
     home.mkdir()
     home.chmod(0o777)  # the realtime process may be another user
-    mark = f"{_MARK}={uuid.uuid4().hex}"
+    mark = f"{MARK}={uuid.uuid4().hex}"
     settings = {"HOME": "{folder}/home", "RTAPI_FIFO_PATH": "{folder}/home/fifo", **environment}
     assignments = [f"{key}={value.replace('{folder}', str(inside))}" for key, value in settings.items()]
     with (folder / OUTPUT_FILE).open("wb") as output:
@@ -116,7 +120,7 @@ def _run(
                 _end_orderly(process)
             _signal_group(process, signal.SIGKILL)
             process.wait()
-            _end_marked(mark)
+            end_marked(mark)
 
 
 def _end_orderly(process: subprocess.Popen[bytes]) -> None:
@@ -135,7 +139,7 @@ def _signal_group(process: subprocess.Popen[bytes], number: signal.Signals) -> N
         return
 
 
-def _end_marked(mark: str) -> None:
+def end_marked(mark: str) -> None:
     """Kills the remaining processes of a session and returns when all have ended: a killed process, or one whose
     namespace ends, may run on for a moment and start another one, which a single check of the list would miss."""
     deadline = time.monotonic() + GRACE
@@ -168,8 +172,8 @@ def _alone() -> Iterator[None]:
     lock = os.open(Path(tempfile.gettempdir()) / f"hexcite-linuxcnc-{os.getuid()}.lock", os.O_RDWR | os.O_CREAT, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        for number, name in _running().items():
-            if name in _PROCESSES:
+        for number, name in running().items():
+            if name in PROCESSES:
                 raise ExecutionError(
                     f"another LinuxCNC is running on this computer ({name}, process {number}); end it first, or "
                     "allow hexcite to make namespaces (unshare --user)"
@@ -179,7 +183,7 @@ def _alone() -> Iterator[None]:
         os.close(lock)
 
 
-def _running() -> dict[int, str]:
+def running() -> dict[int, str]:
     """Numbers and names of all processes but zombies, which stay in the list for ever in a container without an init
     process."""
     processes = {}

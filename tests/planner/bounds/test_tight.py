@@ -3,6 +3,7 @@
 import time
 from pathlib import Path
 
+import cvxpy
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,7 +15,6 @@ from identification.criteria import box_middle, reference_scaling
 from identification.limit_proof import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
-from planner.bounds import tight
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design
 from planner.bounds.features import box_features, lagrangian, motion_moments
@@ -167,19 +167,19 @@ def test_without_time_for_the_proof_it_is_an_estimate():
 
 
 def test_a_solver_that_fails_later_on_leaves_the_bound_found_until_then(monkeypatch: pytest.MonkeyPatch):
-    answers = iter([tight._best_weights])
+    answers = iter([cvxpy.Problem.solve])
 
-    def failing(*arguments: object) -> object:
+    def failing(problem: cvxpy.Problem, **options: object) -> object:
         solve = next(answers, None)
         if solve is None:
-            raise HexciteError("the tight information limit was not found (Clarabel: failed)")
-        return solve(*arguments)
+            raise cvxpy.SolverError("failed")
+        return solve(problem, **options)
 
-    monkeypatch.setattr(tight, "_best_weights", failing)
+    monkeypatch.setattr(cvxpy.Problem, "solve", failing)
     found = tight_design(CASE, FEATURES, 0.05, time.process_time() + 60, rounds=3)
     assert found.attained <= bound_of(found)
     assert len(found.states) == len(found.weights)
-    with pytest.raises(HexciteError):
+    with pytest.raises(HexciteError, match="Clarabel: failed"):
         tight_design(CASE, FEATURES, 0.05, time.process_time() + 60, rounds=3)
 
 

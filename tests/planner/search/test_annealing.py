@@ -21,7 +21,7 @@ from tests.helpers import pose_shares
 
 MOVES = 12
 DURATION = 4.0
-KINDS = ("_shifted", "_with_new_waypoint", "_with_moved_excursion")
+KINDS = ("shifted", "with_new_waypoint", "with_moved_excursion")
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +134,7 @@ def test_source_and_new_describe_the_points_of_every_proposal(kind: str, walk: W
     assert np.abs(points).max() <= 1.0
     assert valid(points, moves).sum() > 20
     assert np.array_equal(points[~new], walk.points[source[~new]])
-    if kind != "_with_moved_excursion":
+    if kind != "with_moved_excursion":
         assert np.array_equal(source, np.tile(np.arange(MOVES + 1), (500, 1)))
     assert new.any(axis=1).all()
 
@@ -145,7 +145,7 @@ def valid(points: np.ndarray, moves: EqualMoves) -> np.ndarray:
 
 def test_a_moved_excursion_goes_there_and_back(walk: Walk):
     """Two waypoints less, two more: the walk goes to a new place and returns to where it was."""
-    points, _, new = walk._with_moved_excursion(300)
+    points, _, new = walk.with_moved_excursion(300)
     index, place = np.nonzero(new)
     assert np.array_equal(index, np.arange(300))
     assert np.array_equal(points[index, place - 1], points[index, place + 1])

@@ -53,7 +53,7 @@ def wait_for(reached: Callable[[], bool], what: str) -> None:
 def test_nothing_remains_after_the_time_is_up(
     write: Callable[[str], Path], hexapod_case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_LIMIT")
+    monkeypatch.setattr(isolation, "MARK", "HEXCITE_TEST_LIMIT")
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     with pytest.raises(ExecutionError, match="near line 2: LinuxCNC was not through in time"):
         run_text(write(ENDLESS), hexapod_case, time_limit=2.0)  # long enough to be seen in motion on a busy computer
@@ -69,7 +69,7 @@ def test_a_session_that_hangs_is_killed(
     (tmp_path / "driver.py").write_text("#!/usr/bin/python3\nimport time\ntime.sleep(1e6)\n")
     shutil.copy(session.HERE / "warp.c", tmp_path)
     monkeypatch.setattr(session, "HERE", tmp_path)
-    monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_HANG")
+    monkeypatch.setattr(isolation, "MARK", "HEXCITE_TEST_HANG")
     monkeypatch.setattr(session, "START_LIMIT", 3.0)
     with pytest.raises(ExecutionError, match=r"did not end within 3\.1 s and was killed"):
         run_text(write(ENDLESS), hexapod_case, time_limit=0.1)
@@ -81,7 +81,7 @@ def test_killed_processes_are_gone_when_the_session_is_over() -> None:
     many = [subprocess.Popen(["sleep", "1000"], env={mark: "1", "PATH": os.environ["PATH"]}) for _ in range(20)]
     try:
         assert marked_processes(mark) == ["sleep"] * 20
-        isolation._end_marked(f"{mark}=1")
+        isolation.end_marked(f"{mark}=1")
         assert marked_processes(mark) == []
     finally:
         for process in many:
@@ -97,7 +97,7 @@ def test_a_process_that_cannot_be_killed_is_named(
     with subprocess.Popen(["sleep", "1000"], env={"HEXCITE_TEST_STAYS": "1", "PATH": os.environ["PATH"]}) as process:
         try:
             wait_for(lambda: marked_processes("HEXCITE_TEST_STAYS") == ["sleep"], "start")
-            isolation._end_marked("HEXCITE_TEST_STAYS=1")
+            isolation.end_marked("HEXCITE_TEST_STAYS=1")
         finally:
             process.terminate()
     assert f"did not end within 0.05 s of being killed: sleep ({process.pid})" in caplog.text
@@ -110,7 +110,7 @@ from pathlib import Path
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc import isolation
 from tests.postprocessors.execute.runs import run_text
-program, isolation._MARK, tempfile.tempdir, spaces = sys.argv[1:]
+program, isolation.MARK, tempfile.tempdir, spaces = sys.argv[1:]
 if spaces == "none":
     isolation.namespaces_allowed = lambda: False
 log = run_text(Path(program), load_case("hexapod"), time_limit=600.0)
@@ -161,7 +161,7 @@ def test_runs_without_namespaces_too(write: Callable[[str], Path], folder: Path)
 
 def test_does_not_start_beside_somebody_elses_linuxcnc(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(isolation, "namespaces_allowed", lambda: False)
-    monkeypatch.setattr(isolation, "_PROCESSES", {Path("/proc/self/comm").read_text().strip()})
+    monkeypatch.setattr(isolation, "PROCESSES", {Path("/proc/self/comm").read_text().strip()})
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     with pytest.raises(ExecutionError, match="another LinuxCNC is running on this computer"):
         isolation.run_session(folder, [], {}, 1.0)
@@ -169,7 +169,7 @@ def test_does_not_start_beside_somebody_elses_linuxcnc(folder: Path, monkeypatch
 
 def test_a_process_that_has_ended_runs_no_more_though_nobody_has_asked_for_its_end() -> None:
     with subprocess.Popen(["sleep", "1000"]) as process:
-        wait_for(lambda: isolation._running().get(process.pid) == "sleep", "start")
+        wait_for(lambda: isolation.running().get(process.pid) == "sleep", "start")
         process.kill()
-        wait_for(lambda: process.pid not in isolation._running(), "end")
+        wait_for(lambda: process.pid not in isolation.running(), "end")
         assert (Path("/proc") / str(process.pid)).exists()
