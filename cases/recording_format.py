@@ -34,8 +34,14 @@ VELOCITIES = (*STRUT_VELOCITIES, *DRIVE_VELOCITIES)  # known by name, and not re
 
 
 def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:
-    """Columns of `motion.csv` and of tables of set points: coordinates, rates and accelerations over time."""
+    """Columns of `motion.csv`: coordinates, rates and accelerations over time."""
     return (CLOCK, *coordinates, *(f"v_{c}_s" for c in coordinates), *(f"acc_{c}_s2" for c in coordinates))
+
+
+def setpoint_columns(coordinates: tuple[str, ...], struts: bool) -> tuple[str, ...]:
+    """Columns of a table of set points: the motion, of a pose that of the struts behind it, and the trigger."""
+    behind = (*STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7))) if struts else ()
+    return (*motion_columns(coordinates), *behind, TRIGGER)
 
 
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}

@@ -15,9 +15,9 @@ from cases.chain import Box
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.motion import Array
+from identification.motion import Array, Standstill
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
-from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
@@ -232,7 +232,7 @@ class BlockWriter(ABC):
             case StraightMove():
                 linear, value = self.move_feed(block)
                 return [*self.group(not linear), f"{self.straight} {self.pose(block.end)} F{value}"]
-            case Dwell():
+            case Standstill():
                 return [f"{self.dwell}{number(block.duration, 6)}"]
             case Trigger():
                 return [self.trigger(block.on, isinstance(following, MOTION))]

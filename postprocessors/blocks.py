@@ -34,20 +34,13 @@ class TimedPath:
 
 
 @dataclass(frozen=True, slots=True)
-class Dwell:
-    """Standing still."""
-
-    duration: float  # [s]
-
-
-@dataclass(frozen=True, slots=True)
 class Trigger:
     """The recording's trigger, switched while the machine stands."""
 
     on: bool
 
 
-Block = str | ToHome | StraightMove | CircularMove | TimedPath | Dwell | Trigger
+Block = str | ToHome | StraightMove | CircularMove | TimedPath | Standstill | Trigger
 """Text is a remark for people: dialects wrap it and replace characters that their controller cannot read.
 
 Moves and arcs go from rest to rest, with an exact stop at their end. Controllers know feeds, not durations: a dialect
@@ -69,25 +62,14 @@ FINEST = 64  # largest number of subdivisions of a piece
 
 def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
     """Motion of each block that takes time, and whether the trigger is on; omits the first move, to home."""
-    pose, on = np.zeros(0), False
+    on = False
     for block in program.blocks:
-        motion: Trajectory | None = None
-        match block:
-            case ToHome():
-                pose = block.pose
-            case Trigger():
-                on = block.on
-            case str():
-                pass
-            case Dwell():
-                motion = Standstill(pose, block.duration)
-            case StraightMove() | CircularMove():
-                motion = block
-            case TimedPath():
-                motion = block.motion
-        if motion is not None and motion.duration > 0.0:
-            yield motion, on
-            pose = motion.at([motion.duration]).pose[0]
+        if isinstance(block, Trigger):
+            on = block.on
+        elif not isinstance(block, str | ToHome):
+            motion = block.motion if isinstance(block, TimedPath) else block
+            if motion.duration > 0.0:
+                yield motion, on
 
 
 def knots(motion: Trajectory) -> Array:

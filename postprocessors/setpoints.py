@@ -13,17 +13,16 @@ import numpy as np
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
+from cases.recording_format import setpoint_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.model import machine_of
-from identification.motion import Array, Joined, Motion, Slowed, Standstill, Trajectory
+from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
 from postprocessors.blocks import NeutralProgram, ToHome, Trigger, block_motions
 from postprocessors.reading import Reading, Timed
 
 FORMAT = "hexcite setpoints 1"
 METADATA = b"hexcite"
-STRUT_COLUMNS = (*STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7)))
 # Coordinates, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
 DECIMALS, STRUT_DECIMALS = (12, 9, 6), [9] * 6 + [7] * 6 + [5] * 6
 SAME = 1e-9  # [m, rad] tolerance between table and plan, for rounding
@@ -47,17 +46,8 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[TablePart]:
         yield None if standing else Slowed(motion, motion.duration / (cycles * cycle)), cycles, on
 
 
-def _sampled(motion: Trajectory, cycles: int, cycle: float) -> list[Array]:
-    """Poses, rates and accelerations at the rows of a part but its first; the last at rest."""
-    at = motion.at(np.minimum(np.arange(1, cycles + 1) * cycle, motion.duration))
-    values = [np.array(v) for v in (at.pose, at.rates, at.accelerations)]
-    values[1][-1] = values[2][-1] = 0.0
-    return values
-
-
-def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
-    """The motion at all rows, and whether the trigger is on in the cycle that each row begins."""
-    cycle = case.need_settings(Setpoints, "a setpoint table").cycle
+def _motion(program: NeutralProgram, cycle: float) -> tuple[list[Array], Array]:
+    """Pose, rates and accelerations at all rows, and whether the trigger is on in the cycle that each row begins."""
     home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
     rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
     trigger: list[Array] = []
@@ -66,35 +56,32 @@ def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
             stand = np.tile(rows[0][-1][-1], (cycles, 1))
             values = [stand, np.zeros_like(stand), np.zeros_like(stand)]
         else:
-            values = _sampled(motion, cycles, cycle)
+            at = motion.at(np.minimum(np.arange(1, cycles + 1) * cycle, motion.duration))
+            values = [np.array(v) for v in (at.pose, at.rates, at.accelerations)]
+            values[1][-1] = values[2][-1] = 0.0  # at rest
         for column, value in zip(rows, values, strict=True):
             column.append(value)
         trigger.append(np.full(cycles, float(on)))
-    pose, rates, accelerations = (np.vstack(column) for column in rows)
-    time = np.asarray(np.arange(len(pose)) * cycle, dtype=float)
     last = [b.on for b in program.blocks if isinstance(b, Trigger)][-1:]
-    states = np.concatenate([*trigger, [float(any(last))]])
-    return Motion(time, pose, rates, accelerations, np.zeros_like(pose)), states
+    return [np.vstack(column) for column in rows], np.concatenate([*trigger, [float(any(last))]])
 
 
 def _values(program: NeutralProgram, case: Case) -> Array:
     """The table in the units of its columns."""
-    motion, trigger = _motion(program, case)
+    cycle = case.need_settings(Setpoints, "a setpoint table").cycle
+    motion, trigger = _motion(program, cycle)
     limits = case.need_motion("a setpoint table")[1]
-    units = np.where(limits.turns, DEG, MM)
-    coordinates = [v / units for v in (motion.pose, motion.rates, motion.accelerations)]
-    struts: list[Array] = []
+    columns = [v / np.where(limits.turns, DEG, MM) for v in motion]
     if limits.of_pose:
         machine = machine_of(case)
-        derivatives, _ = machine.further_drives(case, motion.pose, motion.rates, motion.accelerations)
-        struts = [v / MM for v in (machine.drives(motion.pose), *derivatives)]
-    return np.column_stack([motion.t, *coordinates, *struts, trigger])
+        columns += [v / MM for v in (machine.drives(motion[0]), *machine.further_drives(case, *motion)[0])]
+    return np.column_stack([np.arange(len(trigger)) * cycle, *columns, trigger])
 
 
 def _columns(case: Case) -> tuple[str, ...]:
     """Names of the columns: time, coordinates with their derivatives, struts behind a pose, trigger."""
     limits = case.need_motion("a setpoint table")[1]
-    return (*motion_columns(limits.columns), *(STRUT_COLUMNS if limits.of_pose else ()), TRIGGER)
+    return setpoint_columns(limits.columns, limits.of_pose)
 
 
 def decimals_of(case: Case) -> list[int]:

@@ -11,10 +11,10 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.motion import Array
+from identification.motion import Array, Standstill
 from identification.trajectories.moves import StraightMove
 from postprocessors.block_writer import comment_lines, digits, number
-from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import NeutralProgram, ToHome, Trigger
 
 DECIMALS = 9  # decimals of angles [rad]
 INDENT = "  "  # to the interpreter, lines in the first column begin and end the program
@@ -65,7 +65,7 @@ def _statements(program: NeutralProgram, at: Array, output: int, speeds: tuple[f
                 acceleration = law.peak_velocity / (law.duration - 1.0 / law.peak_velocity)
                 yield _move(end, acceleration * way, law.peak_velocity * way)
                 at = end
-            case Dwell():
+            case Standstill():
                 yield f"sleep({number(block.duration, 6)})"
             case Trigger():
                 yield f"set_standard_digital_out({output}, {block.on})"

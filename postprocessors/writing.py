@@ -13,7 +13,7 @@ from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
+from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Dialect, Program
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
@@ -132,8 +132,8 @@ APPROACH_SHARE = 0.3  # share of the motion limits between home and the start: t
 def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float) -> tuple[Block, ...]:
     """Blocks of a motion for a controller.
 
-    Straight and circular moves stay as they are, joined motions become their parts in order, standstills dwells,
-    polynomials splines, measurements dwells with the trigger on in the second; all others become a timed path.
+    Straight and circular moves and standstills stay as they are, joined motions become their parts in order,
+    polynomials splines, measurements standstills with the trigger on in the second; all others become a timed path.
 
     Args:
         block: duration of a block of a timed path at full speed, at most [s].
@@ -146,10 +146,10 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     if isinstance(trajectory, CircularMove):
         return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
     if isinstance(trajectory, Standstill):
-        return (Dwell(trajectory.duration),)  # the same duration at any speed
+        return (trajectory,)  # the same duration at any speed
     if isinstance(trajectory, Measurement):
-        settle = (Dwell(trajectory.settle),) if trajectory.settle > 0.0 else ()
-        return (*settle, Trigger(True), Dwell(trajectory.average), Trigger(False))
+        settle = (Standstill(trajectory.pose, trajectory.settle),) if trajectory.settle > 0.0 else ()
+        return (*settle, Trigger(True), Standstill(trajectory.pose, trajectory.average), Trigger(False))
     if isinstance(trajectory, PolynomialMotion):
         return (timed_path(name, trajectory.slowed(speed), block, 1.0),)
     return (timed_path(name, trajectory, block, speed),)
@@ -191,6 +191,7 @@ def excitation_program(
     if any(isinstance(b, Trigger) for b in excitation):
         blocks += excitation
     else:
-        blocks += [Dwell(controller.settle_s), Trigger(True), *excitation, Trigger(False), Dwell(controller.settle_s)]
+        before, after = (Standstill(pose, controller.settle_s) for pose in (first, last))
+        blocks += [before, Trigger(True), *excitation, Trigger(False), after]
     straight("return", last, home)
     return NeutralProgram(header, tuple(blocks))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
+from cases.recording_format import setpoint_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit_proof import limited_machine
@@ -25,12 +25,6 @@ PARQUET = b"PAR1"
 METADATA = b"hexcite"
 _HEADER = re.compile(r"#\s*(?P<key>[a-z_]+):\s*(?P<value>.*?)\s*$")
 _STRANGE = re.compile(r"[^0-9.,+\-\n]")
-
-
-def columns_of(coordinates: tuple[str, ...], struts: bool) -> tuple[str, ...]:
-    """The columns of a table."""
-    second = tuple(f"ldd{k}_mm_s2" for k in range(1, 7))
-    return (*motion_columns(coordinates), *((*STRUTS, *STRUT_VELOCITIES, *second) if struts else ()), TRIGGER)
 
 
 def units_of(columns: tuple[str, ...]) -> Array:
@@ -262,7 +256,7 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     """
     settings = case.need_settings(Setpoints, "a setpoint table")
     home, limits = case.need_motion("the check of a table")
-    columns = columns_of(limits.columns, limits.of_pose)
+    columns = setpoint_columns(limits.columns, limits.of_pose)
     table = read_table(content, file, settings.most_rows, columns)
     rows = _Rows(file, table, settings, columns, len(home))
     rows.require(case)

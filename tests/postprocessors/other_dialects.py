@@ -8,14 +8,15 @@ import numpy as np
 
 from cases.loading import load_case
 from cases.schema import Case
-from postprocessors.blocks import Block, Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
+from identification.motion import Standstill
+from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Stretch, Timed
 from tests.postprocessors.changed_case import changed
-from tests.postprocessors.programs import HEAD
+from tests.postprocessors.programs import HEAD, HOME
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
 CASE = load_case("hexapod")
@@ -122,7 +123,7 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
         if isinstance(event, Switch):
             blocks.append(Trigger(event.on))
         elif isinstance(event, Pause):
-            blocks.append(Dwell(event.duration))
+            blocks.append(Standstill(HOME, event.duration))
             next(read)
         else:
             blocks.append(_block(next(read), names, guarantees, case))

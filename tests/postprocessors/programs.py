@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from cases.loading import load_case
 from cases.schema import Case
 from identification.limit_proof import prove
-from identification.motion import TimedPoints
+from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
+from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -101,10 +101,10 @@ def paths(draw: st.DrawFn, start: Array = HOME) -> TimedPath:
 @st.composite
 def programs(draw: st.DrawFn) -> NeutralProgram:
     """Home, then timed paths, dwells and triggers in any order."""
-    blocks: list[ToHome | TimedPath | Dwell | Trigger] = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
+    blocks: list[ToHome | TimedPath | Standstill | Trigger] = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
     pose = HOME
     for _ in range(draw(st.integers(1, 4))):
         path = draw(paths(pose))
         pose = path.poses[-1]
-        blocks += [replace(path), Dwell(draw(st.floats(0.0, 3.0))), Trigger(draw(st.booleans()))]
+        blocks += [replace(path), Standstill(pose, draw(st.floats(0.0, 3.0))), Trigger(draw(st.booleans()))]
     return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.motion import TimedPoints
+from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
-from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
@@ -87,7 +87,8 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
             blocks.append(a_path(pose, draw(st.integers(0, 1000)), draw(st.integers(3, 6))))
         last = blocks[-1]
         pose = last.poses[-1] if isinstance(last, TimedPath) else last.end
-        blocks += [Dwell(round(draw(st.floats(0.01, 3.0)), 6)), Trigger(draw(st.booleans())), Dwell(0.1)]
+        pause = Standstill(pose, round(draw(st.floats(0.01, 3.0)), 6))
+        blocks += [pause, Trigger(draw(st.booleans())), Standstill(pose, 0.1)]
     return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))
 
 
@@ -108,13 +109,13 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
         else:
             assert np.all(np.abs(stretch.end - block.end) <= HALF_A_STEP)
             assert (stretch.arc is not None) == isinstance(block, CircularMove)
-    others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
+    others = [b for b in program.blocks if isinstance(b, Standstill | Trigger)]
     events = [e for e in reports(typed.read, text, case) if isinstance(e, Pause | Switch)]
     found = {
-        Dwell: [b.duration for b in others if isinstance(b, Dwell)],
+        Standstill: [b.duration for b in others if isinstance(b, Standstill)],
         Trigger: [b.on for b in others if isinstance(b, Trigger)],
     }
-    assert [e.duration for e in events if isinstance(e, Pause)] == pytest.approx(found[Dwell], abs=1e-6)
+    assert [e.duration for e in events if isinstance(e, Pause)] == pytest.approx(found[Standstill], abs=1e-6)
     assert [e.on for e in events if isinstance(e, Switch)] == found[Trigger]
 
 
@@ -168,14 +169,14 @@ def golden_program() -> NeutralProgram:
         ('a header (with parentheses), "quotes" and; a semicolon', "Größe; 20 % weniger"),
         (
             ToHome(HOME, 0.05),
-            Dwell(0.3),
+            Standstill(HOME, 0.3),
             Trigger(True),
             StraightMove.fastest(HOME, end, *share),
             StraightMove.fastest(end, turned, *share),
             arc,
             a_path(arc.end, 1, 4),
             Trigger(False),
-            Dwell(1e-6),
+            Standstill(HOME, 1e-6),
         ),
     )
 

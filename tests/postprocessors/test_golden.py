@@ -12,10 +12,10 @@ import pytest
 
 from cases.loading import load_case
 from cases.units import DEG, MM
-from identification.motion import Joined
+from identification.motion import Joined, Standstill
 from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove, unit_profile
-from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import NeutralProgram, ToHome, Trigger
 from postprocessors.linuxcnc import prepare_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.changed_case import changed
@@ -30,7 +30,7 @@ def one_of_each() -> NeutralProgram:
     """Every kind of block, with numbers that are easily written wrong."""
     path = path_through("walk", np.array([0.0, 0.01, 2.5]), WALK)
     header = ("a header (with parentheses)", "Größe; 20 % weniger")
-    blocks = (ToHome(HOME, 0.05), Dwell(0.3), Trigger(True), path, Trigger(False), Dwell(1e-7))
+    blocks = (ToHome(HOME, 0.05), Standstill(HOME, 0.3), Trigger(True), path, Trigger(False), Standstill(HOME, 1e-7))
     return NeutralProgram(header, blocks)
 
 

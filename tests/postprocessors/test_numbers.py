@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.units import DEG, MM
-from postprocessors.blocks import Dwell, NeutralProgram, ToHome
+from identification.motion import Standstill
+from postprocessors.blocks import NeutralProgram, ToHome
 from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, programs
 
 PLAIN = re.compile(r"-?(0|[1-9]\d*)(\.\d*[1-9])?")
@@ -39,7 +40,7 @@ def test_a_pose_and_a_dwell_are_written_to_their_last_decimal(
 ):
     pose = HOME.copy()
     pose[axis] = mantissa * 10.0**exponent
-    text = linuxcnc_text(NeutralProgram((), (ToHome(pose, 0.05), Dwell(seconds))))
+    text = linuxcnc_text(NeutralProgram((), (ToHome(pose, 0.05), Standstill(pose, seconds))))
     number = float(dict(words(text))["XYZABC"[axis]])
     unit, decimals = (MM, 5) if axis < 3 else (DEG, 6)
     assert abs(number - pose[axis] / unit) <= 0.5 * 10.0**-decimals * (1 + 1e-9) + abs(number) * 1e-15

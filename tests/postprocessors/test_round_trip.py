@@ -6,7 +6,8 @@ from hypothesis import given
 from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from identification.motion import Standstill
+from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.reading import Still, Timed, Untimed
 from postprocessors.reading.linuxcnc import LONGEST_LINE
 from postprocessors.writing import excitation_program
@@ -32,7 +33,7 @@ def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(progr
 @given(program=programs())
 def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
     events = reports(read_linuxcnc, linuxcnc_text(program), "p.ngc")
-    others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
+    others = [b for b in program.blocks if isinstance(b, Standstill | Trigger)]
     before_motion = [isinstance(after, TimedPath) for after in (*program.blocks[1:], None)]
     at_once = [
         not (b.on and moves) for b, moves in zip(program.blocks, before_motion, strict=True) if isinstance(b, Trigger)
@@ -40,7 +41,7 @@ def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
     read = [e for e in events if isinstance(e, Pause | Switch)]
     assert len(read) == len(others)
     for block, event in zip(others, read, strict=True):
-        if isinstance(block, Dwell):
+        if isinstance(block, Standstill):
             assert abs(event.duration - block.duration) <= 0.5e-6 * (1 + 1e-6)
         else:
             assert (event.on, event.at_once) == (block.on, at_once.pop(0))

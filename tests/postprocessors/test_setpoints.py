@@ -14,7 +14,7 @@ from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import Dwell, NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import NeutralProgram, ToHome, Trigger
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -44,10 +44,10 @@ def moves(case=CASE) -> NeutralProgram:
     limits = box.rate, box.acceleration, box.jerk
     far = HOME + np.r_[np.array([20.0, -15.0, 3.0]) * MM, np.array([1.0, 0.5, -2.0]) * DEG]
     there, back = StraightMove.fastest(HOME, far, *limits), StraightMove.fastest(far, HOME, *limits)
-    ends = (Dwell(0.0053), Trigger(False))
+    ends = (Standstill(far, 0.0053), Trigger(False))
     return NeutralProgram(
         ("a note", "Größe"),
-        (ToHome(HOME, 0.05), Dwell(0.01), Trigger(True), there, *ends, back),
+        (ToHome(HOME, 0.05), Standstill(HOME, 0.01), Trigger(True), there, *ends, back),
     )
 
 
@@ -74,7 +74,7 @@ def test_time_is_exact_up_to_one_cycle_a_motion(write, case):
     program = moves()
     read = LANGUAGE.read(write(program, case), "t", case).stretches
     cycle = case.controller.setpoints.cycle
-    planned = [b.duration for b in program.blocks if isinstance(b, StraightMove | Dwell)]
+    planned = [b.duration for b in program.blocks if isinstance(b, StraightMove | Standstill)]
     found = [s.points.duration if isinstance(s, Timed) else s.duration for s in read]
     for wanted, got in zip(planned, found, strict=True):
         assert wanted - 1e-9 <= got < wanted + cycle
@@ -203,7 +203,7 @@ def test_a_case_without_the_table_is_told_so():
 
 
 def test_a_table_without_any_motion_is_a_standstill():
-    program = NeutralProgram((), (ToHome(HOME, 0.05), Dwell(0.01)))
+    program = NeutralProgram((), (ToHome(HOME, 0.05), Standstill(HOME, 0.01)))
     assert [type(s) for s in LANGUAGE.read(write_csv(program, CASE), "t", CASE).stretches] == [Still]
     with pytest.raises(ProgramError, match="contains no motion"):
         proof(write_csv(program, CASE))
