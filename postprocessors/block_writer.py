@@ -36,28 +36,12 @@ def number(value: float, decimals: int) -> str:
     return "0" if text in ("-0", "", "-") else text
 
 
-POSE_TURNS = (False, False, False, True, True, True)
-
-
-def coordinates(pose: Array, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> list[str]:
-    """Coordinates [m, rad] in mm and degrees; those of a pose, or whatever `turns` says are angles."""
+def coordinates(pose: Array, turns: NDArray[np.bool_]) -> list[str]:
+    """Coordinates [m, rad] in mm and degrees; `turns` says which are angles."""
     return [
         number(v / DEG, ANGLE_DECIMALS) if angle else number(v / MM, LENGTH_DECIMALS)
         for v, angle in zip(pose, turns, strict=True)
     ]
-
-
-def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], full: bool = False) -> str:
-    """Coordinates of an arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it.
-
-    Args:
-        full: whether to omit the end in the circle's plane, as LinuxCNC requires for a full circle.
-    """
-    axes = move.plane.axes[:2]
-    ends = [names[k] + values[k] for k in (*(() if full else sorted(axes)), 3, 4, 5)]
-    offsets = move.centre / MM - np.round(move.start[list(axes)] / MM, LENGTH_DECIMALS)
-    centre = ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
-    return " ".join([*ends, *centre])
 
 
 def feed(speed: float, linear: bool) -> str:
@@ -76,69 +60,10 @@ def comment_lines(text: str) -> list[str]:
     return textwrap.wrap(re.sub(r"[^ -~]", "?", text), COMMENT_WIDTH)
 
 
-def comments(text: str) -> list[str]:
-    """Comment lines behind a semicolon, without quotes."""
-    return [f"; {line}" for line in comment_lines(text.replace('"', "?"))]
-
-
-def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> StraightMove:
-    """The move between its ends as rounded in their words; the move itself where these ends are the same."""
-    units = np.where(turns, DEG, MM)
-    start, end = (
-        np.array([float(word) for word in coordinates(pose, turns)]) * units for pose in (move.start, move.end)
-    )
-    return replace(move, start=start, end=end) if np.any(start != end) else move
-
-
 MOTION = (ToHome, StraightMove, CircularMove, TimedPath)
 NO_SLOWER = 1e-9
 HALVINGS = 80  # halvings of the interval of the feed, down to its last bit
-
-
-def feed_of(move: StraightMove | CircularMove, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
-    """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
-
-    It is the largest feed that the move can reach where even this takes longer than planned.
-
-    Args:
-        move: move with its planned duration.
-        limits: limits that the controller is set up with.
-        linear: whether the feed counts X, Y, Z.
-    """
-    way = np.abs(move.end - move.start)
-    if isinstance(move, CircularMove):
-        way[list(move.plane.axes[:2])] = move.length
-    velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
-
-    def duration(speed: float) -> float:
-        if isinstance(move, CircularMove):
-            return guarantees.arc_law(speed, acceleration, jerk, abs(move.angle)).duration
-        return guarantees.law(speed, acceleration, jerk).duration
-
-    low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
-    if duration(high) * (1.0 + NO_SLOWER) >= move.duration:
-        low = high  # the fastest move: the peak is a flat optimum, which no single feed defines
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
-    if isinstance(move, CircularMove):
-        return high * move.length
-    return high * float(np.linalg.norm(way[limits.turns != linear]))
-
-
-def written_feed(move: StraightMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
-    """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters."""
-    written = as_written(move, limits.turns)
-    way = (written.end - written.start)[~limits.turns]
-    linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
-    return linear, feed(feed_of(written, limits, guarantees, linear), linear)
-
-
-def home_feed(block: ToHome, limits: Box, own_axes: bool) -> str:
-    """F of the first move; in a machine's own axes one that is safe in mm and in degrees, whichever F counts."""
-    if not own_axes:
-        return feed(block.feed, linear=True)
-    return digits(block.feed * float((limits.rate / np.where(limits.turns, DEG, MM)).min()) * MINUTE)
+FULL = 1e-9  # [rad] tolerance of a full circle for rounding
 
 
 class BlockWriter(ABC):
@@ -158,6 +83,7 @@ class BlockWriter(ABC):
     straight: ClassVar[str]  # words of a straight move with exact stop
     arcs: ClassVar[tuple[str, str]]  # words of an arc counter-clockwise and of one clockwise
     dwell: ClassVar[str]  # word before the seconds of a pause
+    full_ends: ClassVar[bool] = True  # whether a full circle has its end in its plane; LinuxCNC would not move with it
     grouping: ClassVar[str] = ""  # command that names the axes whose way F counts, with {} for them; empty: none
     # reason why there are no paths in a machine's own axes
     no_paths: ClassVar[str] = "programs in the machine's own axes are made of moves from rest to rest"
@@ -169,8 +95,8 @@ class BlockWriter(ABC):
         self.counted: tuple[str, ...] = () if self.own_axes else ("X", "Y", "Z")
 
     def comments(self, text: str) -> list[str]:
-        """Comment lines."""
-        return comments(text)
+        """Comment lines behind a semicolon, without quotes."""
+        return [f"; {line}" for line in comment_lines(text.replace('"', "?"))]
 
     def to_home(self, move: list[str]) -> list[str]:
         """The lines of the first move, announced."""
@@ -184,17 +110,62 @@ class BlockWriter(ABC):
     def path(self, path: TimedPath) -> list[str]:
         """Blocks of a path of poses."""
 
+    def home_feed(self, block: ToHome) -> str:
+        """F of the first move; in a machine's own axes one that is safe in mm and in degrees, whichever F counts."""
+        if not self.own_axes:
+            return feed(block.feed, linear=True)
+        limits = self.limits
+        return digits(block.feed * float((limits.rate / np.where(limits.turns, DEG, MM)).min()) * MINUTE)
+
     def move_feed(self, move: StraightMove) -> tuple[bool, str]:
-        """Whether F counts X, Y, Z, and F of a move."""
-        return written_feed(move, self.limits, self.guarantees)
+        """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters."""
+        turns = self.limits.turns
+        start, end = (
+            np.array([float(word) for word in coordinates(pose, turns)]) * np.where(turns, DEG, MM)
+            for pose in (move.start, move.end)
+        )
+        written = replace(move, start=start, end=end) if np.any(start != end) else move
+        way = (written.end - written.start)[~turns]
+        linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
+        return linear, feed(self._feed_of(written, linear), linear)
 
     def arc_feed(self, move: CircularMove) -> str:
         """F of an arc."""
-        return feed(feed_of(move, self.limits, self.guarantees), True)
+        return feed(self._feed_of(move, True), True)
+
+    def _feed_of(self, move: StraightMove | CircularMove, linear: bool) -> float:
+        """Feed of a move along X, Y, Z [m/s] (`linear`), or along the angles [rad/s].
+
+        It is the largest feed that the move can reach where even this takes longer than planned.
+        """
+        limits, way = self.limits, np.abs(move.end - move.start)
+        if isinstance(move, CircularMove):
+            way[list(move.plane.axes[:2])] = move.length
+        velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
+
+        def duration(speed: float) -> float:
+            if isinstance(move, CircularMove):
+                return self.guarantees.arc_law(speed, acceleration, jerk, abs(move.angle)).duration
+            return self.guarantees.law(speed, acceleration, jerk).duration
+
+        low, high = min(velocity, 1.0 / move.duration), velocity  # below the mean speed it takes longer for certain
+        if duration(high) * (1.0 + NO_SLOWER) >= move.duration:
+            low = high  # the fastest move: the peak is a flat optimum, which no single feed defines
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
+        if isinstance(move, CircularMove):
+            return high * move.length
+        return high * float(np.linalg.norm(way[limits.turns != linear]))
 
     def arc_words(self, move: CircularMove) -> str:
-        """End and centre of an arc."""
-        return arc_words(move, self.words, self.coordinates(move.end))
+        """An arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it."""
+        axes, values = move.plane.axes[:2], self.coordinates(move.end)
+        in_plane = sorted(axes) if self.full_ends or abs(abs(move.angle) - 2 * np.pi) >= FULL else ()
+        ends = [self.words[k] + values[k] for k in (*in_plane, 3, 4, 5)]
+        offsets = move.centre / MM - np.round(move.start[list(axes)] / MM, LENGTH_DECIMALS)
+        centre = ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
+        return " ".join([*ends, *centre])
 
     def text(self, program: NeutralProgram, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
         """The whole program, plain ASCII: title, header, and the blocks between those that begin and end it."""
@@ -227,7 +198,7 @@ class BlockWriter(ABC):
                 return self.comments(block)
             case ToHome():
                 group = self.group(False, True) if self.own_axes else self.group(False)
-                move = f"{self.straight} {self.pose(block.pose)} F{home_feed(block, self.limits, self.own_axes)}"
+                move = f"{self.straight} {self.pose(block.pose)} F{self.home_feed(block)}"
                 return self.to_home([*group, move])
             case StraightMove():
                 linear, value = self.move_feed(block)

@@ -14,14 +14,13 @@ from cases.units import MINUTE
 from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
-from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, arc_words, comment_lines, feed, number
+from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, comment_lines, feed, number
 from postprocessors.blocks import NeutralProgram, TimedPath, timed_path
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, linuxcnc_guarantees
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading import Reading, axis_letters
 
-FULL = 1e-9  # [rad] tolerance of a full circle for rounding
 EQUAL = 1e-9  # [s] tolerance of durations for rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
@@ -30,6 +29,7 @@ class _LinuxCncWriter(BlockWriter):
     """Feeds for the axis accelerations that the controller is set up with, `headroom` times those of the case."""
 
     name, straight, arcs, dwell = "LinuxCNC", "G1", ("G3", "G2"), "G4 P"
+    full_ends = False
     no_paths = "cuts corners of paths by degrees where rotary axes turn round"
 
     def __init__(self, case: Case, guarantees: Guarantees, headroom: float) -> None:
@@ -69,11 +69,6 @@ class _LinuxCncWriter(BlockWriter):
         turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
         share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
         return feed(share * move.length, linear=True)
-
-    def arc_words(self, move: CircularMove) -> str:
-        """Words of an arc: a full circle has no end words, or it would not move."""
-        full = abs(abs(move.angle) - 2 * np.pi) < FULL
-        return arc_words(move, self.words, self.coordinates(move.end), full)
 
     def path(self, path: TimedPath) -> list[str]:
         """Dense blocks in inverse time."""

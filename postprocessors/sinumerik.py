@@ -13,7 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM, MS
 from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
-from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, comments, coordinates, number
+from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, number
 from postprocessors.blocks import (
     NeutralProgram,
     TimedPath,
@@ -86,7 +86,7 @@ class _SinumerikWriter(BlockWriter):
             ("the path speed stays the same within each block", path_speed_deviation(spline, motion)),
         ):
             lines.append(f"off the plan by {position / MM:.2g} mm, {angle / DEG:.2g} deg at most if {law}")
-        return [c for line in lines for c in comments(line)]
+        return [c for line in lines for c in self.comments(line)]
 
     def poly(self, spline: PolynomialMotion) -> list[str]:
         """POLY blocks, finely rounded against steps of rates; the last ends at words of a pose, for the next move."""
@@ -96,7 +96,7 @@ class _SinumerikWriter(BlockWriter):
         for piece in spline.pieces:
             coefficients = piece.coefficients * piece.duration ** np.arange(len(piece.coefficients))[:, None]
             end = coefficients.sum(axis=0)
-            ends = coordinates(end) if piece is spline.pieces[-1] else None
+            ends = self.coordinates(end) if piece is spline.pieces[-1] else None
             words = []
             for k, axis in enumerate(self.axes):
                 items = [number(v[k] / units[k], decimals[k]) for v in (end, *coefficients[2:])]
@@ -111,7 +111,7 @@ class _SinumerikWriter(BlockWriter):
         """Blocks for the compressor, which accepts only G1, coordinates and F."""
         comment = f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"
         tolerances = f"CTOL={settings.contour_tolerance_mm:g} OTOL={settings.orientation_tolerance_deg:g}"
-        lines = [*comments(comment), f"G642 G93 COMPCAD {tolerances}"]
+        lines = [*self.comments(comment), f"G642 G93 COMPCAD {tolerances}"]
         for pose, step in zip(path.poses[1:], np.diff(path.times), strict=True):
             lines.append(f"G1 {self.pose(pose)} F{number(MINUTE / step, FEED_DECIMALS)}")
         return [*lines, "COMPOF", "G94 G60"]

@@ -10,7 +10,7 @@ import numpy as np
 from cases.controller import TwinCat, TwinCatAxes
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.block_writer import BlockWriter, comments, coordinates, number
+from postprocessors.block_writer import BlockWriter, number
 from postprocessors.blocks import NeutralProgram, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
@@ -37,9 +37,9 @@ class _TwinCatWriter(BlockWriter):
         return self.text(program, title, start, ["#TRAFO OFF", "M30"])
 
     def coordinates(self, pose: Array) -> list[str]:
-        if not isinstance(self.settings, TwinCat):
-            return super().coordinates(pose)
-        return coordinates(pose * [1, 1, 1, 1, self.settings.angle_sign_b, 1])
+        if isinstance(self.settings, TwinCat):
+            pose = pose * [1, 1, 1, 1, self.settings.angle_sign_b, 1]
+        return super().coordinates(pose)
 
     def to_home(self, move: list[str]) -> list[str]:
         return super().to_home(move) if self.own_axes else ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *move]
@@ -57,7 +57,7 @@ class _TwinCatWriter(BlockWriter):
             "hsc": ([f"#HSC ON [BSPLINE {deviations}]"], "#HSC OFF"),
             "contour": ([f"#CONTOUR MODE [DEV {deviations}]", "G261"], "G260"),
         }[s.path]
-        lines = [*comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), *before, "G93"]
+        lines = [*self.comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), *before, "G93"]
         steps = np.diff(np.round(path.times, TIME_DECIMALS))  # rounding of many blocks does not add up
         for k, (pose, step) in enumerate(zip(path.poses[1:], steps, strict=True), start=1):
             stop = "G60 " if k == len(steps) else ""
