@@ -235,7 +235,7 @@ def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Find
         return []
     mass, findings = float(fit.values[model.names.index("m")]), []
     if case.nominal is not None:
-        findings += _other_mass(mass, case.nominal.mass_kg, case)
+        findings += _other_mass(mass, case)
     distance = float(
         np.linalg.norm(fit.values[[model.names.index(f"m{axis}C") for axis in "xyz"]]) / max(abs(mass), GRAM)
     )
@@ -247,23 +247,29 @@ def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Find
     return [*findings, *_no_body(model, fit)]
 
 
-def _other_mass(mass: float, nominal: float, case: Case) -> list[Finding]:
+def _other_mass(mass: float, case: Case) -> list[Finding]:
     """What to say of a mass [kg] that is far from nominal, with any number of the case's payloads.
+
+    Sensors at the drive's end of the struts carry the whole rods, which are then part of the mass.
 
     Raises:
         IdentificationError: it is a thousandth or a thousand times the nominal one.
     """
     low, high = THOUSANDTH
+    struts = case.sensor_frame.struts
+    rods = 6 * struts.rod_mass_kg if struts is not None and struts.at == "drive" else 0.0
+    nominal, *_ = masses = [body.mass_kg + rods for body in case.bodies]
+    with_rods = " with rods" if rods else ""
     if low < mass / nominal < high or low < nominal / max(mass, GRAM) < high:
         unit = "kN" if mass < nominal else "mN"
         raise IdentificationError(
-            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg is {nominal:g}: forces seem to be in {unit}; "
-            f"set recording.units.forces = '{unit}' in the case"
+            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg{with_rods} is {nominal:g}: forces seem to be "
+            f"in {unit}; set recording.units.forces = '{unit}' in the case"
         )
-    expected = min((body.mass_kg for body in case.bodies), key=lambda body_mass: abs(mass - body_mass))
+    expected = min(masses, key=lambda body_mass: abs(mass - body_mass))
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
-    key = "nominal.mass_kg" if expected == nominal else "nominal.mass_kg with payloads"
+    key = f"nominal.mass_kg{with_rods}" if expected == nominal else f"nominal.mass_kg{with_rods} with payloads"
     sentence = f"the mass comes out as {mass:.3g} kg where {key} is {expected:.3g} kg, more than a third off: correct "
     return [warning(Kind.CASE, f"{sentence}nominal, or check gravity, units and what is mounted")]
 

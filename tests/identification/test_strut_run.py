@@ -51,6 +51,18 @@ def test_parameters_are_found_within_their_deviations(changes: dict[str, object]
     assert {"h", "k", "d"} <= {name.split("_")[0] for name in model.names}
 
 
+def test_rods_that_the_sensors_carry_are_part_of_the_expected_mass() -> None:
+    """Six rods of 6 kg weigh more than the platform, which is all that `nominal` describes."""
+    case = CASE.model_copy(update={"payloads": None})
+    motion = Harmonic(seed=3, duration=6.0, size=0.8)
+    recording = simulate_recording(case, PoseExecution(MACHINE, motion), np.array([[0.3, 5.7]]), 1)
+    assert not any("the mass comes out" in w for w in estimate_parameters(recording, case, 6).warnings)
+    assert case.nominal is not None
+    light = case.model_copy(update={"nominal": case.nominal.model_copy(update={"mass_kg": 10.0})})
+    warnings = estimate_parameters(recording, light, 6).warnings
+    assert any("nominal.mass_kg with rods is 46 kg, more than a third off" in w for w in warnings), warnings
+
+
 @pytest.mark.parametrize("at", ["drive", "platform"])
 def test_mujoco_finds_the_same_forces_in_its_closed_loop(at: str) -> None:
     """Platform, tubes and rods connected by constraints: 1e-6 of the forces, in which the struts have their share."""
