@@ -4,8 +4,9 @@ Those are strict numbers, ranges and points, each with its unit in the key that 
 """
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,13 @@ class Part(BaseModel):
         return type(self) is type(other) and self.model_dump() == other.model_dump()
 
     __hash__ = None  # type: ignore[assignment]
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with other values, from which all that is derived from them is computed anew."""
+        copy = super().model_copy(update=update, deep=deep)
+        for name in set(vars(copy)) - set(type(copy).model_fields):
+            del vars(copy)[name]
+        return copy
 
 
 def kind_of(one: type[Part], other: type[Part]) -> Discriminator:

@@ -18,3 +18,12 @@ def test_gravity_of_the_equator_and_the_poles_in_any_direction_is_accepted(gravi
 def test_other_lengths_are_refused(gravity: tuple[float, ...]) -> None:
     with pytest.raises(ValidationError, match=r"on Earth it has 9.7 to 9.9: give the local"):
         Case.model_validate(CASE | {"gravity_m_s2": gravity})
+
+
+def test_what_follows_from_a_value_follows_it_into_a_copy() -> None:
+    """Derived arrays and the fingerprint are computed once a case, and anew for a copy with other values."""
+    case = load_case("hexapod")
+    assert case.gravity[2] == -9.81
+    turned = case.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
+    assert turned.gravity[2] == 9.81
+    assert turned.hash == Case.model_validate(CASE | {"gravity_m_s2": (0.0, 0.0, 9.81)}).hash != case.hash
