@@ -169,7 +169,7 @@ def _of_torques(case: Case) -> Iterator[str]:
 
 def _of_other_machines(case: Case) -> Iterator[str]:
     """Sentences on tables that equal those of a built-in case, each named once, with the case that has most of them."""
-    own = {name: table for name in _TABLES if len(table := values(case, [name])) > 1}  # one value may well be the same
+    own = {name: table for name in _TABLES if len(table := values(case, [name])) > 2}  # two values may well be the same
     same = {
         other: [name for name, table in own.items() if table == values(load_case(other), [name])]
         for other in built_in_cases()
