@@ -51,7 +51,7 @@ class Request:
             raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
         if self.starts is not None and not 1 <= self.starts <= 1000:
-            raise HexciteError(f"{self.starts} starts; choose 1 to 1000")
+            raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
         if self.seconds is not None and not 0.0 < self.seconds <= MOST_SECONDS:
             raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
         if self.seed < 0:

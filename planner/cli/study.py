@@ -38,7 +38,7 @@ def study(
     if scheduler is not None and workers is not None:
         raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
     if workers is not None and not 1 <= workers <= 1000:
-        raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
+        raise HexciteError(f"{workers} workers; choose --workers 1 to 1000, by default one a core")
     require_dask()
     folder = output if output is not None else Path(f"{loaded.name}-{asked.name}-study")
     cells = cells_of(asked, loaded)

@@ -41,7 +41,7 @@ def test_an_unknown_family_is_named_with_those_that_are_known():
         ("duration", float("-inf"), "duration -inf s is not a duration"),
         ("period", 1e-320, "too short for 12 s; choose about 2 s"),
         ("duration", 3e9, "duration 3e+09 s"),
-        ("starts", 0, "0 starts; choose 1 to 1000"),
+        ("starts", 0, "0 starts; choose starts 1 to 1000"),
         ("starts", 1001, "1001 starts"),
         ("seconds", 0.0, "seconds 0 is outside 0 to 86400; choose about 30"),
         ("seconds", float("nan"), "seconds nan is outside"),
