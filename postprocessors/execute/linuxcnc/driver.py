@@ -83,6 +83,10 @@ class Recorder:
         """First and last number of a cycle; missing cycles between them were lost."""
         return (int(self._values[0]), int(self._values[-self._width])) if self._values else (0, -1)
 
+    def line(self):
+        """The last line in motion, by the log's first channel; 0 before the first one."""
+        return next((int(line) for line in self._values[1 :: self._width][::-1] if line), 0)
+
     def save(self, file):
         with open(file, "wb") as out:
             self._values.tofile(out)
@@ -94,7 +98,6 @@ class Session:
     def __init__(self):
         self.command, self.state, self._channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
         self.errors, self.messages = [], []
-        self.line = 0  # the last line in motion; LinuxCNC resets it when it stops
 
     def look(self):
         start = time.monotonic()
@@ -106,7 +109,6 @@ class Session:
                 if time.monotonic() - start > STATUS_LIMIT:
                     raise Failure("milltask is gone") from None
                 time.sleep(POLL)
-        self.line = self.state.motion_line or self.line
         while True:
             message = self._channel.poll()
             if not message:
@@ -199,7 +201,7 @@ def main():
         "version": linuxcnc.version,
         "errors": session.errors,
         "messages": session.messages,
-        "line": session.line,
+        "line": recorder.line(),
         "started": started,
         "ended": ended,
         "samples": recorder.count,

@@ -185,7 +185,7 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     message = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
     if match := re.search(r"\bline (\d+)", message):
         place = f"{program}, line {match[1]}"
-    else:  # the last state in the driver, exact to its polling
+    else:  # the last line in motion
         place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
     if report["outcome"] == "time limit":
         raise ExecutionError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
