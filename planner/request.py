@@ -213,6 +213,7 @@ METHODS = {
     PoseMethod.ALL: "every candidate",
     PoseMethod.GIVEN: "poses of one's own",
 }
+CHOOSING = [method for method in PoseMethod if method is not PoseMethod.GIVEN]  # `given` comes with the poses
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,7 +250,7 @@ class PoseRequest:
         if self.criterion not in POSE_CRITERIA:
             raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(POSE_CRITERIA)}")
         if self.method not in set(PoseMethod):
-            raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(PoseMethod)}")
+            raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(CHOOSING)}")
         if self.method in (PoseMethod.ALL, PoseMethod.GIVEN) and self.count is not None:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
         if self.noise is not None and not 0.0 < self.noise < float("inf"):

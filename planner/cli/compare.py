@@ -61,7 +61,7 @@ def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
 def validate(
     case: Annotated[str, argument("Built-in name, folder or case file, with payloads.")],
     methods: Annotated[
-        str | None, option("Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, spline.")
+        str | None, option("Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, ptp-steps, spline.")
     ] = None,
     recordings: Annotated[
         Path | None, option("Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted.")

@@ -52,6 +52,7 @@ class Validation:
             "not_run": dict(self.failed),
             "rows": [trial.to_json() for trial in self.trials],
             "findings": [claim._asdict() for claim in self.claims],
+            "recommendation": {"sentences": [claim.sentence() for claim in self.claims if claim.holds]},
             "executed": dict(self.executed),
         }
 

@@ -10,6 +10,7 @@ from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.simulate import Circumstances
+from planner.comparison.methods import METHODS
 from tests.helpers import few
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
@@ -27,6 +28,9 @@ def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, t
     assert answer["simulated"] is True
     assert "structural mode" in answer["machine"]
     assert answer["not_run"] == {}
+    (claim,) = answer["findings"]
+    sentences = answer["recommendation"]["sentences"]
+    assert sentences == [f"yes: {claim['claim']} ({claim['figures']})"] * claim["holds"]
     assert [row["weights"] for row in answer["rows"]] == [int(k) for k in weights.split(",")]
     for row in answer["rows"]:
         printed = Q5N[row["weights"]]
@@ -39,6 +43,11 @@ def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, t
     with opened(browser, Path(answer["report"]), 400) as tab:
         assert (tab.errors, tab.requests) == ([], [])
         assert f"{20 * int(weights[-1])} kg" in tab.page.locator("table").nth(1).inner_text()
+
+
+def test_the_help_names_every_method():
+    shown = " ".join(call("validate", "--help").out.replace("│", " ").split())
+    assert f"by default all: {', '.join(METHODS)}." in shown
 
 
 def write_standstills(case: Case, file: Path, weights: int) -> None:

@@ -149,6 +149,11 @@ def test_impossible_wishes_are_refused_in_one_line(tmp_path: Path, words: tuple[
     assert not (tmp_path / "plan").exists()
 
 
+def test_only_methods_that_can_be_named_are_offered(tmp_path: Path) -> None:
+    assert refused("poses", "hexapod", "--method", "luck", "-o", tmp_path / "plan").endswith("refine, all")
+    assert "--at" in refused("poses", "hexapod", "--method", "given", "-o", tmp_path / "plan")
+
+
 def test_a_case_without_a_machine_cannot_plan_poses(tmp_path: Path) -> None:
     assert "machine: is missing" in refused("poses", "ft_wrist", "-o", tmp_path / "plan")
 
