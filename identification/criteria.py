@@ -140,10 +140,7 @@ class Identifiability:
             "singular_values": self.singular_values.tolist(),
             "correlation": self.correlation.tolist(),
             "r": self.r.tolist(),
-            "groups": [
-                {"parameters": list(g.parameters), "hidden": g.hidden, "combinations": list(g.combinations)}
-                for g in self.groups
-            ],
+            "groups": [group._asdict() for group in self.groups],
         }
 
     @classmethod

@@ -94,7 +94,7 @@ def identify(
         own = recording.record.get("case")
         if own not in (None, case.name):
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
-        if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case, case.origin or None)):
+        if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case)):
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     stale = recording.remarks + (() if method.biases is None else method.biases.stale)
@@ -190,20 +190,8 @@ def estimate_parameters(
     """The estimate of a model's parameters from one recording, whose standstills are averaged already.
 
     Its matrices are small: a second thread of BLAS would only wait for the first, and wait long on a busy machine. BLAS
-    therefore has one thread meanwhile; the caller's setting is restored at the end.
-
-    Args:
-        recording: the run.
-        case: machine, sensor frame and gravity.
-        number: number of the model in Table 2; by default what the recording can carry.
-        how: estimator, and what is known beforehand.
-        terms: other forms of the error compensation than the model's: K1 to K5.
-        conditioning: what is done to a moving run beforehand.
-
-    Raises:
-        IdentificationError: the run does not determine the parameters; the message names them.
-        RecordingError: the run cannot be evaluated.
-        CaseError: the case lacks what the evaluation needs.
+    therefore has one thread meanwhile; the caller's setting is restored at the end. Arguments and errors are those of
+    `identify`.
     """
     model = identification_model(case, default_model(recording, case) if number is None else number, terms)
     try:
@@ -261,16 +249,14 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     samples = _samples(recording, case, model, conditioning, scanned, method.biases)
     if conditioning.flexible and (method.priors or not isinstance(samples, Run)):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
-    findings = [*scanned.findings]
+    findings = list(scanned.findings)
     delay, wide = None, None
     if isinstance(samples, WristRun):
         band = delay_band(recording)
         wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band, bad=scanned.bad)
         delay = fit_samples(wide, GAUSS_MARKOV, problem).delay
-        sentence = (
-            f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
-        )
-        sentence += f"{samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
+        sentence = f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up "
+        sentence += f"to {samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         findings.append(note(Kind.CLOCK, sentence))
     fitted = fit_samples(samples, method, problem, fixed_delay=delay)
     fitted, contacts = free_of_contact(recording, fitted)

@@ -225,13 +225,14 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
 
 def nominal_parameters(model: "Model", body: RigidBody) -> Array:
     """Nominal parameters u of (17), shape (u,): those of the body and the struts; offsets and error terms are 0."""
-    values = with_struts(model, body_parameters(body))
+    values = _with_struts(model, body)
     return np.array([values.get(name, 0.0) for name in model.names])
 
 
-def with_struts(model: "Model", body: dict[str, float]) -> dict[str, float]:
+def _with_struts(model: "Model", body: RigidBody) -> dict[str, float]:
     """Known values of a body, with those of the struts where sensors sit in them, by name."""
-    return body if model.struts is None else model.struts.with_struts(body, model.needs_motion)
+    values = body_parameters(body)
+    return values if model.struts is None else model.struts.with_struts(values, model.needs_motion)
 
 
 def linear_parameters(model: "Model", truth: Truth) -> Array:
@@ -241,9 +242,7 @@ def linear_parameters(model: "Model", truth: Truth) -> Array:
         KeyError: the model has parameters (K1, K3, K4) that the simulated machine has no values for.
     """
     factors = truth.compensation
-    values = with_struts(model, body_parameters(truth.body)) | {
-        f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)
-    }
+    values = _with_struts(model, truth.body) | {f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)}
     values |= {"k0": factors.k0_N_m, "k1": factors.k1_Nm_m, "k2": factors.k2_N, "k3": factors.k3_Nm}
     return np.array([values[name] for name in model.names])
 

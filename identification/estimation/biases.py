@@ -163,9 +163,8 @@ def drift_findings(biases: Biases, model: Model, free: Fit) -> list[Finding]:
     unit, mass = model.parameters[offsets[worst]].unit, ""
     if MASS in model.blocks:
         place = model.names.index("m")
-        mass = (
-            f": with offsets of its own the run gives {free.values[place]:.4g} +- {spread[place, place] ** 0.5:.2g} kg"
-        )
+        value, deviation_of_mass = free.values[place], spread[place, place] ** 0.5
+        mass = f": with offsets of its own the run gives {value:.4g} +- {deviation_of_mass:.2g} kg"
     sentence = (
         f"{OFFSET_NAMES[worst]} of this run is {values[worst]:.4g} {unit}, {deviation[worst]:.2g} {unit} or "
         f"{deviation[worst] / std[worst]:.0f} standard deviations from that of {biases.source}: offsets have drifted, "
@@ -195,10 +194,8 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[str
     if not least[worst] > DRIFTED:
         return []
     channel, unit = channel_words(case, worst)
-    sentence = (
-        f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its offset "
-    )
-    return [f"{sentence}has drifted, or something presses all along; {WARM_UP}"]
+    sentence = f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its "
+    return [f"{sentence}offset has drifted, or something presses all along; {WARM_UP}"]
 
 
 def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[str]:
@@ -214,10 +211,8 @@ def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[st
     if not sure[worst] > DRIFTED:
         return []
     channel, unit = channel_words(case, worst)
-    sentence = (
-        f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard deviations) "
-    )
-    return [f"{sentence}since {source}: what was computed with that meanwhile is off by it"]
+    sentence = f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard "
+    return [f"{sentence}deviations) since {source}: what was computed with that meanwhile is off by it"]
 
 
 def channel_words(case: Case, k: int) -> tuple[str, str]:

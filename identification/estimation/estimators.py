@@ -207,8 +207,6 @@ def _with_priors(regression: Regression, problem: FitProblem, priors: Sequence[P
             sentence += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
         findings.append(note(Kind.ESTIMATOR, sentence))
         if abs(effect.conflict) > CONFLICT:
-            sentence = (
-                f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard deviations"
-            )
-            findings.append(warning(Kind.ESTIMATOR, f"{sentence}; doubt one of them"))
+            sentence = f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard "
+            findings.append(warning(Kind.ESTIMATOR, f"{sentence}deviations; doubt one of them"))
     return replace(fit, findings=tuple(findings))

@@ -54,11 +54,9 @@ def systematic(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
         return []
     sentence = (
         f"residuals follow each other (correlation {alike:.2f}, of noise {fitted.samples.noise_correlation:.2f}): "
-    )
-    sentence += (
         "a long contact, a dimension in the case that is not the machine's, a model without what moves the forces, "
+        "or coloured noise; look at their figure in the report"
     )
-    sentence += "or coloured noise; look at their figure in the report"
     return [warning(Kind.MODEL, sentence)]
 
 
@@ -210,8 +208,6 @@ def noisier(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
         return []
     sentence = (
         f"residuals of {fitted.fit.s0:.3g} N where sensors.force_noise_N states {stated:g} N: compare the dimensions "
-    )
-    sentence += (
         "in [machine] and [sensor_frame] with the drawing; vibration and errors that depend on the pose look alike"
     )
     return [warning(Kind.MODEL, sentence)]
@@ -236,14 +232,11 @@ def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Find
     mass, findings = float(fit.values[model.names.index("m")]), []
     if case.nominal is not None:
         findings += _other_mass(mass, case)
-    distance = float(
-        np.linalg.norm(fit.values[[model.names.index(f"m{axis}C") for axis in "xyz"]]) / max(abs(mass), GRAM)
-    )
+    moments = fit.values[[model.names.index(f"m{axis}C") for axis in "xyz"]]
+    distance = float(np.linalg.norm(moments) / max(abs(mass), GRAM))
     if case.sensor_frame.has_moments and distance >= FAR:  # further away than a machine is large
-        sentence = (
-            f"the centre of gravity comes out {distance:.3g} m from the origin of the platform: moments seem to be "
-        )
-        findings.append(warning(Kind.CASE, f"{sentence}in N mm; set recording.units.moments = 'Nmm' in the case"))
+        sentence = f"the centre of gravity comes out {distance:.3g} m from the origin of the platform: moments seem to "
+        findings.append(warning(Kind.CASE, f"{sentence}be in N mm; set recording.units.moments = 'Nmm' in the case"))
     return [*findings, *_no_body(model, fit)]
 
 

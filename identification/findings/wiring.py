@@ -47,15 +47,13 @@ TURNS = 0.05  # of a unit vector: how much gravity must turn in the sensor's axe
 RECORD_RAW = "record the raw wrench in the sensor's axes (of Universal Robots ft_raw_wrench)"
 
 
-def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
+def fitting_case(lengths: Array, case: Case) -> str | None:
     """A case whose machine has a pose with such strut lengths: built in, or in a folder beside this one's, or here.
 
     Args:
         lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
-        case: case that was tried.
-        name: its name, if it has one.
     """
-    own = None if name is None or name in built_in_cases() else find_case(name)
+    own = None if not case.origin or case.origin in built_in_cases() else find_case(case.origin)
     places = [Path.cwd()] if own is None else [own.resolve().parent.parent, Path.cwd()]
     around = dict.fromkeys(file for place in places for file in sorted(place.glob(f"*/{CASE_FILE}")))
     for candidate in (*built_in_cases(), *map(str, around)):

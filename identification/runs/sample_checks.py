@@ -220,12 +220,8 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if usual > 0.0 and len(leaps):
             unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
-            problems.append(
-                (
-                    f"channel {k + 1} jumps by up to {jumps[leaps].max():.4g} {unit} for single samples",
-                    _at(leaps + 1, count),
-                )
-            )
+            text = f"channel {k + 1} jumps by up to {jumps[leaps].max():.4g} {unit} for single samples"
+            problems.append((text, _at(leaps + 1, count)))
     limits = None if case.limits is None else case.limits.motion
     if recording.struts is None or not isinstance(limits, MotionLimits):
         return problems
@@ -345,10 +341,8 @@ def shorter_than_planned(recording: Recording) -> list[Finding]:
     duration = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
     if duration >= planned - max(SHORTER_BY, SHORTER * planned):
         return []
-    sentence = (
-        f"the trigger is on for {duration:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
-    )
-    return [warning(Kind.WINDOW, f"{sentence}off; what the plan promises is not of this run")]
+    sentence = f"the trigger is on for {duration:.3g} s, the program lasts {planned:.3g} s: the run or its recording "
+    return [warning(Kind.WINDOW, f"{sentence}was cut off; what the plan promises is not of this run")]
 
 
 def _require_standstills(recording: Recording) -> None:

@@ -49,16 +49,16 @@ def test_a_machine_whose_struts_fit_is_named(tmp_path: Path, monkeypatch: pytest
     data["name"] = "raised"
     raised = Case.model_validate(data)
     far = Hexapod.of(CASE).strut_lengths(CASE.machine.home.vector[None])[0]
-    assert fitting_case(far, raised, None) == "hexapod"
+    assert fitting_case(far, raised) == "hexapod"
     text = built_in_cases()["hexapod"].read_text(encoding="utf-8")
     for name, height in (("mine", 900.0), ("theirs", 900.5)):
         (tmp_path / name).mkdir()
         changed = text.replace('name = "hexapod"', f'name = "{name}"').replace("z_mm = 900.0", f"z_mm = {height}")
         (tmp_path / name / "case.toml").write_text(changed, encoding="utf-8")
-    assert fitting_case(far, CASE, None) is None  # the case itself is no other
-    assert fitting_case(far, CASE, str(tmp_path / "mine")) == str(tmp_path / "theirs" / "case.toml")
+    assert fitting_case(far, CASE) is None  # the case itself is no other
+    assert fitting_case(far, CASE.found_at(str(tmp_path / "mine"))) == str(tmp_path / "theirs" / "case.toml")
     monkeypatch.chdir(tmp_path)  # a built-in case has no neighbours but those of the user's
-    assert fitting_case(far, CASE, None) == str(tmp_path / "theirs" / "case.toml")
+    assert fitting_case(far, CASE) == str(tmp_path / "theirs" / "case.toml")
 
 
 def test_a_recording_of_another_case_is_named_as_such() -> None:
