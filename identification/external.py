@@ -49,8 +49,7 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
 
     Args:
-        recording: a run of the same machine.
-        result: identified parameters; their delay is compensated.
+        result: identified parameters of the same machine; their delay is compensated.
         whole: whether all samples are evaluated; else only the excitation.
 
     Raises:
@@ -91,10 +90,6 @@ def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
 
     Offsets and the rest no longer vary together. Notes say which offsets have drifted since the result.
-
-    Args:
-        recording: one pose, any number of samples.
-        result: identified parameters.
 
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.

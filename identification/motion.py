@@ -97,9 +97,8 @@ class TimedPoints:
 RESOLUTION = 1e-8  # [m, rad] of program words
 SAME_JERK = 0.005  # share of a coordinate's range of jerks
 FEWEST_POINTS = 8
-OFTEN = (
-    0.2  # of the blocks; of smooth motions 0.1 or less, of cubic splines 0.25 or more from four blocks an interval on
-)
+# Share of the blocks: of smooth motions 0.1 or less, of cubic splines 0.25 or more from four blocks an interval on.
+OFTEN = 0.2
 NO_ACCELERATION = 0.01  # share of the largest acceleration
 
 
@@ -207,11 +206,7 @@ class Joined:
 
 
 def sample(trajectory: Trajectory, rate: float) -> Motion:
-    """The trajectory at equal time steps that include both ends.
-
-    Args:
-        rate: fewest samples a second [1/s].
-    """
+    """The trajectory at equal time steps that include both ends, at least `rate` of them a second [1/s]."""
     steps = max(1, int(np.ceil(trajectory.duration * rate - 1e-9)))
     return trajectory.at(np.linspace(0.0, trajectory.duration, steps + 1))
 

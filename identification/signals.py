@@ -237,11 +237,7 @@ def stretches(on: NDArray[np.bool_]) -> list[slice]:
 
 
 def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
-    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
-
-    Args:
-        count: number of samples.
-    """
+    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all."""
     most = times * FAIR_PART
     if count <= most:
         return np.arange(count)

@@ -176,11 +176,7 @@ def simulate_recording(
 
 
 def moved(case: Case, execution: Execution, around: Circumstances, seed: int) -> Moved:
-    """What the machine did, once, for the sensors of one run or of several.
-
-    Args:
-        execution: the motion that the controller executed.
-    """
+    """What the machine did, once, for the sensors of one run or of several."""
     simulation = case.need_simulation("the simulation of sensor forces")
     if around.disturbances is not None:
         execution = rippled(execution, around.disturbances, seed)

@@ -147,11 +147,7 @@ def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array
 
 
 def drift_findings(biases: Biases, model: Model, free: Fit) -> list[Finding]:
-    """A warning where offsets have drifted since they were taken, by what the run itself says of them.
-
-    Args:
-        free: fit to the run where it may choose its offsets.
-    """
+    """A warning where offsets have drifted since they were taken, by a fit that was free to choose its own."""
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
     values = free.values[offsets]

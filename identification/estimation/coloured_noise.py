@@ -12,8 +12,6 @@ Shares cannot be negative, so that of 300 samples of white noise the slow noises
 deviations are 15 to 20 % too wide then. It is the price of intervals that hold. A memory of a sixth of the run is not
 shown by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and without slow noises, or with a test that
 must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
-
-Stationary noise with memory: its autocovariance as a series shows it, and slow noises that no short series shows.
 """
 
 from typing import NamedTuple
@@ -122,8 +120,7 @@ def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float
     """B^T Gamma B of a channel with the autocovariance from its residuals, shape (u, u).
 
     Args:
-        answer: B, see `_seen`.
-        basis: C, the fit takes C B^T x away.
+        answer, basis: B and C, see `_seen`.
         noise: residuals of variance 1, shape (n,), zero where there is no sample.
         mask: 1 where there is a sample, shape (n,).
         freedom: degrees of freedom of the channel.
@@ -166,11 +163,7 @@ MEMORIES = 6  # of slow noises: the run's length, a half, .. of it
 
 
 def slow_noises(length: int) -> list[Array]:
-    """Autocovariances of first-order noises with memories of a run's length, a half, .. of it, each of shape (n,).
-
-    Args:
-        length: n, of the run in steps.
-    """
+    """Autocovariances of first-order noises with memories of a run of n steps, a half, .. of it, each of shape (n,)."""
     lags = np.arange(length)
     return [np.exp(-lags * 2.0**k / length) for k in range(MEMORIES)]
 

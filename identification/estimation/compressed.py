@@ -141,10 +141,7 @@ def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
 def long_run_covariance(scores: Array) -> Array:
     """Sum over all lags of the autocovariance of a series times its length, by Bartlett's kernel (Newey and West 1987).
 
-    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column.
-
-    Args:
-        scores: shape (n, u).
+    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column of the series, shape (n, u).
     """
     count = len(scores)
     variance = np.maximum(np.sum(scores[1:] ** 2, axis=0), np.finfo(float).tiny)
@@ -228,13 +225,9 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
 
 
 def require_alive(forces: Array) -> None:
-    """Refuses channels that read one and the same value: a cable came off, or an amplifier is at its end.
+    """Raises IdentificationError where a channel of two samples or more reads one and the same value, shape (n, 6).
 
-    Args:
-        forces: recorded forces, shape (n, 6), n >= 2.
-
-    Raises:
-        IdentificationError: names the first such channel.
+    A cable came off, or an amplifier is at its end.
     """
     stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
     if len(stuck):

@@ -74,11 +74,7 @@ def squared_distances(places: Array, others: Array) -> Array:
 
 
 def matern(distance: Array) -> tuple[Array, Array]:
-    """Matern's correlation of smoothness 3/2, and its derivative by the logarithm of the length.
-
-    Args:
-        distance: distance in lengths.
-    """
+    """Matern's correlation of smoothness 3/2 at a distance in lengths, and its derivative by the length's logarithm."""
     scaled = np.sqrt(3.0) * distance
     fading = np.exp(-scaled)
     return (1.0 + scaled) * fading, scaled**2 * fading
@@ -140,11 +136,7 @@ class StatedNoise:
         return cls(model, sensors.force_noise, np.zeros(6) if acceleration is None else acceleration)
 
     def covariance(self, values: Array) -> Array:
-        """Covariance of a force sample, shape (6, 6) [N^2, N^2 m ..].
-
-        Args:
-            values: u, shape (u,).
-        """
+        """Covariance of a force sample of the body with parameters u, shape (6, 6) [N^2, N^2 m ..]."""
         effects = acceleration_to_force(self.model, values) * self.acceleration
         return np.asarray(np.diag(self.force**2) + effects @ effects.T)
 
@@ -169,11 +161,7 @@ class StatedNoise:
 
 
 def acceleration_to_force(model: Model, values: Array) -> Array:
-    """G = df/d(twist rate) where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in the twist rate.
-
-    Args:
-        values: u, shape (u,).
-    """
+    """G = df/d(twist rate) at u where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in that rate."""
     still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
     matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
     forces = matrices @ values

@@ -217,12 +217,7 @@ def _root(covariance: Array) -> Array:
 
 
 def _nearest(start: Array, slopes: Array) -> Array:
-    """The shortest z, shape (r,), with start + sum z_k slopes_k positive semidefinite.
-
-    Args:
-        start: shape (4, 4).
-        slopes: shape (r, 4, 4).
-    """
+    """The shortest z, shape (r,), with start + sum z_k slopes_k, shapes (4, 4) and (r, 4, 4), positive semidefinite."""
     # Loaded here: it takes a second, and most estimates are consistent without it. Its types stop half way.
     cp: Any = import_module("cvxpy")
 

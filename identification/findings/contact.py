@@ -187,13 +187,7 @@ def _spread(moving: Fitted) -> float:
 
 
 def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
-    """Raises IdentificationError where too much of a run is in contact.
-
-    Args:
-        share: share of its samples.
-        contacts: a sentence about each.
-        model: model that the forces deviate from.
-    """
+    """Raises IdentificationError where too large a share of a run is in contact; `contacts`: a sentence about each."""
     if share > MOST_TOUCHED:
         if model.needs_position and not model.needs_motion:
             raise IdentificationError(

@@ -52,10 +52,7 @@ def bag_format(case: Case) -> RecordingFormat:
 
 
 def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a bag: a table of each topic.
-
-    Args:
-        form: what its columns are called, see `bag_format`, and which topics to read.
+    """Reads a bag in the format of `bag_format`: a table of each topic.
 
     Raises:
         RecordingError: it cannot be read, or no topic, or more than one, has what is wanted.
@@ -191,9 +188,6 @@ def _table(
 
 def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file, row group by row group.
-
-    Args:
-        form: what its columns are called and how its clock counts.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.

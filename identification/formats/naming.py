@@ -171,11 +171,7 @@ def _is_whole(ours: str, places: Mapping[str, int], groups: Sequence[Sequence[st
 
 
 def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """Six free columns next to each other, by names that differ in a number only: each of them may be six channels.
-
-    Args:
-        free: positions that mean nothing yet.
-    """
+    """Six of the `free` columns next to each other whose names differ in a number only: they may be six channels."""
     for start in range(len(free) - 5):
         six = tuple(free[start : start + 6])
         if six[-1] - six[0] == 5 and len({re.sub(r"\d+", "#", names[k]) for k in six}) == 1:
@@ -183,11 +179,7 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
 
 
 def wrenches(names: Sequence[str], free: Sequence[int]) -> list[tuple[int, ...]]:
-    """Six columns next to each other whose names call them a wrench; raw ones first, for robots offer others too.
-
-    Args:
-        free: positions that may be used.
-    """
+    """Six of the `free` columns whose names call them a wrench; raw ones first, for robots offer others too."""
     wrench = [six for six in sixes(names, free) if _WRENCH.search(names[six[0]].lower())]
     measured = [six for six in wrench if not _is_command(names[six[0]])]
     return sorted(measured, key=lambda six: ("raw" not in names[six[0]].lower(), "wrench" not in names[six[0]].lower()))

@@ -1,6 +1,6 @@
-"""From a file to tables in memory: the case names the format; the first bytes say whether a file is Parquet.
+"""From files to the streams of a run: each in its format, recognised by its columns, on one time axis.
 
-From files to the streams of a run: each file in its format, recognised by its columns, on one time axis.
+The case names the format; the first bytes say whether a file is Parquet.
 """
 
 import os

@@ -223,9 +223,6 @@ def lost_samples(t: Array | None, least: float = GAP, step: float | None = None)
 def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
     """Time between samples, gaps apart [s].
 
-    Args:
-        t: time, shape (n,) [s].
-
     Raises:
         RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
             differs.
@@ -289,11 +286,7 @@ def _numbers(t: Array, step: float) -> Array:
 
 
 def crowded(gaps: NDArray[np.bool_]) -> int | None:
-    """The first of gaps so close together that the rate has changed; None where there are none.
-
-    Args:
-        gaps: whether samples were lost between each one and the next, shape (n - 1,).
-    """
+    """The first of gaps between samples, shape (n - 1,), so close together that the rate has changed; None: none is."""
     total = np.r_[0, np.cumsum(gaps)]
     width = min(2 * _FEW_STEPS, len(gaps))
     many = total[width:] - total[:-width] >= _FEW_STEPS

@@ -7,13 +7,10 @@ With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is bi
 Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
 or the platform vibrates; only the former biases the estimate, so that the reported bias is the largest there can be.
 
-How noise of the accelerations changes the regressor: exactly, for A is affine in them.
-
-What noise of the struts does to the regressor of a periodic run, whose acceleration is a Fourier series.
-
-With dA = G(t) e''(t), G periodic and e'' of harmonics up to H + B, the harmonics up to H of dA hold those of e'' that G
-shifts there: sum_t dA^T W dA has the mean (2 H + 1) sum_m G_m^* W G_m sum_h s_h over |h| <= H + B and |h + m| <= H, G_m
-being the Fourier coefficients of G and s_h the power of e'' at the harmonic h.
+Of a periodic run the acceleration is a Fourier series. With dA = G(t) e''(t), G periodic and e'' of harmonics up to H
++ B, the harmonics up to H of dA hold those of e'' that G shifts there: sum_t dA^T W dA has the mean (2 H + 1) sum_m
+G_m^* W G_m sum_h s_h over |h| <= H + B and |h + m| <= H, G_m being the Fourier coefficients of G and s_h the power of
+e'' at the harmonic h.
 """
 
 from dataclasses import dataclass
@@ -93,11 +90,9 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
     """Compares what a case states about its noise with the residuals of a Gauss-Markov fit.
 
     Args:
-        run: run that was fitted.
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
         delay: delay of the forces [s].
-        sensors: sensors with noise of forces, of struts or both.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
     averaged = 1.0 if run.recording.averaged is None else run.recording.averaged.ratio
@@ -138,7 +133,6 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     Args:
         w: W for one sample, shape (6, 6).
         delay: delay of the forces [s].
-        sensors: sensors with noise of struts, of accelerations or both.
     """
     unknowns = len(run.model.parameters)
     moment = np.zeros((unknowns, unknowns))

@@ -1,6 +1,6 @@
-"""What differs between the periods of a run that repeats itself: its noise, and periods that are not part of it.
+"""What of a repeating run is averaged: which rows, the periods that are like the others, the harmonics above the noise.
 
-What of a repeating run is averaged: which rows, the periods that are like the others, the harmonics above the noise.
+What differs between periods is noise.
 """
 
 from collections.abc import Sequence

@@ -96,9 +96,6 @@ class PolynomialMotion:
 def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
     """Moves of seven segments one after the other as what they are: a cubic polynomial a segment.
 
-    Args:
-        moves: each begins where the one before it ends.
-
     Raises:
         ValueError: a move of another law, or one that begins elsewhere.
     """

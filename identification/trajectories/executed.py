@@ -175,8 +175,7 @@ RIPPLE_STEP = 1e-3  # [s] between the samples of the ripple
 def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Execution:
     """The execution with a ripple of the struts on top, which encoders and sensors both see.
 
-    Args:
-        disturbances: rms and band of the ripple, which grows with the speed, as errors of screws and gears make it.
+    It grows with the speed, as errors of screws and gears make it.
     """
     if disturbances.ripple == 0.0:
         return execution
@@ -194,12 +193,7 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
 
 
 def mode_frequency(disturbances: Disturbances, mass: float, load: float) -> float:
-    """Frequency of the structural mode: its stiffness is the structure's, its mass what is moved [Hz].
-
-    Args:
-        mass: mass of the platform [kg].
-        load: mass of what is mounted on it [kg].
-    """
+    """Frequency of the structural mode [Hz]: of the structure's stiffness, and the masses of platform and load [kg]."""
     return float(disturbances.mode_Hz * np.sqrt(mass / (mass + load)))
 
 
