@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from cases.basis import KEPT
@@ -18,7 +17,7 @@ from identification.estimation.biases import drifted_since, shifted_all_along
 from identification.finding import Severity, sentences
 from identification.model import Model
 from identification.outcome import Result
-from identification.parameters import FIRST_MOMENT, INERTIA, MASS, OFFSETS, Block
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block, offset_columns
 from identification.recording import Recording
 from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, on_one_clock
@@ -129,12 +128,6 @@ def tare(recording: Recording, result: Result) -> Result:
         "tared_with": recording.source,
     }
     return Result(case, record)
-
-
-def offset_columns(model: Model) -> NDArray[np.int64]:
-    """Places of the offsets f_q0 in u, shape (6,)."""
-    names = [p.name for p in OFFSETS.parameters]
-    return np.array([model.names.index(name) for name in names])
 
 
 LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain

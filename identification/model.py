@@ -135,22 +135,14 @@ class Model:
         forces = self.expression(pose[:3], rotation(pose[3:]), motion, motion_rate) @ u
         return ca.Function("pose_forces", [pose, motion, motion_rate, u], [forces], {"cse": True})
 
-    def structure_at(self, position: ca.SX, turn: ca.SX) -> ca.SX:
-        """J^-T: six sensor forces -> force and moment on the platform in {P}, shape (6, 6).
-
-        Args:
-            position: origin of {P} in {B}, shape (3,) [m].
-            turn: R, shape (3, 3).
-        """
-        if self.struts is None:
-            return ca.SX(ca.DM(self.structure))
-        still = ca.SX.zeros(6)
-        return structure(rods(self.struts.hexapod, position, turn, still, still, self.gravity))
+    def structure_at(self, pose: ca.SX) -> ca.SX:
+        """J^-T: six sensor forces -> force and moment on the platform in {P}, shape (6, 6)."""
+        return ca.SX(ca.DM(self.structure)) if self.struts is None else self.struts.structure_at(pose)
 
     @cached_property
     def _wrench(self) -> ca.Function:
         pose, forces = ca.SX.sym("pose", 6), ca.SX.sym("forces", 6)
-        return ca.Function("wrench", [pose, forces], [self.structure_at(pose[:3], rotation(pose[3:])) @ forces])
+        return ca.Function("wrench", [pose, forces], [self.structure_at(pose) @ forces])
 
     def wrenches(self, forces: Array, poses: Array | None) -> Array:
         """Force and moment on the platform of sensor forces, about the origin of {P} and in its axes, shape (n, 6).

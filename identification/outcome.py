@@ -14,8 +14,9 @@ from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text,
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
-from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
+from identification.estimation.biases import AccelerometerBias, Biases
 from identification.model import Model, identification_model
+from identification.parameters import offset_columns
 from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
 from identification.saved_result import AGAIN, read_record, require_agreement
 
@@ -222,7 +223,7 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     remarks = Artefact(file, about, "identify the standstills again").require_unchanged(now, case, stale)
     result = Result(case, record, file=file)
     result.require_agreement()
-    offsets = [result.model.names.index(name) for name in OFFSET_NAMES]
+    offsets = offset_columns(result.model)
     white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
     std = np.sqrt(np.diag(white))
     larger = np.maximum(std, np.sqrt(np.diag(robust)))

@@ -229,6 +229,11 @@ def nominal_parameters(model: "Model", body: RigidBody) -> Array:
     return np.array([values.get(name, 0.0) for name in model.names])
 
 
+def offset_columns(model: "Model") -> list[int]:
+    """Places of the offsets f_q0 in u."""
+    return [model.names.index(p.name) for p in OFFSETS.parameters]
+
+
 def _with_struts(model: "Model", body: RigidBody) -> dict[str, float]:
     """Known values of a body, with those of the struts where sensors sit in them, by name."""
     values = body_parameters(body)

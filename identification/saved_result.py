@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, NonNegativeFloat, PositiveInt, ValidationError
+from pydantic import AliasPath, BaseModel, BeforeValidator, Field, NonNegativeFloat, PositiveInt, ValidationError
 
 from cases.errors import FileProblem
 from cases.files import read_json
@@ -22,13 +22,6 @@ def _named(entry: Any) -> Any:
     if not isinstance(entry, Mapping):  # a list would do for pydantic
         raise ValueError("is not an object")
     return entry
-
-
-class Linear(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
-    """Linear parameters."""
-
-    names: list[str]
-    values: list[float]
 
 
 class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
@@ -54,7 +47,8 @@ class Parameters(BaseModel, strict=True, frozen=True, allow_inf_nan=False):
 
     parameters: dict[str, Annotated[Value, BeforeValidator(_named)]]
     intervals_95: dict[str, Annotated[list[float], Field(min_length=2, max_length=2)]]
-    linear: Linear
+    names: list[str] = Field(validation_alias=AliasPath("linear", "names"))
+    values: list[float] = Field(validation_alias=AliasPath("linear", "values"))
     covariance: list[list[float]]  # covariance of the linear ones by (28)
     covariance_robust: list[list[float]]
     delay_s: Annotated[Uncertain, BeforeValidator(_named)] | None
@@ -91,7 +85,7 @@ def read_record(path: Path) -> tuple[Path, dict[str, Any]]:
     except ValidationError as error:
         place = ".".join(map(str, error.errors()[0]["loc"]))
         raise FileProblem(file, f"entry {place} is missing or damaged", AGAIN) from error
-    count = len(entries.linear.values)
+    count = len(entries.values)
     for square in (entries.covariance, entries.covariance_robust):
         if len(square) != count or any(len(row) != count for row in square):
             raise FileProblem(file, "values and covariance do not belong together", AGAIN)

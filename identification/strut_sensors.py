@@ -47,12 +47,15 @@ class StrutLayout:
         still = strut_blocks(at_drive, s.each)
         return (*([] if at_drive else still[:1]), still[-1])
 
+    def structure_at(self, pose: ca.SX) -> ca.SX:
+        """J^-T at a pose, shape (6, 6)."""
+        still = ca.SX.zeros(6)
+        return structure(rods(self.hexapod, pose[:3], rotation(pose[3:]), still, still, np.zeros(3)))
+
     @cached_property
     def structure_at_home(self) -> Array:
         """J^-T where the platform is at home, shape (6, 6)."""
-        pose, still = ca.SX(ca.DM(self.hexapod.home)), ca.SX.zeros(6)
-        moving = rods(self.hexapod, pose[:3], rotation(pose[3:]), still, still, np.zeros(3))
-        return np.asarray(ca.DM(structure(moving)).full())
+        return np.asarray(ca.DM(self.structure_at(ca.SX(ca.DM(self.hexapod.home)))).full())
 
     def with_struts(self, body: Mapping[str, float], moving: bool) -> dict[str, float]:
         """The nominal values of all that a model with these blocks has, by name.

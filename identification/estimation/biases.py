@@ -20,7 +20,7 @@ from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
-from identification.parameters import MASS, OFFSETS
+from identification.parameters import MASS, OFFSETS, offset_columns
 
 OFFSET_NAMES = tuple(p.name for p in OFFSETS.parameters)
 FEWEST_POSES = 3  # with fewer, biases and small turns of an accelerometer cannot be separated
@@ -140,7 +140,7 @@ def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array
         matrices: A, shape (n, 6, u).
         w: W for one sample, shape (6, 6).
     """
-    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    offsets = offset_columns(model)
     moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
     moves[offsets] += np.eye(6)
     return np.asarray(moves)
@@ -148,7 +148,7 @@ def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array
 
 def drift_findings(biases: Biases, model: Model, free: Fit) -> list[Finding]:
     """A warning where offsets have drifted since they were taken, by a fit that was free to choose its own."""
-    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    offsets = offset_columns(model)
     spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
     values = free.values[offsets]
     deviation = np.abs(values - biases.values)

@@ -24,7 +24,7 @@ from cases.units import Array
 from identification.estimation.compressed import column_scale, joint_triangle
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors
-from identification.parameters import OFFSETS, nominal_parameters
+from identification.parameters import nominal_parameters, offset_columns
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.preparation import moving_run
@@ -271,7 +271,7 @@ def _compensated(data: Data, motion: Kinematics, case: Case, model: Model) -> st
         return None
     whole, still = regressors(model, motion), np.zeros_like(motion.twist)
     weightless = whole - regressors(model, Kinematics(motion.pose, still, still))
-    offsets = [model.names.index(p.name) for p in OFFSETS.parameters]
+    offsets = offset_columns(model)
     weightless[:, :, offsets] = whole[:, :, offsets]
     expected = whole @ nominal_parameters(model, case.nominal)
     changes = [np.sqrt(v.var(axis=0).reshape(2, 3).sum(axis=1)) for v in (data.forces, expected)]

@@ -107,7 +107,8 @@ class Run:
         Derivatives are those of a shifted filter, not differences of neighbouring samples, between which the window may
         have a gap.
         """
-        other_delay, room = inwards(delay), MOST_DELAY - SMOOTHING_STEP  # where the filter still reaches to both sides
+        other_delay = delay + DELAY_STEP if delay < 0.0 else delay - DELAY_STEP  # on the side where the filter reaches
+        room = MOST_DELAY - SMOOTHING_STEP  # where it still reaches to both sides
         middle, unknowns = float(np.clip(delay, -room, room)), len(values)
         around = (middle, middle - SMOOTHING_STEP, middle + SMOOTHING_STEP) if self.smoothing else ()
         columns = np.empty((len(self.rows), 6, unknowns + len(self.nuisances)))
@@ -199,11 +200,6 @@ class Run:
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())
         return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))
-
-
-def inwards(delay: float) -> float:
-    """A delay next to a given one [s], on the side where the filter reaches."""
-    return delay + DELAY_STEP if delay < 0.0 else delay - DELAY_STEP
 
 
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes

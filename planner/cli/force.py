@@ -137,8 +137,8 @@ def tare(
     All other parameters stay as they are.
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
-    from identification.external import offset_columns
     from identification.external import tare as with_new_offsets
+    from identification.parameters import offset_columns
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)

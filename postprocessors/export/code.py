@@ -194,7 +194,7 @@ def measurement(model: Model) -> ca.Function:
     return ca.Function(
         "measurement",
         [pose, motion, rate, u, forces],
-        [ca.densify(-model.structure_at(pose[:3], rotation(pose[3:])) @ residuals), ca.densify(residuals)],
+        [ca.densify(-model.structure_at(pose) @ residuals), ca.densify(residuals)],
         ["pose", "twist", "twist_rate", "u", "forces"],
         ["external", "residuals"],
         {"cse": True},
