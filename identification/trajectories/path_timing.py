@@ -185,7 +185,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
     squares = np.minimum(squares, (1.0 / path.duration * (1.0 + 1e-6)) ** 2)
 
-    class PathLimits(LinearConstraint):  # type: ignore[misc]
+    class AllLimits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""
 
         def __init__(self) -> None:
@@ -222,4 +222,4 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
             values = (state.pose, state.rates * path.duration, state.accelerations * path.duration**2)
             return np.asarray(values[order])
 
-    return PathLimits(), Path()
+    return AllLimits(), Path()
