@@ -99,13 +99,14 @@ def tare(recording: Recording, result: Result) -> Result:
     checks = unmeasured(recording)
     count = int(np.sum(~checks.bad))
     if count < 2:
-        raise IdentificationError(f"{recording.source}: {count} sample; a tare needs a standstill of two or more")
+        raise IdentificationError(recording.source, f"{count} sample; a tare needs a standstill of two or more")
     travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~checks.bad], axis=0).max())
     if travel > STILL:
         drives, unit = case.drive_words
         raise IdentificationError(
-            f"{recording.source}: {drives} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
-            "standstill; cut the motion off"
+            recording.source,
+            f"{drives} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
+            "standstill; cut the motion off",
         )
     still = standstills(recording, case, model, checks)
     residuals = still.recorded - still.matrices @ result.values
@@ -193,18 +194,20 @@ def require_two(before: Result, after: Result) -> None:
         IdentificationError: both results are of the same files.
     """
     if before.source == after.source:
-        raise IdentificationError(f"{after.source}: is named twice; name the result without the payload, then with it")
+        raise IdentificationError(after.source, "is named twice; name the result without the payload, then with it")
     if before.recordings and before.recordings == after.recordings:
         raise IdentificationError(
-            f"{after.source}: is of the same recording as {before.source}; name the result of a run without the "
-            "payload, then of one with it"
+            after.source,
+            f"is of the same recording as {before.source}; name the result of a run without the "
+            "payload, then of one with it",
         )
 
 
 def _no_payload(before: Result, after: Result, mass: float, std: float) -> IdentificationError:
     return IdentificationError(
-        f"{after.source}: mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
-        "results without and with payload, in this order"
+        after.source,
+        f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
+        "results without and with payload, in this order",
     )
 
 

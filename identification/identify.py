@@ -173,9 +173,11 @@ def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None
     try:
         poses = np.array(entry, dtype=float)
     except (TypeError, ValueError) as error:
-        raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
+        raise FileProblem("recording.json: poses_m_rad", f"{error}; run the program again") from error
     if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
-        raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
+        raise FileProblem(
+            "recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again"
+        )
     return poses
 
 
@@ -218,8 +220,9 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
         raise RecordingError("is not a moving run; --period and --flexible are for moving runs")
     if not moves and model.needs_motion and not set(method.known) >= _inertia(model) | set(method.dropped):
         raise IdentificationError(
-            f"{recording.source}: model {model.number} contains inertia, which standstills cannot excite; choose a "
-            "model from 0 to 5, or record a motion"
+            recording.source,
+            f"model {model.number} contains inertia, which standstills cannot excite; choose a "
+            "model from 0 to 5, or record a motion",
         )
     estimate = _evaluated(recording, case, model, method, conditioning)
     mode, cutoff = estimate.quantities.get("structural_mode_Hz"), case.recording.filter_cutoff_Hz

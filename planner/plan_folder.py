@@ -82,7 +82,7 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
     own = artefact.case() if case is None else case
     count = len(own.need_motion("a plan")[0])
     if motion.at([0.0]).pose.shape[1] != count:
-        raise FileProblem(f"{file}: its motion does not have the {count} coordinates of case {own.name}; plan again")
+        raise FileProblem(file, f"its motion does not have the {count} coordinates of case {own.name}; plan again")
     now = plan_basis(own, entries.payload, of_poses)
     remarks = artefact.require_unchanged(now, own, stale)
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)

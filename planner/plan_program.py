@@ -113,9 +113,10 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     steps = bool(controlled(case, dialect_name).step_time)
     if has_steps(motion) and not steps:
         raise HexciteError(
-            f"{plan}: was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
+            plan,
+            f"was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
             f"satisfy the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
-            f"hexcite retime {plan} -o NEW"
+            f"hexcite retime {plan} -o NEW",
         )
     if steps and not has_steps(motion):
         return (

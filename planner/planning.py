@@ -223,7 +223,7 @@ def seeds_of(seed: int, starts: int) -> list[int]:
 
 def _made_by_hand(motion: Trajectory, file: Path, case: Case) -> PlannedMotion:
     if not motion.duration <= LONGEST:
-        raise InfeasiblePlan(f"{file}: takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
+        raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
     return PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
 
 
@@ -251,7 +251,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         return rated_plan(request, case, result, seconds)
     except IdentificationError as error:
         place = result.settings.get("sequence", f"no plan for model {request.model}")
-        raise IdentificationError(f"{place}: {error.typed}") from error
+        raise IdentificationError(place, f"{error.typed}") from error
 
 
 def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:

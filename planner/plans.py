@@ -91,7 +91,7 @@ class Plan:
         """
         if isinstance(self.request, Request) and isinstance(self.worth, Worth):
             return self.request, self.worth
-        raise HexciteError(f"{self.name}: is a plan of poses; here a plan of a motion is wanted")
+        raise HexciteError(self.name, "is a plan of poses; here a plan of a motion is wanted")
 
     @property
     def interrupted(self) -> bool:

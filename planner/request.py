@@ -163,15 +163,15 @@ def read_value(text: str, units: Mapping[str, str], option: str, example: str, m
     """
     match = _VALUE.fullmatch(text.strip())
     if match is None:
-        raise HexciteError(f"{option} {text}: is not understood; write {option} {example}")
+        raise HexciteError(f"{option} {text}", f"is not understood; write {option} {example}")
     name, unit = match["name"], (match["unit"] or "").replace("^", "").replace(" ", "")
     if name not in units:
         words = f"{name} is not a parameter of model {model}; choose from {', '.join(units)}"
-        raise HexciteError(f"{option} {text}: {words}")
+        raise HexciteError(f"{option} {text}", f"{words}")
     factors = _UNITS[units[name]]
     if unit not in factors:
         problem = f"unit {match['unit']} does not fit {name}" if unit else "has no unit"
-        raise HexciteError(f"{option} {text}: {problem}; give {' or '.join(factors)}")
+        raise HexciteError(f"{option} {text}", f"{problem}; give {' or '.join(factors)}")
     scale = factors[unit]
     std = None if match["std"] is None else float(match["std"]) * scale
     return TypedValue(name, float(match["value"]) * scale, std, text, unit, scale)
@@ -187,9 +187,9 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Typed
     targets = tuple(read_value(word, units, "--target", "m=0.05kg", model) for word in words)
     for place, target in enumerate(targets):
         if target.name in [earlier.name for earlier in targets[:place]]:
-            raise HexciteError(f"--target {target.text}: {target.name} is given twice; give it once")
+            raise HexciteError(f"--target {target.text}", f"{target.name} is given twice; give it once")
         if target.std is not None or not 0.0 < target.value < np.inf:
-            raise HexciteError(f"--target {target.text}: is not one positive number; write --target m=0.05kg")
+            raise HexciteError(f"--target {target.text}", "is not one positive number; write --target m=0.05kg")
     return targets
 
 

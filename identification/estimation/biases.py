@@ -97,8 +97,9 @@ class Biases:
         """
         if self.accelerometer is None:
             raise IdentificationError(
-                f"--biases {self.source}: has no biases of the accelerometer, and with fixed offsets they would fall "
-                "on the mass; identify standstills in different orientations that have its readings too"
+                f"--biases {self.source}",
+                "has no biases of the accelerometer, and with fixed offsets they would fall "
+                "on the mass; identify standstills in different orientations that have its readings too",
             )
         return self.accelerometer
 

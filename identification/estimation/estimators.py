@@ -164,7 +164,7 @@ def method(
         twice = [n for n in OFFSET_NAMES if n in known or n in dropped]
         if name != "gauss-markov" or priors or twice:
             other = f"{twice[0]} given otherwise" if twice else "priors" if priors else f"the estimator {name}"
-            raise IdentificationError(f"--biases {biases.source}: does not go with {other}; leave one of them out")
+            raise IdentificationError(f"--biases {biases.source}", f"does not go with {other}; leave one of them out")
         known |= biases.known
     return Method(name, known, tuple(dropped), tuple(priors), weights, biases)
 

@@ -195,7 +195,7 @@ def consistent(regression: Regression, free: Fit, thinnest: float) -> tuple[Fit,
     step = _nearest(start, np.einsum("kij,kr->rij", basis, root[index]))
     values = free.values + root @ step
     if np.linalg.eigvalsh(pseudo_inertia(values[index]))[0] <= 0.0:
-        raise IdentificationError(f"{_NONE}: the data want a mass below zero; check the sense of the sensor")
+        raise IdentificationError(_NONE, "the data want a mass below zero; check the sense of the sensor")
     rise, freedoms = float(step @ step), np.linalg.matrix_rank(root[index] / _unit(free.covariance)[index, None])
     # The truth is consistent: it is at least as far from the free estimate as the nearest consistent one.
     p_value = float(fdtrc(freedoms, free.freedom, rise / freedoms))
@@ -237,6 +237,4 @@ def _nearest(start: Array, slopes: Array) -> Array:
             raise IdentificationError(f"{_NONE}: Clarabel: {error}".splitlines()[0]) from error
         if problem.status == cp.OPTIMAL:
             return np.asarray(z.value, dtype=float)
-    raise IdentificationError(
-        f"{_NONE}: Clarabel ends with {problem.status}; the free estimate is too far from any body"
-    )
+    raise IdentificationError(_NONE, f"Clarabel ends with {problem.status}; the free estimate is too far from any body")

@@ -250,13 +250,14 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Condition
     assert t is not None
     window = longest_window(recording)
     if np.ptp(struts[window], axis=0).max() < LEAST_TRAVEL:
-        raise IdentificationError(f"{recording.source}: the pose is constant; record the excitation")
+        raise IdentificationError(recording.source, "the pose is constant; record the excitation")
     part = find_part(t, struts, window) if wish.period is None else given_part(t, struts, window, wish.period)
     most = int(1e-6 + min(low_pass.cutoff * part.period, (part.end - part.first) // (4 * part.periods) - BESIDE))
     if most < FEWEST or (wish.harmonics is not None and not 1 <= wish.harmonics <= most):
         raise RecordingError(
-            f"--harmonics {wish.harmonics or FEWEST}: a period of {part.period:.4g} s holds {most} of them up to "
-            f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}"
+            f"--harmonics {wish.harmonics or FEWEST}",
+            f"a period of {part.period:.4g} s holds {most} of them up to "
+            f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}",
         )
     periods = each_period(t, recording.forces, part, most)
     numbers, warnings = kept_periods(recording, periods, long)

@@ -141,8 +141,9 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
         raise IdentificationError(
-            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a "
-            f"{low_pass.cutoff:g} Hz filter; record longer"
+            recording.source,
+            f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
+            f"{low_pass.cutoff:g} Hz filter; record longer",
         )
     return Run(recording, model, machine_of(case), low_pass, rows, len(window), warnings, spoilt=invalid)
 
@@ -237,8 +238,9 @@ def require_position(recording: Recording, model: Model) -> None:
     """Raises IdentificationError where a model needs the position and the recording has none."""
     if model.needs_position and recording.struts is None:
         raise IdentificationError(
-            f"{recording.source}: model {model.number} needs the platform's position, the recording has orientations "
-            "only; choose model 0 or 6, or record the struts"
+            recording.source,
+            f"model {model.number} needs the platform's position, the recording has orientations "
+            "only; choose model 0 or 6, or record the struts",
         )
 
 
@@ -267,7 +269,9 @@ def _window(
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     if travel < LEAST_TRAVEL:
         raise IdentificationError(
-            f"{recording.source}: the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
-            f"{LEAST_TRAVEL * 1e3:g} {unit} are needed); record the excitation, or remove t_s from averaged standstills"
+            recording.source,
+            f"the pose is constant ({drives} move by {travel * 1e3:.3g} {unit}, at least "
+            f"{LEAST_TRAVEL * 1e3:g} {unit} are needed); record the excitation, or remove t_s from averaged "
+            "standstills",
         )
     return rows, warnings

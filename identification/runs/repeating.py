@@ -96,8 +96,9 @@ def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float
     span = len(window) * step
     if not 8.0 * step < period <= span * (1.0 + WHOLE):
         raise RecordingError(
-            f"--period {period:g}: the motion is sampled for {span:.4g} s every {step * 1e3:.3g} ms; give a period of "
-            "one to many samples that fits into it"
+            f"--period {period:g}",
+            f"the motion is sampled for {span:.4g} s every {step * 1e3:.3g} ms; give a period of "
+            "one to many samples that fits into it",
         )
     x = struts[window] - struts[window].mean(axis=0)
     motion = float(np.sqrt(np.mean(x**2)))
@@ -116,8 +117,9 @@ def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float
         best = ""
     text = "a period later the struts are" if part.periods > 1 else "at its ends the struts are"
     raise RecordingError(
-        f"--period {period:g}: {text} {part.misfit * 1e3:.3g} mm rms from where they were, {100 * part.relative:.2g} % "
-        f"of their motion, at most {100 * TOLERATED:g} % may be{best}; give another, or leave --period out"
+        f"--period {period:g}",
+        f"{text} {part.misfit * 1e3:.3g} mm rms from where they were, {100 * part.relative:.2g} % "
+        f"of their motion, at most {100 * TOLERATED:g} % may be{best}; give another, or leave --period out",
     )
 
 

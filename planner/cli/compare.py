@@ -109,7 +109,7 @@ def validate(
     if recordings is not None:
         simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         for option in (name for name, value in simulating.items() if value):
-            raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
+            raise HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
     selection = METHODS if names is None else names
     if recordings is None:

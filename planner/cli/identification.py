@@ -68,11 +68,11 @@ def read_conditioning(
         HexciteError: the period is not understood, or options exclude each other.
     """
     if harmonics is not None and period is None:
-        raise HexciteError(f"--harmonics {harmonics}: is for periodic runs; add --period auto or --period SECONDS")
+        raise HexciteError(f"--harmonics {harmonics}", "is for periodic runs; add --period auto or --period SECONDS")
     if harmonics is not None and harmonics < 1:
-        raise HexciteError(f"--harmonics {harmonics}: is not a number of harmonics; give 1 or more")
+        raise HexciteError(f"--harmonics {harmonics}", "is not a number of harmonics; give 1 or more")
     if flexible and period is not None:
-        raise HexciteError("--flexible: lowers the low-pass, which --period does without; leave one of them out")
+        raise HexciteError("--flexible", "lowers the low-pass, which --period does without; leave one of them out")
     if period is None:
         return Conditioning(flexible=flexible, standstills=standstills)
     return Conditioning(True, None if period == AUTO else _seconds(period), harmonics, standstills=standstills)
@@ -84,7 +84,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         value = math.nan
     if not 0.0 < value < math.inf:
-        raise HexciteError(f"--period {text}: is not a period; give auto or seconds, as --period 3")
+        raise HexciteError(f"--period {text}", "is not a period; give auto or seconds, as --period 3")
     return value
 
 
@@ -94,9 +94,9 @@ def read_values(texts: Sequence[str], units: Mapping[str, str], model: int) -> d
     for text in texts:
         typed = read_value(text, units, "--fix", "m=93.1kg", model)
         if typed.std is not None:
-            raise HexciteError(f"--fix {text}: is exact; write an uncertain value as --prior {text}")
+            raise HexciteError(f"--fix {text}", f"is exact; write an uncertain value as --prior {text}")
         if typed.name in values:
-            raise HexciteError(f"--fix {text}: {typed.name} is given twice; give it once")
+            raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
         values[typed.name] = typed.value
     return values
 
@@ -107,7 +107,7 @@ def read_priors(texts: Sequence[str], units: Mapping[str, str], model: int) -> l
     for text in texts:
         typed = read_value(text, units, "--prior", "m=33+-0.5kg", model)
         if typed.std is None:
-            raise HexciteError(f"--prior {text}: has no standard deviation; write it as --prior m=33+-0.5kg")
+            raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
         values.append(Prior(typed.name, typed.value, typed.std))
     return values
 

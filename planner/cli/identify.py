@@ -100,7 +100,7 @@ def identify(
     if poses is not None:
         plan = Plan.load(poses, loaded, stale=True)  # of a plan of poses only these are wanted
         if not len(plan.poses):
-            raise HexciteError(f"{poses}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
+            raise HexciteError(poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     with console.status("identifying", json):

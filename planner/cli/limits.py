@@ -128,7 +128,7 @@ def retime(
         check_folder(output, PLAN, [source], overwrite)
     plan = Plan.load(source, None if case is None else load_case(case), stale)
     if len(plan.poses):
-        raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
+        raise HexciteError(source, "is a plan of poses; its moves are as fast as the limits allow already")
     model = plan.model if model is None else model
     fitting = method_of(method, plan.motion, fastest)
     with console.status(f"re-timing with {fitting}", json) as report:

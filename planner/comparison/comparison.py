@@ -205,7 +205,7 @@ def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Reco
 def _size(entry: Entry, names: Iterable[str]) -> float:
     deviations = [entry.parameters[n].std for n in names]
     if not all(d > 0.0 for d in deviations):
-        raise HexciteError(f"{entry.name}: a parameter was given, not identified; compare without --fix")
+        raise HexciteError(entry.name, "a parameter was given, not identified; compare without --fix")
     return float(np.mean(np.log(deviations)))
 
 
@@ -267,7 +267,7 @@ def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale
     folders = [Path(thing) for thing in things if not isinstance(thing, Plan)]
     for k, folder in enumerate(folders):
         if any(folder.resolve() == other.resolve() for other in folders[:k]):
-            raise HexciteError(f"{folder}: is named twice; name each folder once")
+            raise HexciteError(folder, "is named twice; name each folder once")
     entries = [
         entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)
         for thing in things

@@ -145,7 +145,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     """
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
-        raise HexciteError(f"{recordings}: holds no folder of runs; name the folder that holds one for each method")
+        raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")
     if methods is not None:
         for name in methods:
             if name not in (folder.name for folder in folders):

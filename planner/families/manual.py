@@ -33,7 +33,7 @@ def sequence_file(case: Case) -> Path:
     """
     file = find_case(case.origin).parent / "manual.toml"
     if not file.is_file():
-        raise HexciteError(f"{file}: is missing; describe the sequence there or name one with --sequence")
+        raise HexciteError(file, "is missing; describe the sequence there or name one with --sequence")
     return file
 
 
@@ -51,7 +51,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
         builds = _steps(load_sequence(file), home, case)
     parts = [_fastest_within_limits(case, build, f"{file}: step {number}") for number, build in builds]
     if not any(not isinstance(p, Standstill) for p in parts):
-        raise FileProblem(f"{file}: nothing moves; name poses away from home")
+        raise FileProblem(file, "nothing moves; name poses away from home")
     return Joined(tuple(parts))
 
 
@@ -120,7 +120,7 @@ def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
     if not satisfies(low):
         worst = prove(build(low), case, RATE).violations
         words = worst[0].sentence() if worst else "a limit is all but used up"
-        raise InfeasiblePlan(f"{place}: {words}; choose another pose or a smaller circle")
+        raise InfeasiblePlan(place, f"{words}; choose another pose or a smaller circle")
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         low, high = (middle, high) if satisfies(middle) else (low, middle)
@@ -134,4 +134,4 @@ def _require_reach(way: Trajectory, case: Case, place: str) -> None:
         report = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), limited=limited)
         if not report.kept:
             worst = report.violations[0].sentence(timed=False)
-            raise InfeasiblePlan(f"{place}: {worst}; choose another pose or a smaller circle")
+            raise InfeasiblePlan(place, f"{worst}; choose another pose or a smaller circle")

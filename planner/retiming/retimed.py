@@ -172,7 +172,7 @@ def retime(
         HexciteError: a plan of poses, an unknown method, or a method that does not fit.
     """
     if len(plan.poses):
-        raise HexciteError(f"{plan.name}: is a plan of poses; its moves are as fast as the limits allow already")
+        raise HexciteError(plan.name, "is a plan of poses; its moves are as fast as the limits allow already")
     fitting = method_of(method, plan.motion, fastest)
     model = identification_model(plan.case, plan.model)
     return retimed_plan(retimed(plan.motion, plan.case, model, fitting, fastest, progress), plan, plan.model)

@@ -135,8 +135,9 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
     if spec.size > MOST_CELLS:
         hours = spec.size * 5.0 / 3600.0
         raise HexciteError(
-            f"study {spec.name}: the grid has {spec.size} cells, at most {MOST_CELLS}; at 5 s a cell they would take "
-            f"{hours:.0f} hours of one core: list fewer values"
+            f"study {spec.name}",
+            f"the grid has {spec.size} cells, at most {MOST_CELLS}; at 5 s a cell they would take "
+            f"{hours:.0f} hours of one core: list fewer values",
         )
     names = list(Grid.model_fields)
     texts: set[str] = set()

@@ -103,8 +103,9 @@ def urscript_payload(result: Result) -> str:
     elements = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     if max(map(abs, elements)) > LARGEST:
         raise IdentificationError(
-            f"{result.source}: an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
-            f"takes ({LARGEST:g}); is this the load of a robot?"
+            result.source,
+            f"an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
+            f"takes ({LARGEST:g}); is this the load of a robot?",
         )
     lines = [
         *(f"# {line}" for line in comment_lines(result)),
@@ -150,7 +151,7 @@ def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:
     source, number = result.source, result.model.number
     if INERTIA not in result.model.blocks:
         raise IdentificationError(
-            f"{source}: model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
+            source, f"model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
         )
     struts = result.model.struts
     if struts is not None and struts.sensors.at == "drive":
@@ -165,8 +166,9 @@ def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:
     smallest, middle, largest = moments = np.linalg.eigvalsh(inertia)
     if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
         raise IdentificationError(
-            f"{source}: no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2; "
-            "identify from a run that turns the machine more"
+            source,
+            f"no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2; "
+            "identify from a run that turns the machine more",
         )
     return value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia
 
