@@ -7,12 +7,13 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.basis import KEPT, result_basis
+from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, IdentificationError, NegativeMass, RecordingError
 from cases.files import provenance
 from cases.schema import Case
@@ -87,19 +88,24 @@ def identify(
     whole = on_one_clock(recording, case)
     run, standing = standing_of(whole, case, None if poses is None else poses.poses, conditioning.standstills)
     number = default_model(run, case) if model is None else model
+    own = recording.record.get("case")
     method = how if isinstance(how, Method) else how(identification_model(case, number, terms))
     try:
         estimate = estimate_parameters(run, case, number, method, terms, conditioning)
     except (IdentificationError, RecordingError) as error:
-        own = recording.record.get("case")
         if own not in (None, case.name):
             raise IdentificationError(f"{error.typed}; it was recorded with the case {own}, not {case.name}") from error
         if isinstance(error, StrutsDoNotClose) and (other := fitting_case(error.lengths, case)):
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     stale = recording.remarks + (() if method.biases is None else method.biases.stale)
-    changed = (warning(Kind.CASE, sentence) for sentence in stale)
-    estimate = replace(estimate, findings=(*estimate.findings, *changed))
+    changed = [warning(Kind.CASE, sentence) for sentence in stale]
+    differences = Artefact(Path(recording.source), recording.record, "").changes(recording_basis(case), case.hash)
+    if own not in (None, case.name) and differences:
+        sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"
+        sentence += f" ({len(differences) - 1} more)" if len(differences) > 1 else ""
+        changed.append(warning(Kind.CASE, f"{sentence}; leave --case out"))
+    estimate = replace(estimate, findings=(*changed, *estimate.findings))
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter

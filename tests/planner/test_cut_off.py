@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.basis import KEPT, recording_basis
 from cases.errors import IdentificationError
 from cases.loading import built_in_cases
 from cases.schema import Case
@@ -70,6 +71,15 @@ def test_a_recording_of_another_case_is_named_as_such() -> None:
     weak = Case.model_validate(data | {"name": "weak", "sensors": data["sensors"] | {"range_N": 1.0}})
     with pytest.raises(IdentificationError, match="recorded with the case other, not weak"):
         identify(replace(run(), record={"case": "other"}), weak)
+
+
+def test_a_recording_of_another_case_that_can_be_evaluated_is_named_first() -> None:
+    """Sensors differ, columns do not; a case that only has another name is the same machine."""
+    record = {"case": "other", KEPT: recording_basis(CASE)}
+    assert not any("recorded with" in w for w in identify(replace(run(), record=record), CASE).warnings)
+    turned = replace(run(), record=record | {KEPT: recording_basis(CASE) | {"setup": "2x", "gravity_m_s2": None}})
+    first, *_ = identify(turned, CASE).warnings
+    assert "it was recorded with the case other, not hexapod: setup was 2x, is 1b (1 more); leave --case out" in first
 
 
 def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:
