@@ -87,8 +87,7 @@ def _mask() -> int:
 def atomic_file(path: Path) -> Iterator[Path]:
     """Yields a path to write to; what was written appears under `path` only when the block ends without an error.
 
-    Raises:
-        FileProblem: the place cannot be written.
+    Raises FileProblem where the place cannot be written.
     """
     with _writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -271,14 +270,7 @@ def _refuse(constant: str) -> float:
 
 
 def read_json(path: Path, made_by: str) -> dict[str, Any]:
-    """Reads a JSON object.
-
-    Args:
-        made_by: the command that writes such files, for the message.
-
-    Raises:
-        FileProblem: it is missing, unreadable or not a JSON object.
-    """
+    """Reads a JSON object; raises FileProblem, which names the command that writes such files, where there is none."""
     try:
         value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
@@ -302,11 +294,7 @@ _TOOLS = ("hexcite", "numpy", "scipy", "casadi", "pyarrow")
 
 
 def provenance(files: Sequence[Path]) -> dict[str, Any]:
-    """Origin of what was computed from files: `inputs`, each with its SHA-256, and `versions`.
-
-    Args:
-        files: files that were read; they are read once more, piece by piece.
-    """
+    """Origin of what was computed from files: `inputs`, each with its SHA-256, and `versions`."""
     return {"inputs": [{"file": str(f), "sha256": sha256_of(f)} for f in files], "versions": _versions()}
 
 

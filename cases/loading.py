@@ -32,8 +32,7 @@ def built_in_cases() -> dict[str, Path]:
 def find_case(name: str) -> Path:
     """The case file that `name` means: a built-in name, a folder that holds `case.toml`, or a file.
 
-    Raises:
-        CaseError: there is none; the message lists the built-in names.
+    Raises CaseError, which lists the built-in names, where there is none.
     """
     cases = built_in_cases()
     if name in cases:
@@ -49,11 +48,7 @@ def find_case(name: str) -> Path:
 
 
 def lasting_name(name: str) -> str:
-    """A name that finds the case again from any folder: built-in ones as they are, files by their whole path.
-
-    Raises:
-        CaseError: there is no such case.
-    """
+    """A name that finds the case again from any folder: built-in ones as they are, files by their whole path."""
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 

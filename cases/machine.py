@@ -111,9 +111,7 @@ WORST_CONDITION = 1e3
 def condition_of_lines(points: Array, directions: Array) -> float:
     """Condition number of six lines, moments divided by the largest distance of a point from the origin.
 
-    Args:
-        points: one on each line, shape (6, 3) [m].
-        directions: directions of any length but 0, shape (6, 3).
+    One point on each, shape (6, 3) [m], and directions of any length but 0, shape (6, 3).
     """
     unit = directions / np.linalg.norm(directions, axis=1)[:, None]
     size = max(float(np.linalg.norm(points, axis=1).max()), 1e-9)

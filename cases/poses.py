@@ -124,10 +124,7 @@ class Steps(Part):
 
 
 def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
-    """Reads a sequence from a TOML file.
-
-    Args:
-        columns: coordinates of the machine; steps are those of a platform.
+    """Reads a sequence from a TOML file, for a machine whose coordinates, `columns`, are the pose of a platform.
 
     Raises:
         FileProblem: it cannot be read or describes no sequence; the message names the step. Or the machine has others.
@@ -152,11 +149,7 @@ def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
 def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
     """Reads poses from a CSV file with a column for each coordinate: of a platform absolute in {B}, or of joints.
 
-    Args:
-        columns: names of the columns, which end in mm or deg.
-
-    Returns:
-        Shape (n, columns) [m or rad].
+    Shape (n, columns) [m or rad]; names of columns end in mm or deg.
 
     Raises:
         FileProblem: it cannot be read, columns are missing, or a row holds no numbers.

@@ -76,13 +76,7 @@ _WIDTH = 110  # characters of a comment
 
 
 def new_case(name: str, like: str, folder: Path) -> Path:
-    """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
-
-    Args:
-        folder: folder to make; it must not hold a case yet.
-
-    Returns:
-        The case file.
+    """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in; returns its path.
 
     Raises:
         CaseError: a name that a case cannot have, or no such built-in case.
@@ -125,12 +119,7 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
     Args:
-        urdf: file that describes the robot.
         flange: link that carries the sensor.
-        folder: folder to make; it must not hold a case yet.
-
-    Returns:
-        The case file.
 
     Raises:
         CaseError: a name that a case cannot have; the URDF file is not sound or has no such link.

@@ -276,11 +276,7 @@ class Case(Heading):
         return "joints", "mrad" if self.chain.units.min() > MM else "mrad or mm"
 
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
-        """Chain and limits of motion.
-
-        Raises:
-            CaseError: the case lacks one of them.
-        """
+        """Chain and limits of motion; raises CaseError where the case lacks one of them."""
         if self.chain is None:
             self.missing("machine.chain", purpose)
         if self.limits is None or not isinstance(self.limits.motion, JointMotionLimits):
@@ -290,8 +286,7 @@ class Case(Heading):
     def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
         """Coordinates at home, shape (n,) [m or rad], and limits of motion, whatever the machine is.
 
-        Raises:
-            CaseError: the case lacks one of them.
+        Raises CaseError where the case lacks one of them.
         """
         if self.chain is not None:
             chain, limits = self.need_chain(purpose)
@@ -316,11 +311,7 @@ class Case(Heading):
         return self.model_copy(update={"limits": limits})
 
     def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, MotionLimits]:
-        """Hexapod, workspace and limits of motion.
-
-        Raises:
-            CaseError: the case lacks one of them, or has a chain.
-        """
+        """Hexapod, workspace and limits of motion; raises CaseError where the case lacks one, or has a chain."""
         if self.chain is not None:
             raise CaseError(
                 f"case {self.name}", "machine.chain", f"{purpose} is for hexapods only; a chain has none yet"
@@ -352,11 +343,7 @@ class Case(Heading):
         return tuple(accumulate(weights, together, initial=self.nominal))
 
     def body(self, payloads: int) -> RigidBody:
-        """The nominal body with a number of payloads.
-
-        Raises:
-            CaseError: no nominal body, or fewer payloads.
-        """
+        """The nominal body with a number of payloads; raises CaseError where there is none, or fewer payloads."""
         if not self.bodies:
             self.missing("nominal", "the expected load")
         if not 0 <= payloads < len(self.bodies):

@@ -42,13 +42,7 @@ class StrutsDoNotClose(IdentificationError):
 
 
 class Hexapod:
-    """A hexapod with given joints.
-
-    Args:
-        base: base joints in {B}, shape (6, 3) [m].
-        platform: platform joints in {P}, shape (6, 3) [m].
-        home: pose in {B}, shape (6,) [m, rad].
-    """
+    """A hexapod with joints of the base in {B} and of the platform in {P}, shapes (6, 3) [m], and home [m, rad]."""
 
     count: ClassVar[int] = 6
     of_pose: ClassVar[bool] = True
@@ -153,26 +147,13 @@ class Hexapod:
         return ca.Function("newton_step", [pose, step], [ca.vertcat(pose[:3] + step[:3], rpy(turn))])
 
     def strut_lengths(self, poses: ArrayLike) -> Array:
-        """Inverse kinematics.
-
-        Args:
-            poses: shape (n, 6) [m, rad].
-
-        Returns:
-            Strut lengths, shape (n, 6) [m].
-        """
+        """Inverse kinematics: strut lengths at poses, shapes (n, 6) [m]."""
         return over_samples(self.inverse, poses)[0]
 
     def poses(self, lengths: ArrayLike) -> Array:
-        """Forward kinematics (7), the assembly that is reached from home.
+        """Forward kinematics (7), the assembly that is reached from home: poses of struts, shapes (n, 6) [m, rad].
 
         Newton's method for all samples at once: every 8th from home, the rest from the interpolation between these.
-
-        Args:
-            lengths: strut lengths, shape (n, 6) [m].
-
-        Returns:
-            Poses, shape (n, 6) [m, rad].
 
         Raises:
             StrutsDoNotClose: the struts cannot close; the message names the first such sample.
@@ -244,18 +225,10 @@ class Hexapod:
     def kinematics(
         self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None
     ) -> Kinematics:
-        """Pose, twist and twist rate from strut motion: (7), (8), (9).
+        """Pose, twist and twist rate from strut motion, shapes (n, 6) [m, m/s, m/s^2]: (7), (8), (9).
 
         (9) is used in the equivalent form v' = J_Hex (q'' - d/dt(J_Hex^-1) v), since J_Hex is known by its inverse.
-
-        Args:
-            lengths: shape (n, 6) [m].
-            velocities: shape (n, 6) [m/s].
-            accelerations: shape (n, 6) [m/s^2].
-            start: poses near by, where they are known, shape (n, 6).
-
-        Raises:
-            IdentificationError: the struts cannot close.
+        `start` are poses near by, where they are known. Raises StrutsDoNotClose.
         """
         pose, jacobian = self._assembled(np.asarray(lengths, dtype=float), start)
         return self._moving(pose, jacobian, np.asarray(velocities), np.asarray(accelerations))
@@ -265,13 +238,7 @@ class Hexapod:
     ) -> tuple[Kinematics, NDArray[np.bool_]]:
         """Kinematics of samples whose struts need not close, in any order, each solved from home; and which close.
 
-        Args:
-            lengths: shape (n, 6) [m].
-            velocities: shape (n, 6) [m/s].
-            accelerations: shape (n, 6) [m/s^2].
-
-        Returns:
-            Kinematics, which mean nothing where struts do not close, and flags of shape (n,).
+        They mean nothing where struts do not close.
         """
         pose, jacobian, closed = self._newton(lengths, np.tile(self.home, (len(lengths), 1)))
         pose[~closed], jacobian[~closed] = self.home, np.eye(6)
@@ -292,12 +259,9 @@ def _of_joints(joints: bytes, home: bytes) -> Hexapod:
 
 
 def _between(index: NDArray[np.int_], knots: NDArray[np.int_], poses: Array) -> Array:
-    """Poses between those at some samples, shape (n, 6): cubic in a motion, linear across jumps.
+    """Poses of some samples, shape (n,), between those that are known: cubic in a motion, linear across jumps.
 
-    Args:
-        index: samples, shape (n,).
-        knots: samples whose poses are known, ascending, shape (k,).
-        poses: poses of these, shape (k, 6).
+    `knots` are the samples whose poses are known, ascending, shape (k,).
     """
     linear = np.column_stack([np.interp(index, knots, poses[:, k]) for k in range(6)])
     if len(knots) < 4:

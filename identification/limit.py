@@ -120,13 +120,9 @@ class Quantity:
 
     @classmethod
     def between(cls, kind: LimitKind, labels: tuple[str, ...], values: Array, low: Array, high: Array) -> "Quantity":
-        """Two-sided limits: the share is the distance from their middle over half their width.
+        """Values, shape (n, k), between limits, shapes (k,) [SI].
 
-        Args:
-            labels: labels of its k columns.
-            values: shape (n, k) [SI].
-            low: shape (k,) [SI].
-            high: shape (k,) [SI].
+        The share is the distance from their middle over half their width.
         """
         values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
         ratio = values - (low + high) / 2

@@ -35,9 +35,6 @@ def prove(
         rate: samples a second [1/s].
         offset: start of the trajectory on the clock that the report uses [s].
         in_box: whether it must stay in the pose box of `[limits.motion]`; positioning need only stay in `[workspace]`.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
     """
     steps = max(1, math.ceil(trajectory.duration * rate - 1e-9))
     return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset, in_box)
@@ -61,9 +58,7 @@ class LimitedMachine(Protocol):
     def fastest(self, rate: Array, acceleration: Array, /) -> tuple[float, float, float]:
         """Bounds of the load's |omega|, |alpha| and |p''| in any pose [rad/s, rad/s^2, m/s^2].
 
-        Args:
-            rate: largest rates of the coordinates, shape (k,).
-            acceleration: their largest second derivatives, shape (k,).
+        From the largest first and second derivatives of the coordinates, shapes (k,).
         """
 
     def from_anywhere(
@@ -71,8 +66,7 @@ class LimitedMachine(Protocol):
     ) -> Iterable[tuple[LimitKind, float, float]]:
         """Kind, bound and limit of drives that are not the coordinates, in any pose [SI].
 
-        Args:
-            speed: largest speed of the load's frame [m/s]; the others as in `fastest`.
+        `speed` is the largest of the load's frame [m/s]; the others as in `fastest`.
         """
 
 
@@ -190,11 +184,7 @@ _OF_ACCELERATIONS = (
 
 
 def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> float:
-    """Largest share of a motion's pace that struts, sensors and torques of joints allow, above 1 where it is too fast.
-
-    Args:
-        rate: samples a second [1/s].
-    """
+    """Largest share of the pace that struts, sensors and torques of joints allow, above 1 where it is too fast."""
     shares = [0.0]
     for check in prove(move, case, rate, in_box=False).checks:
         if check.kind in _OF_ACCELERATIONS:

@@ -94,10 +94,7 @@ def sensor_motion(frames: Frames) -> LoadMotion:
 def joint_efforts(frames: Frames, chain: Chain, gravity: Array, bodies: Sequence[RigidBody]) -> Iterable[Quantity]:
     """Torques or forces of the drives to move links and load, without friction, against 80 % of the largest.
 
-    Args:
-        chain: chain with the inertia of every link, or nothing is limited.
-        gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
-        bodies: bodies that may be behind the sensor, one at a time.
+    Nothing is limited without the inertia of every link. `bodies` may be behind the sensor, one at a time.
     """
     if not chain.limits_effort:
         return
@@ -208,9 +205,6 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
 
     Bodies of one link, or of two that meet, may touch. The share is 1 at the surface and above 1 inside. For a box it
     falls to 0 at a distance of half the box's diagonal, for two bodies at the sum of their radii.
-
-    Args:
-        t: instants of the frames, shape (n,) [s].
     """
     if not chain.tool and not any(joint.bodies for joint in chain.joints):
         return

@@ -35,13 +35,7 @@ VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable wit
 
 
 def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
-    """Shares of the limits that a state uses.
-
-    Args:
-        pose: shape (6,) [m, rad].
-        rates: its first derivative in time.
-        accelerations: its second derivative.
-    """
+    """Shares of the limits that a pose and its first and second derivative use, shapes (6,) [m, rad]."""
     _, workspace, box = case.need_machine("planning")
     length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
     shortest = max(box.strut_length[0], workspace.strut_length[0])
@@ -97,8 +91,6 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     """Shares of the clearances of bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
 
     Args:
-        chain: chain with bodies of links and tool, and boxes to keep out of.
-        q: positions of the joints, shape (n,).
         middle: middle of the motion box, shape (n,) [rad or m].
         frames: origin and R in {B} of the moved frame of each joint, then of the sensor's.
     """

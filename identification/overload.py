@@ -84,9 +84,7 @@ def body_wrench(body: RigidBody) -> Array:
 def _state(rotation: tuple[Array, Array, Array], specific: Array) -> Array:
     """State of {P}: p'' - g, angular acceleration and products of angular velocities, in its axes, shape (n, 15).
 
-    Args:
-        rotation: R and its first and second time derivative, shapes (n, 3, 3).
-        specific: p'' - g in {B}, shape (n, 3) [m/s^2].
+    From R and its first and second time derivative, shapes (n, 3, 3), and p'' - g in {B}, shape (n, 3) [m/s^2].
     """
     turn, first, second = rotation
     back = turn.transpose(0, 2, 1)
@@ -98,11 +96,7 @@ def _state(rotation: tuple[Array, Array, Array], specific: Array) -> Array:
 
 
 def sensor_loads(values: Array, loads: Loads) -> Iterable[Quantity]:
-    """Predicted sensor forces with every body that the case expects, against 80 % of the sensors' range.
-
-    Args:
-        values: the forces, shape (n, channels) [N or N m].
-    """
+    """Forces, shape (n, channels) [N or N m], with every body that the case expects, against 80 % of the range."""
     for kind, channels in ((LimitKind.SENSOR_FORCE, ~loads.moments), (LimitKind.SENSOR_MOMENT, loads.moments)):
         if channels.any():
             labels = tuple(label for label, own in zip(loads.labels, channels, strict=True) if own)

@@ -40,11 +40,7 @@ class _Link(NamedTuple):
 
 
 class SerialChain:
-    """The kinematics of a chain of n joints.
-
-    Args:
-        chain: geometry, from the base to the sensor.
-    """
+    """The kinematics of a chain of n joints."""
 
     of_pose: ClassVar[bool] = False
     elastic: ClassVar[bool] = False  # the error terms are those of a hexapod's platform
@@ -99,12 +95,7 @@ class SerialChain:
     ) -> ca.SX:
         """Torques or forces of the drives to move links and load, without friction, shape (n,) [N m or N].
 
-        Args:
-            q: positions of the joints, shape (n,) [rad or m]; `rates` and `accelerations` are their derivatives.
-            rates: shape (n,).
-            accelerations: shape (n,).
-            gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
-            load: body behind the sensor, in {P}.
+        `gravity` is the acceleration in {B} [m/s^2], `load` the body behind the sensor, in {P}.
         """
         *links, sensor = self._links(q, rates, accelerations)
         force, moment = ca.SX(3, 1), ca.SX(3, 1)  # of all behind a joint, the moment about the origin of {B}
@@ -167,12 +158,9 @@ class SerialChain:
     def kinematics(
         self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None
     ) -> Kinematics:
-        """Pose, twist and twist rate of {P}, one row a sample; where the pitch is a right angle the roll is 0.
+        """Pose, twist and twist rate of {P} from the motion of the joints, shapes (k, n), one row a sample.
 
-        Args:
-            q: positions of the joints, shape (n, count) [rad or m].
-            rates: their first derivatives in time.
-            accelerations: their second derivatives.
+        Where the pitch is a right angle the roll is 0.
         """
         del start
         position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)

@@ -41,17 +41,13 @@ _KNOWN = {*_OPERATIONS, ca.OP_TWICE, ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT}
 
 
 def over_samples(function: ca.Function, *arguments: ArrayLike) -> list[Array]:
-    """Values of `function` for each sample.
+    """Values of a function with dense inputs and outputs, of which inputs are column vectors, for each sample.
 
     Args:
-        function: dense inputs and outputs; inputs are column vectors.
         arguments: one array for each input, shape (n, length of the input).
 
     Returns:
         One array for each output: shape (n, rows) for vectors, (n, rows, columns) for matrices.
-
-    Raises:
-        ValueError: an argument has the wrong shape.
     """
     inputs = [np.ascontiguousarray(a, dtype=float) for a in arguments]
     count = inputs[0].shape[0]
@@ -132,11 +128,7 @@ def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> No
 
 
 def rotation(rpy: ca.SX) -> ca.SX:
-    """R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3).
-
-    Args:
-        rpy: roll, pitch, yaw, shape (3,) [rad].
-    """
+    """R = Rz(yaw) Ry(pitch) Rx(roll) of roll, pitch, yaw [rad], shape (3,) -> (3, 3)."""
     sr, cr = ca.sin(rpy[0]), ca.cos(rpy[0])
     sp, cp = ca.sin(rpy[1]), ca.cos(rpy[1])
     sy, cy = ca.sin(rpy[2]), ca.cos(rpy[2])
@@ -242,21 +234,14 @@ class Machine(Protocol):
         """Rates and accelerations of drives that are not the coordinates, shapes (k, d), and limits of both, (d,)."""
 
     def coordinates(self, drives: ArrayLike, /) -> Array:
-        """The coordinates that belong to measured drives, shape (k, n) [m or rad].
-
-        Raises:
-            IdentificationError: no coordinates do.
-        """
+        """The coordinates of measured drives, shapes (k, n) [m or rad]; raises IdentificationError without any."""
 
     def kinematics(
         self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None, /
     ) -> Kinematics:
         """Motion of the load's frame from that of the drives, shapes (k, n) [m or rad].
 
-        From poses near by, where they are known, shape (k, 6).
-
-        Raises:
-            IdentificationError: no coordinates belong to the drives.
+        From poses near by, where they are known, shape (k, 6). Raises IdentificationError where no coordinates do.
         """
 
     def earlier(self, motion: Kinematics, time: float) -> Array | None:

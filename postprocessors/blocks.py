@@ -174,8 +174,7 @@ def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]
 def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgram:
     """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces.
 
-    Args:
-        block: duration of a block of a timed path, at most [s].
+    Blocks last `block` at most [s].
     """
     blocks: list[Block] = []
     for together, group in groupby(program.blocks, lambda b: isinstance(b, StraightMove)):

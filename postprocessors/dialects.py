@@ -25,9 +25,11 @@ from postprocessors.reading import Reading
 class Language:
     """Functions of a dialect."""
 
-    write: Callable[[NeutralProgram, Case], bytes]  # program and case -> content of the file
+    # program and case -> content of the file; raises CaseError where the case lacks the machine or the settings of this
+    # dialect, HexciteError where the dialect cannot express a block
+    write: Callable[[NeutralProgram, Case], bytes]
     # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line and
-    # column at anything that it does not understand
+    # column at anything that it does not understand, and where the end is missing, CaseError as `write`
     read: Callable[[bytes, str, Case], Reading]
     # guarantees of the controller when it runs a program that was read
     guarantees: Callable[[Reading, Case], Guarantees]
@@ -166,22 +168,14 @@ DIALECTS = {
 
 
 def dialect(name: str) -> Dialect:
-    """The dialect of a name.
-
-    Raises:
-        HexciteError: unknown; the message lists the known ones.
-    """
+    """The dialect of a name; raises HexciteError, which lists the known ones, where there is none."""
     if name not in DIALECTS:
         raise HexciteError(f"dialect {name!r} is unknown; choose {', '.join(DIALECTS)}")
     return DIALECTS[name]
 
 
 def dialect_of_file(file: str) -> Dialect:
-    """The dialect of the suffix of a program's file.
-
-    Raises:
-        ProgramError: no dialect has this suffix.
-    """
+    """The dialect of the suffix of a program's file; raises ProgramError where none has it."""
     for dialect in DIALECTS.values():
         if file.lower().endswith(dialect.suffixes):
             return dialect

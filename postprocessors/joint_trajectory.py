@@ -22,15 +22,7 @@ FIRST = 0.02  # [s] time of the first point: at 0 the controller would jump to i
 
 
 def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
-    """The message, plain ASCII.
-
-    Args:
-        program: neutral program; the machine stands at home when it starts.
-        case: case whose chain names the joints; `controller.block_ms` is the distance of points.
-
-    Raises:
-        CaseError: the case has no chain or no controller.
-    """
+    """The message, plain ASCII, see `Language.write`; `controller.block_ms` is the distance of points."""
     chain, _ = case.need_chain("a joint trajectory")
     controller = case.need_controller("a joint trajectory")
     lines = [f"# {line}" for text in program.header for line in comment_lines(text)]

@@ -122,14 +122,7 @@ def _share_of_cycles(duration: float) -> float:
 
 
 def write_linuxcnc(program: NeutralProgram, case: Case) -> bytes:
-    """The program's text, plain ASCII.
-
-    Args:
-        case: case with the limits of the controller's set-up; feeds are chosen for them.
-
-    Raises:
-        CaseError: the case has no machine or no controller.
-    """
+    """The program's text, plain ASCII, with feeds for the limits of the controller's set-up; see `Language.write`."""
     of_pose = case.need_motion("a program")[1].of_pose
     timed = of_pose and any(isinstance(block, TimedPath) for block in program.blocks)
     headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0

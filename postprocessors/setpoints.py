@@ -112,11 +112,7 @@ def _header(program: NeutralProgram, case: Case) -> list[str]:
 
 
 def write_csv(program: NeutralProgram, case: Case) -> bytes:
-    """The table as CSV, plain ASCII.
-
-    Raises:
-        CaseError: the case has no machine or no settings of this dialect.
-    """
+    """The table as CSV, plain ASCII; see `Language.write`."""
     values, decimals = _values(program, case), decimals_of(case)
     rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, decimals, strict=True)]) + 0.0  # no -0
     row = ",".join(f"%.{d}f" for d in decimals)

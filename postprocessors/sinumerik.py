@@ -126,14 +126,5 @@ def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
 
 
 def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
-    """The program's text, plain ASCII.
-
-    Args:
-        case: case with the machine, its limits and the controller's settings.
-
-    Raises:
-        CaseError: the case lacks the machine or the settings of this dialect, or they cannot carry the motion.
-        ProgramError: a joint of a chain is not an axis of this controller.
-        HexciteError: a path in the machine's own axes.
-    """
+    """The program's text, plain ASCII; see `Language.write`."""
     return _SinumerikWriter(case).written(program)

@@ -66,9 +66,5 @@ class _TwinCatWriter(BlockWriter):
 
 
 def write_twincat(program: NeutralProgram, case: Case) -> bytes:
-    """The program's text, plain ASCII; arguments and errors as `write_sinumerik`.
-
-    Raises:
-        CaseError: the case lacks the machine or the settings of this dialect.
-    """
+    """The program's text, plain ASCII; see `Language.write`."""
     return _TwinCatWriter(case).written(program)

@@ -21,15 +21,7 @@ INDENT = "  "  # to the interpreter, lines in the first column begin and end the
 
 
 def write_urscript(program: NeutralProgram, case: Case) -> bytes:
-    """The program, plain ASCII.
-
-    Args:
-        program: moves, dwells and trigger; the last must be on its way home.
-
-    Raises:
-        HexciteError: `movej` cannot express a block.
-        CaseError: the case has no such chain, or no settings of this dialect.
-    """
+    """The program's text, plain ASCII, see `Language.write`: moves from rest to rest, dwells and switches alone."""
     settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
     if endless := next((joint.name for joint in chain.joints if joint.kind == "continuous"), None):

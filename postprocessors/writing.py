@@ -165,9 +165,6 @@ def excitation_program(
 
     Approach and return are point-to-point moves where the excitation consists of such moves, else timed paths: a
     controller that is set up to follow dense paths may accelerate as hard as it can in a move that it times itself.
-
-    Raises:
-        CaseError: the case has no machine or no controller.
     """
     home, box = case.need_motion("a program")
     controller = case.need_controller("a program")

@@ -23,15 +23,10 @@ BLOCK = 100_000  # number of set points that are computed at once
 
 
 def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
-    """Executes a program that was read, starting from home.
+    """Executes a program that was read, starting from home; errors as `commanded`.
 
     Drives get a set point each cycle (`cycle_ms` of the case), and interpolate between them as those of LinuxCNC
     do: phases of the commanded motion that end within a cycle are spread over it, for encoders and sensors alike.
-
-    Raises:
-        ProgramError: the motion is not defined.
-        ExecutionError: no pace of a path keeps the limits.
-        CaseError: the case has no machine.
     """
     settings = case.need_controller("a run")
     motion, trigger = commanded(reading, case, guarantees)
@@ -52,7 +47,6 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     Raises:
         ProgramError: the motion is not defined.
         ExecutionError: no pace of a path keeps the limits.
-        CaseError: the case has no machine.
     """
     home, _ = case.need_motion("a run")
     own = replace(guarantees, law=by_ruckig(guarantees.law))

@@ -119,11 +119,7 @@ def default_name(case: Case) -> str:
 
 
 def checked_name(stem: str, file: Path) -> str:
-    """The name of a model or function from its file's name.
-
-    Raises:
-        FileProblem: it is not a valid name in the exported languages.
-    """
+    """The name of a model or function from its file's name; raises FileProblem where no exported language takes it."""
     if not _NAME.fullmatch(stem) or stem.endswith("_"):
         raise FileProblem(
             file,

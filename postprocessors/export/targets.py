@@ -91,13 +91,10 @@ LARGEST = 133.0  # [kg m^2] largest element of the inertia
 
 
 def urscript_payload(result: Result) -> str:
-    """A URScript program that sets the identified body as payload.
+    """A URScript program that sets the identified body as payload; errors as `identified_load`, or it is too large.
 
     Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
     flange's axes, in the order Ixx, Iyy, Izz, Ixy, Ixz, Iyz. The command zeroes the robot's own force sensor.
-
-    Raises:
-        IdentificationError: a static model, which has no inertia, or an inertia that is not physical or too large.
     """
     mass, centre, inertia = identified_load(result, "set_target_payload")
     elements = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
@@ -174,14 +171,11 @@ def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:
 
 
 def isg_load(result: Result) -> str:
-    """NC code that defines the identified body as load 1 and selects it.
+    """NC code that defines the identified body as load 1 and selects it; errors as `identified_load`.
 
     Beckhoff infosys, TF5200: P-CHAN-00763 to 00772 (mass, centre of gravity, rotation, main moments of inertia) and
     00776 (ID), diagnosis 22209 (form of the command); ISG kernel documentation, "Load parameterisation" (frames,
     rotation, IDX).
-
-    Raises:
-        IdentificationError: a static model, which has no inertia, or an inertia that no body has.
     """
     mass, centre, inertia = identified_load(result, "#LIMIT LOAD")
     moments, turn = principal_axes(inertia)

@@ -105,11 +105,8 @@ class ForceBounds:
     def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
         """Bounds for a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
-        Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'.
-
-        Args:
-            feed: largest speed of the share of the way, besides the limits [1/s].
-            clock: when it starts [s].
+        Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'. `feed` is
+        the largest speed of the share of the way, besides the limits [1/s].
         """
         steady = replace(move, profile=Steady(1.0))
         way = steady.at(np.linspace(0.0, 1.0, SAMPLES + 1))

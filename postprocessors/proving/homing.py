@@ -25,10 +25,9 @@ if TYPE_CHECKING:
 
 
 def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMove | CircularMove | None:
-    """The predicted motion of a move; None where its start is not known or nothing moves.
+    """The predicted motion of a move under the limits of the controller's set-up.
 
-    Args:
-        limits: limits of the controller's set-up.
+    None where its start is not known or nothing moves.
     """
     if part.start is None or not part.moves:
         return None
@@ -55,11 +54,7 @@ def _arc(part: Untimed, start: Array, arc: Arc, limits: Box, guarantees: Guarant
 
 
 def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:
-    """Each stretch of a program that takes time, with its motion as its controller is expected to make it, from home.
-
-    Raises:
-        CaseError: the case has no machine.
-    """
+    """Each stretch of a program that takes time, with its motion as its controller is expected to make it."""
     pose, limits = case.need_motion("a run")
     for part in reading.stretches:
         motion: Trajectory | None
@@ -75,11 +70,7 @@ def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tu
 
 
 def planned_excitation(read: "Program", case: Case) -> Trajectory:
-    """The programmed motion while the trigger is on.
-
-    Raises:
-        ExecutionError: nothing moves while it is on.
-    """
+    """The programmed motion while the trigger is on; raises ExecutionError where nothing moves then."""
     excited = [motion for part, motion in motions(read.reading, case, read.guarantees) if part.trigger]
     while excited and isinstance(excited[0], Standstill):  # pauses between moves count
         excited.pop(0)
@@ -97,13 +88,10 @@ _ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKin
 
 
 def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Limits of a move from an unknown pose.
+    """Limits of a move from an unknown pose that starts at `clock` [s].
 
     The feed must not be above the case's safe feed (a rapid is), for obstacles cannot be checked on an unknown way.
     A, B and C of a pose turn as fast as the feed requires, and only the controller limits them.
-
-    Args:
-        clock: when it starts [s].
     """
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:
         if not check.kind.kinetic:

@@ -194,9 +194,6 @@ def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_b
         times: ends of its blocks, shape (k,), from 0 [s].
         offset: start of the path on the clock that the report uses [s].
         in_box: whether it must keep the pose box of `[limits.motion]`.
-
-    Raises:
-        CaseError: the case has no machine.
     """
     reports = []
     for limited in (of_coordinates, of_mechanics):
@@ -231,11 +228,7 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: flo
     """Accelerations and jerks by steps between pieces, at rest before the first and after the last.
 
     A step dv of a rate within a cycle c is an acceleration of dv / c and, up and down again, a jerk of 2 dv / c^2; a
-    step da of an acceleration is a jerk of da / c.
-
-    Args:
-        cycle: cycle of the controller [s].
-        clock: when the motion starts [s].
+    step da of an acceleration is a jerk of da / c. `clock` is when the motion starts [s].
     """
     rest = np.zeros((1, len(limits.rate)))
     dv, da = (

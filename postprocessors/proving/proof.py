@@ -123,7 +123,6 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
 
     Raises:
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
-        CaseError: the case has no machine.
     """
     if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")

@@ -303,14 +303,11 @@ def each_word(
     place: tuple[str, int],
     remedy: Callable[[str], str],
 ) -> Iterator[Item]:
-    """Words of a line from a position on, one by one.
+    """Words of a line from a position on, one by one; raises ProgramError for a part that is not a word.
 
     Args:
         place: file and line, for messages.
         remedy: of the first characters of a text that is not a word.
-
-    Raises:
-        ProgramError: a part of the line is not a word.
     """
     while (ink := _INK.search(text, position)) is not None:
         match = pattern.match(text, position)
@@ -324,12 +321,8 @@ def each_word(
 def axis_letters(case: Case, controller: str, file: str, endless: bool = True) -> str:
     """Letters of the axes of a machine: those of a pose, or the names of its own axes.
 
-    Args:
-        endless: whether its axes that turn without end count their turns.
-
-    Raises:
-        ProgramError: a joint whose name is not an axis of its kind, or whose turns the controller does not count.
-        CaseError: the case has no machine or no limits.
+    Raises ProgramError for a joint whose name is not an axis of its kind, or that turns without end where the
+    controller does not count turns (not `endless`).
     """
     if case.need_motion("a program")[1].of_pose:
         return "XYZABC"

@@ -24,14 +24,9 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
 def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a message.
+    """Reads a message, see `Language.read`; its motion begins and ends at rest.
 
     The recording has no trigger: the whole motion counts as the excitation.
-
-    Raises:
-        ProgramError: anything that is not such a message, with its line; points out of order, a motion that does not
-            begin and end at rest.
-        CaseError: the case has no chain.
     """
     chain, _ = case.need_chain("a joint trajectory")
     reader = _Reader(file, program_lines(content, file, LONGEST_LINE))
@@ -126,12 +121,7 @@ def _grouped(reader: _Reader, points: list[_Point]) -> Grouping:
 
 
 def _quintic(before: Array, after: Array, duration: float) -> Array:
-    """Coefficients in p = t / duration of the polynomial with these ends, shape (6, joints).
-
-    Args:
-        before: position, rate and acceleration, shape (3, joints).
-        duration: [s].
-    """
+    """Coefficients in p = t / duration, shape (6, n), between positions, rates and accelerations, shapes (3, n)."""
     scale = duration ** np.arange(3)[:, None]
     (p, v, a), (q, w, b) = before * scale, after * scale
     c0, c1, c2 = p, v, a / 2

@@ -158,14 +158,7 @@ def _words(text: str, line: int, file: str) -> list[Word]:
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, byte by byte: only a line feed ends a line, as for the controller.
-
-    Args:
-        case: case whose chain names the axes, where it has one; else the axes are the pose of a platform.
-
-    Raises:
-        ProgramError: anything that is not understood, with line and column; no end of program.
-    """
+    """Reads a program, see `Language.read`, byte by byte: only a line feed ends a line, as for the controller."""
     interpreter = _LinuxCncInterpreter(file, case)
     reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

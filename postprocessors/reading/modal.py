@@ -70,18 +70,10 @@ class ModalState(ABC):
 
     @abstractmethod
     def read(self, words: list[Word]) -> None:
-        """Executes the words of one block.
-
-        Raises:
-            ProgramError: a word is not understood.
-        """
+        """Executes the words of one block; raises ProgramError for a word that is not understood."""
 
     def read_program(self, lines: Iterable[str], words_of: Callable[[str, int, str], list[Word]]) -> Reading:
-        """Reads all lines, whose words are `words_of(text, line, file)`.
-
-        Raises:
-            ProgramError: anything that is not understood, with line and column; no end of program.
-        """
+        """Reads all lines, whose words are `words_of(text, line, file)`; errors as `Language.read`."""
         blocks = 0
         for number, text in enumerate(lines, start=1):
             if words := words_of(text, number, self.file):
@@ -96,11 +88,7 @@ class ModalState(ABC):
         return self.motions.reading(blocks)
 
     def fail(self, word: Word | None, problem: str) -> NoReturn:
-        """Refuses the program, at a word or the line as a whole.
-
-        Raises:
-            ProgramError: always.
-        """
+        """Raises ProgramError, at a word or for the line as a whole."""
         raise ProgramError(self.file, self.line, word.column if word else 0, problem)
 
     def activate(self, name: str) -> None:

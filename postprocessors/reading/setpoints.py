@@ -37,14 +37,7 @@ Table = tuple[int, dict[str, str], Array]
 
 
 def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> Table:
-    """The numbers of a table.
-
-    Args:
-        most: largest number of rows in the controller's memory.
-
-    Raises:
-        ProgramError: the content is not such a table, or a cell is not a number; with line and column.
-    """
+    """The numbers of a table of at most `most` rows; errors as `Language.read`."""
     table = _parquet(content, file, columns) if content[:4] == PARQUET else _csv(content, file, columns)
     first, header, values = table
     rows, _ = values.shape
@@ -245,15 +238,7 @@ class _Rows:
 
 
 def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a table.
-
-    Args:
-        case: case with home, kinematics, cycle and the size of the controller's memory.
-
-    Raises:
-        ProgramError: anything that is not such a table, or rows that do not belong together, with their line.
-        CaseError: the case has no machine or no settings of this dialect.
-    """
+    """Reads a table, see `Language.read`: also rows that do not belong together are refused, with their line."""
     settings = case.need_settings(Setpoints, "a setpoint table")
     home, limits = case.need_motion("the check of a table")
     columns = setpoint_columns(limits.columns, limits.of_pose)

@@ -227,15 +227,7 @@ class _SinumerikInterpreter(ModalState):
 
 
 def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program.
-
-    Args:
-        case: case with the words of the machine's transformation, or its axes, and the limits of its program memory.
-
-    Raises:
-        ProgramError: anything that is not understood, with line and column; no end of program.
-        CaseError: the case has no settings of this dialect.
-    """
+    """Reads a program, see `Language.read`."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _SinumerikInterpreter(file, settings, case).read_program(lines, sinumerik_words)

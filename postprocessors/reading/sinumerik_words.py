@@ -100,11 +100,7 @@ _WORD = re.compile(
 
 
 def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
-    """The words of a line.
-
-    Raises:
-        ProgramError: anything that is not a word of this language, with its column.
-    """
+    """The words of a line; raises ProgramError for anything that is not a word of this language."""
     text = _without_comment(text)
     if line == 1 and (match := _PROGRAM.match(text)):
         return [Word("%", 1, arguments=(match["name"].upper(),))]
@@ -183,12 +179,7 @@ def polynomial(
 ) -> TimedBlock:
     """Reads X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to be linear in time.
 
-    Args:
-        state: state of the controller; its pose becomes the piece's end.
-        first: word of the motion, for messages.
-
-    Raises:
-        ProgramError: the controller does not accept the polynomial, or it would not last its time.
+    Refuses what the controller does not accept, or what would not last its time. The state's pose becomes its end.
     """
     if not state.active("POLY"):
         state.fail(first, "PO without POLY; add POLY")

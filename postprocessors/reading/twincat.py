@@ -217,15 +217,7 @@ class _TwinCatInterpreter(ModalState):
 
 
 def read_twincat(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program.
-
-    Args:
-        case: case with kinematics, sign of B or axes, M functions and the limits of the program memory.
-
-    Raises:
-        ProgramError: anything that is not understood, with line and column; no end of program.
-        CaseError: the case has no settings of this dialect.
-    """
+    """Reads a program, see `Language.read`."""
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _TwinCatInterpreter(file, settings, case).read_program(lines, twincat_words)

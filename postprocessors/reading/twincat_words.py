@@ -79,11 +79,7 @@ _REMEDIES = {
 
 
 def twincat_words(text: str, line: int, file: str) -> list[Word]:
-    """The words of a line.
-
-    Raises:
-        ProgramError: anything that is not a word of this language, with its column.
-    """
+    """The words of a line; raises ProgramError for anything that is not a word of this language."""
     text = _without_comments(text)
     if text.lstrip().startswith("%"):
         match = _PROGRAM.match(text)
@@ -170,11 +166,7 @@ class PointPath:
         self.stopped = False  # whether an exact stop has ended the points
 
     def open(self, kind: str, word: Word) -> None:
-        """Begins a path where the machine stands.
-
-        Raises:
-            ProgramError: another path is open, its kind was not chosen, the pose is unknown, or the machine moves.
-        """
+        """Begins a path where the machine stands, of a kind that was chosen before; refuses one within another."""
         fail = self.state.fail
         if kind == "SPLINE" and not self.akima:
             fail(word, "#SPLINE ON before #SPLINE TYPE AKIMA; add it")
@@ -189,11 +181,7 @@ class PointPath:
         self.kind, self.points, self.stopped = kind, 1, False
 
     def close(self, kind: str, word: Word) -> None:
-        """Ends a path.
-
-        Raises:
-            ProgramError: none of this kind is open, or it has too few points.
-        """
+        """Ends a path; refuses one of another kind or with too few points."""
         if self.kind != kind:
             self.state.fail(word, f"{word.name} without its beginning; remove it")
         if kind == "SPLINE" and self.points < FEWEST_SPLINE_POINTS:
@@ -201,11 +189,7 @@ class PointPath:
         self.kind = ""
 
     def point(self, first: Word, exact: bool) -> None:
-        """Adds a timed block as a point of the path; the first move of a program needs no path.
-
-        Raises:
-            ProgramError: no path is open, or its points have ended.
-        """
+        """Adds a timed block as a point of the path; the first move of a program needs no path."""
         if not self.kind:
             if not np.isnan(self.state.pose).any():
                 problem = "a timed block (G93) is a corner without a curve; write #SPLINE ON before the points"
@@ -217,11 +201,7 @@ class PointPath:
         self.stopped = exact
 
     def require_deviations(self, word: Word, kind: str, settings: TwinCat) -> None:
-        """Refuses a curve that may leave its points by more than the case allows; both deviations must be stated.
-
-        Raises:
-            ProgramError: the deviations are not stated, or larger.
-        """
+        """Refuses a curve that may leave its points by more than the case allows; both deviations must be stated."""
         s, arguments = settings, word.arguments or ()
         limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
         text = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"

@@ -32,15 +32,7 @@ _REMEDY = {
 
 
 def read_urscript(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program.
-
-    Args:
-        case: case with the robot's chain and the settings of the trigger's output.
-
-    Raises:
-        ProgramError: anything that is not understood, with its line; no end of the program.
-        CaseError: the case has no such chain, or no settings of this dialect.
-    """
+    """Reads a program, see `Language.read`."""
     settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
     if len(chain.joints) != JOINTS or not limits.turns.all():

@@ -52,11 +52,7 @@ class AxisLayout(NamedTuple):
 
     @classmethod
     def of(cls, case: Case) -> "AxisLayout":
-        """The layout of a case with a machine; of a chain its joints are the axes.
-
-        Raises:
-            CaseError: the case has no machine or no limits.
-        """
+        """The layout of a case with a machine and limits; of a chain its joints are the axes."""
         turns = case.need_motion(PURPOSE)[1].turns
         if case.chain is None:
             return cls("XYZABC", turns, "genhexkins", np.ones(6, dtype=bool))
@@ -95,13 +91,10 @@ class AxisLayout(NamedTuple):
 
 
 def pose_range(case: Case, box: bool) -> Array:
-    """Range of the axes relative to home, shape (2, k) [m or rad].
+    """Range of the axes relative to home, shape (2, k) [m or rad]; `box`: the narrower one of `[limits.motion]`.
 
     The workspace limits x and y; the other axes are limited by the struts only, whose limits LinuxCNC satisfies too.
     A chain is limited by the ends of its joints.
-
-    Args:
-        box: whether the narrower box of `[limits.motion]` applies.
     """
     home, limits = case.need_motion(PURPOSE)
     if box:
@@ -133,13 +126,9 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
     as a whole are the diagonals of these boxes, so that they never bind before an axis does.
 
     Args:
-        case: a case with machine, limits and controller.
         home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.
         box: whether the axes have the limits of `[limits.motion]`, else of `[workspace]`; see `pose_range`.
-
-    Raises:
-        CaseError: the case lacks one of these parts.
     """
     (start, limits), layout = case.need_motion(PURPOSE), AxisLayout.of(case)
     home = start / layout.units
@@ -170,11 +159,7 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
 
 
 def hal_text(case: Case) -> str:
-    """The HAL file: kinematics of the machine, joints that follow their commands, and the log of every cycle.
-
-    Raises:
-        CaseError: the case has no machine.
-    """
+    """The HAL file: kinematics of the machine, joints that follow their commands, and the log of every cycle."""
     template = _templates().get_template("machine.hal.jinja")
     return template.render(layout=AxisLayout.of(case), hexapod=case.hexapod, mm=MM)
 

@@ -66,24 +66,13 @@ MOST_HEADROOM = 1e6
 
 
 def triggered_paths(reading: Reading) -> list[TimedPoints]:
-    """The timed paths that run with the trigger on.
-
-    Raises:
-        ProgramError: the motion is not defined.
-    """
+    """The timed paths that run with the trigger on."""
     timed = [s.points for s in reading.stretches if isinstance(s, Timed) and s.trigger]
     return [points for points in timed if isinstance(points, TimedPoints)]  # LinuxCNC has no other paths
 
 
 def expected_duration(paths: list[TimedPoints], case: Case, headroom: float) -> float:
-    """Duration that timed paths will take [s].
-
-    Args:
-        headroom: acceleration limits of LinuxCNC, as a multiple of the case's.
-
-    Raises:
-        CaseError: the case has no machine.
-    """
+    """Duration that timed paths will take [s] at `headroom` times the case's limits of acceleration."""
     acceleration = headroom * case.need_motion(PURPOSE)[1].acceleration
     return sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
 

@@ -39,8 +39,7 @@ _DWELL = re.compile(r"G4 P[0-9]+(\.[0-9]+)?\s*")
 def with_dwells(program: Path, lines: list[str], reading: Reading) -> list[str]:
     """The lines of a program for a controller that counts its dwells in servo cycles.
 
-    Raises:
-        ExecutionError: a dwell has another form than `G4 P<seconds>` on a line of its own.
+    Raises ExecutionError where a dwell has another form than `G4 P<seconds>` on a line of its own.
     """
     copy = list(lines)
     for part in reading.stretches:
@@ -74,18 +73,11 @@ def supply_problem(log: ControllerLog) -> str | None:
 
 
 def dwell_problem(log: ControllerLog, reading: Reading, window: tuple[int, int]) -> str | None:
-    """Proves from the log that the dwells took their programmed time, each before and after its switch of the trigger.
+    """Proves from the log that the dwells took their programmed time; returns None, or the problem from its line on.
 
     No line is executed while LinuxCNC dwells. Dwells without a motion or a switch between them are checked as a sum,
-    for the log does not separate them. Those before the first and after the last motion are checked within `window`.
-
-    Args:
-        log: log of the run.
-        reading: reading of the program.
-        window: rows between which the program ran: first, and one past the last.
-
-    Returns:
-        None, or the problem, beginning with the line.
+    for the log does not separate them. Those before the first and after the last motion are checked within `window`,
+    the rows between which the program ran: first, and one past the last.
     """
     for line, phases in _standstills(log, reading, window):
         if not phases:
@@ -151,8 +143,7 @@ def _standstills(
 def _planned_standstills(reading: Reading, executed: set[int]) -> Iterator[tuple[int, int | None, list[float]]]:
     """A line of each standstill, that of the motion after it, and the time before, between and after switches [s].
 
-    Args:
-        executed: lines in which something moved.
+    `executed` are the lines in which something moved.
     """
     on, line, planned = False, 0, [0.0]
     for part in (*reading.stretches, None):
