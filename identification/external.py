@@ -14,7 +14,7 @@ from cases.basis import KEPT
 from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.biases import drifted_since, shifted_all_along
-from identification.finding import Severity, sentences
+from identification.finding import FINDINGS, Finding, Kind, Severity, sentences, warning
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block, offset_columns
@@ -31,7 +31,12 @@ class ExternalForce(NamedTuple):
     t: Array  # time, shape (n,) [s]; numbers of the standstills where there is no clock
     wrench: Array  # shape (n, 6) [N, N m]
     residuals: Array  # residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m]
-    warnings: tuple[str, ...] = ()  # sentences about what was not measured, and is left out
+    findings: tuple[Finding, ...] = ()  # what was not measured and is left out, and offsets that have drifted
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences that people should act on."""
+        return sentences(self.findings, Severity.WARNING)
 
     @property
     def rms(self) -> Array:
@@ -58,19 +63,19 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     model, case = result.model, result.case
     recording = on_one_clock(recording, case)
     checks = unmeasured(recording)
-    warnings = checks.warnings
+    findings = checks.findings
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model, checks)
         t, forces, matrices, poses = still.t, still.recorded, still.matrices, _poses(model, recording, checks)
     else:
         run = moving_run(recording, case, model, whole, checks)
-        warnings += sentences(run.window, Severity.WARNING)
+        findings += run.window
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
         poses = None if model.struts is None else run.kinematics(result.delay).pose
     residuals = forces - matrices @ result.values
     variance = np.diag(result.covariance_robust)[offset_columns(model)]
-    warnings += tuple(shifted_all_along(residuals, variance, case))
-    return ExternalForce(t, -model.wrenches(residuals, poses), residuals, warnings)
+    findings += tuple(shifted_all_along(residuals, variance, case))
+    return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings)
 
 
 def _poses(model: Model, recording: Recording, checks: Scan) -> Array | None:
@@ -113,7 +118,7 @@ def tare(recording: Recording, result: Result) -> Result:
     change, variance = residuals.mean(axis=0), residuals.var(axis=0, ddof=1) / count
     offsets = offset_columns(model)
     values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
-    notes = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
+    drift = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
     values[offsets] += change
     for square in (covariance, robust):
         square[offsets, :] = square[:, offsets] = 0.0
@@ -125,7 +130,8 @@ def tare(recording: Recording, result: Result) -> Result:
         "linear": {"names": model.names, "values": values.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": robust.tolist(),
-        "notes": [*result.notes, *notes],
+        "notes": [*result.notes, *sentences(drift, Severity.NOTE)],
+        "findings": FINDINGS.dump_python((*result.findings, *drift), mode="json"),
         "tared_with": recording.source,
     }
     return Result(case, record)
@@ -135,8 +141,16 @@ LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place
 UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
 
 
-Payload = tuple[dict[str, Value], tuple[str, ...]]
-"""Mass, centre of gravity in {P} and inertia about it (where both results have it), by name; warnings."""
+class Payload(NamedTuple):
+    """The payload between two results."""
+
+    parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
+    findings: tuple[Finding, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences that people should act on."""
+        return sentences(self.findings, Severity.WARNING)
 
 
 def payload_on_table(before: Result, after: Result) -> Payload:
@@ -167,14 +181,13 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     if not abs(u[0]) > 3.0 * std:
         raise _no_payload(before, after, float(u[0]), std)
     residuals = (after.values - before.values - matrix @ u) * root
-    warnings = _about(before, after, float(u[0]))
+    findings = _about(before, after, float(u[0]))
     if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
-        warnings.append("the change of the forces is not a weight alone: something pushes, or a sensor has drifted")
+        sentence = "the change of the forces is not a weight alone: something pushes, or a sensor has drifted"
+        findings.append(warning(Kind.MODEL, sentence))
     names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
-    warnings.append(
-        f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the payload in "
-        "another orientation"
-    )
+    sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
+    findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
     jacobian = np.eye(4)
     jacobian[1:, 0], jacobian[1:, 1:] = -u[1:] / u[0] ** 2, np.eye(3) / u[0]
     values, deviations = np.r_[u[0], u[1:] / u[0]], np.sqrt(np.diag(jacobian @ of_u @ jacobian.T))
@@ -184,7 +197,7 @@ def payload_on_table(before: Result, after: Result) -> Payload:
         for k, name in enumerate(units)
         if k in indices
     }
-    return parameters, tuple(warnings)
+    return Payload(parameters, tuple(findings))
 
 
 def require_two(before: Result, after: Result) -> None:
@@ -211,17 +224,17 @@ def _no_payload(before: Result, after: Result, mass: float, std: float) -> Ident
     )
 
 
-def _about(before: Result, after: Result, mass: float) -> list[str]:
-    warnings = []
+def _about(before: Result, after: Result, mass: float) -> list[Finding]:
+    findings = []
     if before.model.number != after.model.number:
-        warnings.append(
-            f"models {before.model.number} and {after.model.number} differ: masses of different models do not compare"
-        )
+        numbers = f"{before.model.number} and {after.model.number}"
+        findings.append(warning(Kind.MODEL, f"models {numbers} differ: masses of different models do not compare"))
     if before.record.get(KEPT) != after.record.get(KEPT):
-        warnings.append("the case was changed between the two identifications")
+        findings.append(warning(Kind.CASE, "the case was changed between the two identifications"))
     if mass < 0.0:
-        warnings.append("the mass became smaller: this is what was taken off, as a negative payload")
-    return warnings
+        sentence = "the mass became smaller: this is what was taken off, as a negative payload"
+        findings.append(warning(Kind.MODEL, sentence))
+    return findings
 
 
 def payload_between(before: Result, after: Result) -> Payload:
@@ -246,5 +259,5 @@ def payload_between(before: Result, after: Result) -> Payload:
     std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
     if not abs(difference[0]) > 3.0 * std:
         raise _no_payload(before, after, float(difference[0]), std)
-    warnings = _about(before, after, float(difference[0]))
-    return physical_values(body, difference, covariance, robust), tuple(warnings)
+    findings = _about(before, after, float(difference[0]))
+    return Payload(physical_values(body, difference, covariance, robust), tuple(findings))

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from pydantic import TypeAdapter
+
 
 class Kind(StrEnum):
     """What a finding is about."""
@@ -19,6 +21,7 @@ class Kind(StrEnum):
     ESTIMATOR = "estimator"  # what an estimator did, constraints and priors included
     OFFSETS = "offsets"  # biases that were taken from another result
     CASE = "case"  # what has changed, or contradicts the case
+    UNSAID = "unsaid"  # of a result of version 0.1, which has sentences only
 
 
 class Severity(StrEnum):
@@ -63,6 +66,9 @@ def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
 def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
     """Sentences for people, of one severity."""
     return tuple(f.sentence for f in findings if f.severity is severity and f.sentence)
+
+
+FINDINGS = TypeAdapter(tuple[Finding, ...])  # as `result.json` has them
 
 
 def quantities_of(findings: Iterable[Finding]) -> dict[str, Any]:

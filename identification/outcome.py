@@ -15,6 +15,7 @@ from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
 from identification.estimation.biases import AccelerometerBias, Biases
+from identification.finding import FINDINGS, Finding, Severity, sentences
 from identification.model import Model, identification_model
 from identification.parameters import offset_columns
 from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
@@ -66,14 +67,19 @@ class Result:
         return None if self.estimate is None else residuals_of(self.estimate)
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What speaks against it, and what is good to know."""
+        return FINDINGS.validate_python(self.record["findings"])
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences that a user should act on."""
-        return tuple(self.record["warnings"])
+        return sentences(self.findings, Severity.WARNING)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Further sentences on the evaluation."""
-        return tuple(self.record["notes"])
+        return sentences(self.findings, Severity.NOTE)
 
     @property
     def source(self) -> str:

@@ -13,7 +13,7 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
-from identification.finding import Finding, Severity, quantities_of, sentences
+from identification.finding import FINDINGS, Finding, Severity, quantities_of, sentences
 from identification.fitting import Fitted, excerpt
 from identification.model import Model, expected_forces, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
@@ -138,6 +138,7 @@ class Estimate:
             "covariance_robust": fit.covariance_robust.tolist(),
             "notes": list(self.notes),
             "warnings": list(self.warnings),
+            "findings": FINDINGS.dump_python(self.findings, mode="json"),
             **self.quantities,
         }
 

@@ -11,6 +11,7 @@ from cases.errors import FileProblem
 from cases.files import read_json
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.fit import Uncertain
+from identification.finding import FINDINGS, Finding, Kind, Severity, sentences
 from identification.model import Model
 from identification.result import SCHEMA_VERSION, Value, physical_values
 
@@ -67,6 +68,7 @@ class ResultEntries(Origin, Parameters):
     condition: NonNegativeFloat
     notes: list[str]
     warnings: list[str]
+    findings: Annotated[tuple[Finding, ...], BeforeValidator(FINDINGS.validate_python)] = ()
 
 
 def read_record(path: Path) -> tuple[Path, dict[str, Any]]:
@@ -89,6 +91,10 @@ def read_record(path: Path) -> tuple[Path, dict[str, Any]]:
     for square in (entries.covariance, entries.covariance_robust):
         if len(square) != count or any(len(row) != count for row in square):
             raise FileProblem(file, "values and covariance do not belong together", AGAIN)
+    if "findings" not in record:  # version 0.1
+        told = ((Severity.NOTE, entries.notes), (Severity.WARNING, entries.warnings))
+        findings = tuple(Finding(Kind.UNSAID, severity, text) for severity, texts in told for text in texts)
+        record["findings"] = FINDINGS.dump_python(findings, mode="json")
     return file, record
 
 
@@ -134,6 +140,8 @@ def require_agreement(file: str, record: Mapping[str, Any], model: Model, wrench
             require(place, square[row, column], square[column, row], 0.0, "the opposite entry")
     rms = float(np.sqrt(np.mean(np.square(record["residual_rms"][: 3 if wrench else 6]))))
     require("s0_N", record["s0_N"], rms, rms, "residual_rms")
+    if record["warnings"] != list(sentences(FINDINGS.validate_python(record["findings"]), Severity.WARNING)):
+        raise FileProblem(file, "its warnings are not those of its findings: changed by hand", AGAIN)
     if (accelerometer := record["accelerometer"]) is not None:
         deviations = np.sqrt(np.diag(accelerometer["covariance_m2_s4"]).clip(0.0))
         for stated_std, std in zip(accelerometer["std_m_s2"], deviations, strict=True):

@@ -174,8 +174,8 @@ STRETCHES = 10  # of a recording, in each of which a channel reads too much
 WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readings count"
 
 
-def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[str]:
-    """What to say where a channel reads more, or less, than a result expects in every part of a recording.
+def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[Finding]:
+    """A warning where a channel reads more, or less, than a result expects in every part of a recording.
 
     Args:
         residuals: measured less expected, in the order of time, shape (n, 6) [N, or N and N m].
@@ -192,11 +192,11 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[str
         return []
     channel, unit = channel_words(case, worst)
     sentence = f"{channel} reads {means[:, worst].mean():+.2g} {unit} more than the result expects all along: its "
-    return [f"{sentence}offset has drifted, or something presses all along; {WARM_UP}"]
+    return [warning(Kind.OFFSETS, f"{sentence}offset has drifted, or something presses all along; {WARM_UP}")]
 
 
-def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[str]:
-    """What to say where a tare finds other offsets than a result.
+def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[Finding]:
+    """A note where a tare finds other offsets than a result.
 
     Args:
         change: new offsets less old ones, shape (6,) [N, or N and N m].
@@ -209,7 +209,8 @@ def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[st
         return []
     channel, unit = channel_words(case, worst)
     sentence = f"the offset of {channel} has drifted by {change[worst]:+.2g} {unit} ({sure[worst]:.0f} standard "
-    return [f"{sentence}deviations) since {source}: what was computed with that meanwhile is off by it"]
+    sentence += f"deviations) since {source}: what was computed with that meanwhile is off by it"
+    return [note(Kind.OFFSETS, sentence)]
 
 
 def channel_words(case: Case, k: int) -> tuple[str, str]:

@@ -138,6 +138,7 @@ def tare(
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
     from identification.external import tare as with_new_offsets
+    from identification.finding import FINDINGS, Kind, warning
     from identification.parameters import offset_columns
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
@@ -146,7 +147,9 @@ def tare(
     tared = with_new_offsets(run, saved)
     content = dict(tared.record) | {"tared_with": str(recording)}
     if remarks:
+        changed = FINDINGS.dump_python(tuple(warning(Kind.CASE, remark) for remark in remarks), mode="json")
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
+        content["findings"] = [*content["findings"], *changed]
     with atomic_folder(folder, RESULT, overwrite) as part:
         (part / "result.json").write_text(json_text(content), encoding="utf-8")
     if answered({"result": str(folder)} | content, json):
@@ -184,10 +187,10 @@ def payload(
     old = Result.load(before, None if case is None else load_case(case), stale)
     new = Result.load(after, old.case, stale)
     require_two(old, new)
-    parameters, warnings = (payload_on_table if old.case.setup == "1a" else payload_between)(old, new)
+    found = (payload_on_table if old.case.setup == "1a" else payload_between)(old, new)
     answer: dict[str, Any] = {
-        "parameters": {name: value._asdict() for name, value in parameters.items()},
-        "warnings": [*warnings, *old.remarks, *new.remarks],
+        "parameters": {name: value._asdict() for name, value in found.parameters.items()},
+        "warnings": [*found.warnings, *old.remarks, *new.remarks],
     }
     if answered(answer, json):
         return

@@ -15,6 +15,7 @@ from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text, provenance
 from cases.loading import load_case
 from identification.external import force, payload_between, require_two, tare
+from identification.finding import Kind, Severity
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Standstill
@@ -103,6 +104,32 @@ def test_a_tared_result_is_a_result(saved: Result, tmp_path: Path) -> None:
     assert tared["f_q0_1"].value == pytest.approx(tared.values[again.model.names.index("f_q0_1")])
 
 
+def test_findings_are_saved_and_loaded(saved: Result, tmp_path: Path) -> None:
+    sound = recorded()
+    forces = sound.forces.copy()
+    forces[500, 2] += 80.0
+    estimate = estimate_parameters(replace(sound, forces=forces), CASE)
+    assert {(f.kind, f.severity) for f in estimate.findings} >= {(Kind.DAMAGE, Severity.WARNING)}
+    (tmp_path / "result.json").write_text(json_text(estimate.to_json() | provenance([])))
+    loaded = Result.load(tmp_path, CASE)
+    assert loaded.findings == estimate.findings
+    assert (loaded.warnings, loaded.notes) == (estimate.warnings, estimate.notes)
+    tared = tare(standing(shift=2.5), saved)
+    assert [(f.kind, f.sentence) for f in tared.findings[len(saved.findings) :]] == [(Kind.OFFSETS, tared.notes[-1])]
+    read = json.loads((tmp_path / "result.json").read_text())
+    assert read["warnings"] == [f["sentence"] for f in read["findings"] if f["severity"] == "warning"]
+
+
+def test_a_result_of_version_0_1_has_its_sentences_as_findings(saved: Result, tmp_path: Path) -> None:
+    file = damaged(saved, tmp_path, ("findings",), GONE)
+    entries = json.loads(file.read_text()) | {"notes": ["good to know"], "warnings": ["to act on"]}
+    file.write_text(json.dumps(entries))
+    loaded = Result.load(file, CASE)
+    assert (loaded.notes, loaded.warnings) == (("good to know",), ("to act on",))
+    loaded.save(tmp_path / "again")
+    assert Result.load(tmp_path / "again", CASE).findings == loaded.findings
+
+
 def test_a_tare_in_motion_is_refused(saved: Result) -> None:
     with pytest.raises(IdentificationError, match=r"run.csv: struts move by .* mm, at most 0.1 mm"):
         tare(recorded(), saved)
@@ -117,7 +144,7 @@ def test_the_payload_is_the_body_that_was_added(saved: Result) -> None:
     m, c, inertia = 20.0, np.array([0.01, 0.02, 0.18]), np.diag([0.2, 0.25, 0.15])
     about_origin = inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
     body = np.r_[m, m * c, about_origin[np.triu_indices(3)]]
-    found, _ = payload_between(saved, added(saved, body))
+    found = payload_between(saved, added(saved, body)).parameters
     got = [found[n].value for n in ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")]
     np.testing.assert_allclose(got, [20.0, 0.01, 0.02, 0.18, 0.2, 0.25, 0.15], rtol=1e-9)
     assert found["m"].std == pytest.approx(np.sqrt(2 * saved.covariance[0, 0]))
@@ -147,8 +174,7 @@ def test_results_of_different_models_are_compared_with_a_warning(saved: Result) 
     cut = {key: getattr(saved, key)[:18, :18].tolist() for key in ("covariance", "covariance_robust")}
     linear = {key: entries[:18] for key, entries in saved.record["linear"].items()}
     static = replace(saved, record=saved.record | cut | {"model": 7, "linear": linear})
-    _, warnings = payload_between(static, body)
-    assert any("models 7 and 9 differ" in w for w in warnings)
+    assert any("models 7 and 9 differ" in w for w in payload_between(static, body).warnings)
 
 
 GONE = object()
@@ -189,6 +215,7 @@ def damaged(saved: Result, folder: Path, place: tuple[str | int, ...], value: ob
         (("samples",), GONE, "entry samples is missing or damaged"),
         (("condition",), "large", "entry condition is missing or damaged"),
         (("warnings",), None, "entry warnings is missing or damaged"),
+        (("findings",), [{"kind": "weather"}], "entry findings.0.kind is missing or damaged"),
         (("model",), 11, "there is no model 11|model 11"),
     ],
 )
@@ -230,6 +257,11 @@ def test_a_number_changed_by_hand_is_noticed(
         Result.load(file, CASE)
     if factor > 0.0 or place != ("s0_N",):
         assert re.search(rf"^{re.escape(str(file))}: {says}: changed by hand; identify again", str(caught.value))
+
+
+def test_warnings_and_findings_belong_together(saved: Result, tmp_path: Path) -> None:
+    with pytest.raises(FileProblem, match=r"its warnings are not those of its findings: changed by hand; identify"):
+        Result.load(damaged(saved, tmp_path, ("warnings",), ["another"]), CASE)
 
 
 def test_a_unit_changed_by_hand_is_noticed(saved: Result, tmp_path: Path) -> None:
