@@ -83,7 +83,7 @@ def test_what_cannot_be_validated_is_refused(tmp_path: Path):
     assert "method 'Q6' is unknown" in refused("validate", "hexapod", "--methods", "Q6", "-o", tmp_path / "v")
     assert "name each once" in refused("validate", "hexapod", "--methods", "ptp,ptp", "-o", tmp_path / "v")
     assert "how many are mounted" in refused("validate", "hexapod", "--weights", "1", "-o", tmp_path / "v")
-    assert "0 starts; choose 1" in refused("validate", "hexapod", "--starts", "0", "-o", tmp_path / "v")
+    assert "--starts 1 to 1000" in refused("validate", "hexapod", "--starts", "0", "-o", tmp_path / "v")
     assert "holds no plan" in refused(
         "validate", "hexapod", "--methods", "Q5N", "--plans", tmp_path, "-o", tmp_path / "v"
     )
