@@ -12,6 +12,7 @@ import numpy as np
 
 from cases.schema import Case
 from cases.sensors import PoseField
+from identification.criteria import information as information_over
 from identification.estimation.fit import StatedNoise, matern, squared_distances, whitening_of
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
@@ -219,6 +220,4 @@ def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate:
     """
     count = max(2, int(np.ceil(trajectory.duration * rate)))
     motion = trajectory.at((np.arange(count) + 0.5) * trajectory.duration / count)
-    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
-    rows = matrices.reshape(-1, len(scaling)) * scaling
-    return np.asarray(rows.T @ rows / count)
+    return information_over(model, scaling, (motion.pose, motion.rates, motion.accelerations))

@@ -1,6 +1,5 @@
 """Rows of a program: what must lie between two bounds, with sparse derivatives."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -130,31 +129,17 @@ class StateRows:
 Rows = LinearRows | StateRows
 
 
-def curvature_at_states(unknowns: Array, parts: Sequence[tuple[StateRows, Array]]) -> Array:
-    """Second derivative of weighted limits of the same states by the unknowns of their blocks, shape (B, m, m).
-
-    Args:
-        parts: limits with the multipliers of their rows.
-    """
-    states = parts[0][0].states
-    at = states.at(unknowns)
-    own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
-    for part, multipliers in parts:
-        part.add_curvature(at, multipliers, own, pull)
-    return pulled_back(states, unknowns, states.slopes(unknowns), own, pull)
-
-
-def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull: Array) -> Array:
+def pulled_back(states: States, unknowns: Array, own: Array, pull: Array) -> Array:
     """Second derivative of a function of states by the unknowns of their blocks, shape (B, m, m).
 
     Args:
         states: S in each of B blocks.
         unknowns: shape (n,).
-        slopes: slopes of the states, shape (B, S, d, m).
         own: second derivatives of the function by each state, shape (B, S, d, d).
         pull: its first derivatives, shape (B, S, d).
     """
     blocks, width = states.index.shape
+    slopes = states.slopes(unknowns)
     tall = (own @ slopes).reshape(blocks, -1, width)
     result = slopes.reshape(blocks, -1, width).transpose(0, 2, 1) @ tall
     curvature = states.curvature(unknowns, pull)

@@ -235,9 +235,8 @@ def parameters_chart(parameters: dict[str, dict[str, Any]]) -> Chart:
             for n in names
         ]
         figure.add(
-"scatter",
-            x=[plain(n) for n in names], y=width, name=label, mode="markers", marker={"size": 9, "color": colour},
-            hovertext=text, hoverinfo="text+name",
+            "scatter", x=[plain(n) for n in names], y=width, name=label, mode="markers", hovertext=text,
+            marker={"size": 9, "color": colour}, hoverinfo="text+name",
         )  # fmt: skip
     figure.x_axis(tickangle=-45)
     figure.y_axis(type="log", dtick="D2")

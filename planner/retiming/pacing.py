@@ -33,7 +33,7 @@ INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is inte
 
 
 @dataclass(frozen=True, slots=True)
-class PathLimits:
+class PathConstraints:
     """A path and the terms of its limits, at the points at which they are constraints."""
 
     s: Array  # places on the path, its own time, shape (n,) [s]
@@ -45,8 +45,8 @@ class PathLimits:
     jerk: Array  # shape (c,)
 
     @classmethod
-    def of(cls, path: Trajectory, case: Case, margin: float) -> "PathLimits":
-        """The limits of a path.
+    def of(cls, path: Trajectory, case: Case, margin: float) -> "PathConstraints":
+        """The constraints along a path.
 
         Args:
             path: path from rest to rest.
@@ -129,7 +129,7 @@ class PacedMotion:
         )
 
 
-def paced(path: Trajectory, limits: PathLimits, most: float, free: tuple[Array, Array]) -> PacedMotion:
+def paced(path: Trajectory, limits: PathConstraints, most: float, free: tuple[Array, Array]) -> PacedMotion:
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:

@@ -17,7 +17,7 @@ from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Array, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from planner.families.spline import in_pieces
-from planner.retiming.pacing import POINTS, PacedMotion, PathLimits, paced
+from planner.retiming.pacing import POINTS, PacedMotion, PathConstraints, paced
 from planner.search.feasibility import MARGIN, remedy
 
 STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers recognise a cubic spline
@@ -72,11 +72,11 @@ def _search(
     path: Trajectory, case: Case, most: float, report: Callable[[str], None]
 ) -> tuple[PacedMotion, PolynomialMotion, float]:
     """The best motion of some rounds, its spline, and by how much that must be slower."""
-    path_limits = PathLimits.of(path, case, MARGIN)
-    factors = (np.ones(len(path_limits.s)), np.ones(len(path_limits.s)))
+    constraints = PathConstraints.of(path, case, MARGIN)
+    factors = (np.ones(len(constraints.s)), np.ones(len(constraints.s)))
     best, least = None, np.inf
     for number in range(ROUNDS):
-        motion = paced(path, path_limits, most, factors)
+        motion = paced(path, constraints, most, factors)
         spline = fitted_spline(motion, STEP)
         t = np.linspace(0.0, spline.duration, int(spline.duration * WATCHED) + 2)
         shares = kinetic_shares(spline, case, t)
@@ -91,20 +91,20 @@ def _search(
             break
         places = motion.places(t)
         factors = (
-            factors[0] / _excess(shares[1], places, path_limits),
-            factors[1] / _excess(shares[2], places, path_limits),
+            factors[0] / _excess(shares[1], places, constraints),
+            factors[1] / _excess(shares[2], places, constraints),
         )
     assert best is not None
     return best
 
 
-def _excess(shares: Array, places: Array, path_limits: PathLimits) -> Array:
+def _excess(shares: Array, places: Array, constraints: PathConstraints) -> Array:
     """Share of the worst limit near each point of the path, at least 1."""
     from scipy.ndimage import maximum_filter1d
 
-    step = path_limits.s[1] - path_limits.s[0]
-    nearest = np.clip(np.round(places / step - 0.5).astype(int), 0, len(path_limits.s) - 1)
-    over = np.ones(len(path_limits.s))
+    step = constraints.s[1] - constraints.s[0]
+    nearest = np.clip(np.round(places / step - 0.5).astype(int), 0, len(constraints.s) - 1)
+    over = np.ones(len(constraints.s))
     np.maximum.at(over, nearest, shares / (1.0 - MARGIN))
     return np.asarray(maximum_filter1d(over, 2 * POINTS + 1))
 

@@ -177,21 +177,29 @@ class FieldByStates:
         self.errors, self.gain = errors, errors.rate * duration
         self.struts = Kernel(state, errors.hexapod.inverse(state[:6]))
 
-    def _parts(self, states: Array, regressors: Array, struts: Array) -> tuple[Array, Array, Array, Array]:
-        """A, w Q A (Q mixes channels), R and M of K states, shapes (K, 6, u) thrice and (u, u)."""
-        shares = states[:, SHARE]
+    def _parts(self, states: Array, regressors: Array, struts: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """A, w Q A (Q mixes channels) and R of K states, shapes (K, 6, u), X and S, shapes (u, u).
+
+        X and S are not a number where M is singular: the solver then steps back.
+        """
+        shares = states[:, SHARE, None, None]
         matrices = regressors.reshape(len(states), 6, -1)
-        weighted_rows = matrices * shares[:, None, None]
+        weighted_rows = matrices * shares
         mixed = weighted_rows if self.errors.mixing is None else self.errors.mixing @ weighted_rows
         answer = self.errors.correlation(struts, struts) @ mixed.reshape(len(states), -1)
         answer = self.gain * answer.reshape(matrices.shape)
-        return matrices, mixed, answer, np.tensordot(weighted_rows, matrices + answer, ((0, 1), (0, 1)))
+        scatter = np.tensordot(weighted_rows, matrices + answer, ((0, 1), (0, 1)))
+        plain = np.tensordot(weighted_rows, matrices, ((0, 1), (0, 1)))
+        try:
+            turn = np.linalg.solve(scatter, plain)
+        except np.linalg.LinAlgError:
+            turn = np.full(plain.shape, np.nan)
+        information = plain @ turn
+        return matrices, mixed, answer, np.asarray(turn), np.asarray((information + information.T) / 2.0)
 
     def information(self, states: Array, regressors: Array) -> Array:
         """S, shape (u, u), of states, shape (K, d), and A, shape (K, 6 u)."""
-        matrices, _, _, scatter = self._parts(states, regressors, self.struts.values(states))
-        plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
-        return _estimate(plain, scatter)[1]
+        return self._parts(states, regressors, self.struts.values(states))[-1]
 
     def with_slopes(self, states: Array, regressors: Array, slopes: Array) -> InformationOfStates:
         """S and its derivatives.
@@ -202,9 +210,7 @@ class FieldByStates:
             slopes: slopes of A by the states, shape (K, d, 6 u).
         """
         struts, ways = self.struts.slopes(states)
-        matrices, mixed, answer, scatter = self._parts(states, regressors, struts)
-        plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
-        turn, information = _estimate(plain, scatter)
+        matrices, mixed, answer, turn, information = self._parts(states, regressors, struts)
         y, rotated_answer = matrices @ turn, answer @ turn
         changed = slopes.reshape(*slopes.shape[:2], 6, -1)
         shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
@@ -226,13 +232,3 @@ class FieldByStates:
         kernel = -3.0 * self.gain / length**2 * np.exp(-np.sqrt(3.0) * distance)
         whole = kernel @ flat
         return np.stack([struts[:, k, None] * whole - kernel @ (struts[:, k, None] * flat) for k in range(6)], axis=1)
-
-
-def _estimate(plain: Array, scatter: Array) -> tuple[Array, Array]:
-    """X = M^-1 F and S = F X, shapes (u, u); not a number where M is singular: the solver then steps back."""
-    try:
-        turn = np.linalg.solve(scatter, plain)
-    except np.linalg.LinAlgError:
-        turn = np.full(plain.shape, np.nan)
-    information = plain @ turn
-    return np.asarray(turn), np.asarray((information + information.T) / 2.0)

@@ -13,7 +13,7 @@ import numpy as np
 
 from cases.units import Array, Indices
 from identification.model import Model
-from planner.families.rows import LinearRows, Rows, StateRows, curvature_at_states, pulled_back
+from planner.families.rows import LinearRows, Rows, StateRows, pulled_back
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.search.objective import (
     FieldByStates,
@@ -218,15 +218,23 @@ class NonlinearProgram:
         first = 0
         at_states: dict[int, list[tuple[StateRows, Array]]] = {}
         for part in self.rows:
-            own = multipliers[first : first + len(part.lower)]
-            first += len(own)
+            weights = multipliers[first : first + len(part.lower)]
+            first += len(weights)
             if isinstance(part, StateRows):
-                at_states.setdefault(id(part.states), []).append((part, own))
-        return [(parts[0][0].states.index, curvature_at_states(unknowns, parts)) for parts in at_states.values()]
+                at_states.setdefault(id(part.states), []).append((part, weights))
+        blocks = []
+        for parts in at_states.values():
+            states = parts[0][0].states
+            at = states.at(unknowns)
+            own, pull = np.zeros((*at.shape, at.shape[2])), np.zeros(at.shape)
+            for limits, weights in parts:
+                limits.add_curvature(at, weights, own, pull)
+            blocks.append((states.index, pulled_back(states, unknowns, own, pull)))
+        return blocks
 
     def _curvature_at_states(self, unknowns: Array, local: Local, point: InformationOfStates) -> Array:
         """Second derivative of the criterion that the information's own makes, along the blocks, shape (B, m, m)."""
-        size, slopes = self.size, self.states.slopes(unknowns)
+        size, shape = self.size, (len(self.states.index), -1, point.states.shape[1])
         shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
         projections = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
@@ -237,8 +245,7 @@ class NonlinearProgram:
         along += 2.0 * scaled @ turned_slopes.transpose(0, 2, 1)
         along *= shares[:, None, None]
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
-        shape = slopes.shape[:3]
-        return pulled_back(self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape))
+        return pulled_back(self.states, unknowns, along.reshape(*shape, shape[2]), pull.reshape(shape))
 
 
 def _flat(states: Array) -> Array:

@@ -6,7 +6,7 @@ import pytest
 from cases.loading import load_case
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile
-from planner.retiming.pacing import PacedMotion, PathLimits, paced
+from planner.retiming.pacing import PacedMotion, PathConstraints, paced
 from planner.retiming.path_pace import fitted_spline
 
 CASE = load_case("hexapod")
@@ -30,7 +30,7 @@ def shares_of(motion: StraightMove | PacedMotion) -> list[float]:
 def test_a_straight_way_is_covered_in_the_time_of_the_closed_form(way: list[float]):
     """The seven segments of constant jerk are the fastest law there is: nothing may beat them, and little be lost."""
     move = slow_move(np.array(way))
-    course = PathLimits.of(move, CASE, 0.0)
+    course = PathConstraints.of(move, CASE, 0.0)
     found = paced(move, course, 20.0, (np.ones(len(course.s)), np.ones(len(course.s))))
     length = np.abs(move.end - move.start)
     moves = length > 0.0
@@ -46,7 +46,7 @@ def test_its_derivatives_are_those_of_its_poses():
     parts = (slow_move(np.array([0.1, -0.1, 0.02, 0.1, 0.0, 0.1])), slow_move(np.zeros(6) + 0.05))
     path = Joined((parts[0], StraightMove(parts[0].end, HOME, parts[1].profile)))
     smooth = fitted_spline(path, 0.2)  # whose jerks do not leap as often
-    course = PathLimits.of(smooth, CASE, 1e-3)
+    course = PathConstraints.of(smooth, CASE, 1e-3)
     found = paced(smooth, course, 3.0, (np.ones(len(course.s)), np.ones(len(course.s))))
     t, h = np.linspace(0.01, found.duration - 0.01, 300), 1e-5
     before, here, after = found.at(t - h), found.at(t), found.at(t + h)
@@ -60,7 +60,7 @@ def test_its_derivatives_are_those_of_its_poses():
 
 def test_a_motion_that_may_not_be_faster_than_planned_stays_as_it_is_where_it_keeps_the_limits():
     move = slow_move(np.array([0.2, 0.0, 0.0, 0.0, 0.0, 0.0]))
-    course = PathLimits.of(move, CASE, 0.0)
+    course = PathConstraints.of(move, CASE, 0.0)
     assert course.own_pace > 1.0
     found = paced(move, course, 1.0, (np.ones(len(course.s)), np.ones(len(course.s))))
     t = np.linspace(0.0, move.duration, 200)
