@@ -189,11 +189,7 @@ def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0)
 def predicted_std_of(
     case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run of a motion, by rate, weights, noise and pose errors.
-
-    Args:
-        scaling: scaling of its columns, shape (u,).
-    """
+    """Standard deviations of the physical parameters for a run of a motion, by rate, weights, noise and pose errors."""
     errors = PoseErrors.of(case, noise)
     by_pose = None
     if errors is not None:
@@ -210,9 +206,6 @@ def worst_std(
     """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
 
     Each run has the noise and weights of what is mounted; of equal deviations the fewest payloads count.
-
-    Args:
-        scaling: scaling of its columns, shape (u,).
     """
     worst: dict[str, tuple[float, int]] = {}
     for payload in payloads:

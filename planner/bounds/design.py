@@ -162,10 +162,7 @@ def searched_design(
     searched for, coordinate by coordinate from many states, and nothing excludes a larger one. d is convex in the
     accelerations, so that these are at their limits.
 
-    Args:
-        scaling: reference scaling, shape (u,).
-        gap: wanted dmax / u - 1.
-        deadline: `time.process_time()` at which to stop [s].
+    Args: see `optimal_design`; scaling is the reference scaling, shape (u,).
     """
     home, box = case.need_motion("the information limit")
     middle = np.concatenate([home + box.pose.mean(axis=0), np.zeros(2 * len(home))])

@@ -85,10 +85,7 @@ def information_limit(
     The tight one takes a minute or two, and more time makes it tighter: where it is not certified it is computed again,
     with `renew` in any case, and the better of the new and the known one goes into the cache.
 
-    Args:
-        tight: count on rest at both ends and limited jerk; else on the motion box alone.
-        time_limit: processor time after which the answer is an estimate [s].
-        renew: compute a known bound again; that over the box where it is an estimate.
+    Arguments as in `bound`; over the box alone `renew` computes only an estimate again.
 
     Raises:
         HexciteError: there is no bound yet after the time limit, or the convex optimisation failed.

@@ -136,7 +136,6 @@ def carry_out(
     Args:
         mounted: numbers of weights, from 0 on.
         folder: folder that takes plans and programs; a plan that it holds already is not made again.
-        count: called with the present step in words and the number of steps that it ends.
 
     Returns:
         Trials of the methods that could be carried out; controller of each method, with a remark on its run; reasons

@@ -109,13 +109,12 @@ class StateRows:
         return np.asarray(rows[self.chosen[self.needed]]).ravel()
 
     def add_curvature(self, at: Array, multipliers: Array, own: Array, pull: Array) -> None:
-        """Adds derivatives of the weighted rows by the states `at`: second ones to `own`, first ones to `pull`.
+        """Adds derivatives of the weighted rows by the states `at`, shape (B, S, d).
 
         Args:
-            at: states, shape (B, S, d).
             multipliers: weights of the rows, shape (R,).
-            own: shape (B, S, d, d).
-            pull: shape (B, S, d).
+            own: second derivatives, to which is added, shape (B, S, d, d).
+            pull: first ones, shape (B, S, d).
         """
         if not len(multipliers):
             return
@@ -133,8 +132,6 @@ def pulled_back(states: States, unknowns: Array, own: Array, pull: Array) -> Arr
     """Second derivative of a function of states by the unknowns of their blocks, shape (B, m, m).
 
     Args:
-        states: S in each of B blocks.
-        unknowns: shape (n,).
         own: second derivatives of the function by each state, shape (B, S, d, d).
         pull: its first derivatives, shape (B, S, d).
     """

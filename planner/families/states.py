@@ -67,12 +67,7 @@ class Kernel:
         return self._last[1], self._last[2]
 
     def curvature(self, at: Array, weights: Array) -> Array:
-        """Second derivatives of the weighted sum of the values, shape (n, d, d).
-
-        Args:
-            at: shape (n, d).
-            weights: shape (n, r).
-        """
+        """Second derivatives of the sum of the values weighted by shape (n, r) at vectors (n, d), shape (n, d, d)."""
         curvature = over_samples(self._curvature, at, weights)[0]
         d = int(self.variables.shape[0])
         return curvature.reshape(len(at), d, d)

@@ -106,9 +106,6 @@ def poses_planned(
 def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) -> Candidates:
     """The poses to choose from.
 
-    Args:
-        given: poses of the user, for the method `given`, shape (n, k) [m or rad].
-
     Raises:
         HexciteError: the method `given` without poses.
         InfeasiblePlan: the machine cannot stand at one of them.

@@ -165,12 +165,7 @@ def _spread(index: Indices, unknowns: int) -> "csr_array":
 
 
 class FieldByStates:
-    """Errors of the pose at the states of a motion.
-
-    Args:
-        errors: errors of the machine.
-        duration: duration of the motion [s].
-    """
+    """Errors of the pose at the states of a motion that lasts for `duration` [s]."""
 
     def __init__(self, errors: PoseErrors, duration: float) -> None:
         state = ca.SX.sym("state", state_size(6))
@@ -202,13 +197,7 @@ class FieldByStates:
         return self._parts(states, regressors, self.struts.values(states))[-1]
 
     def with_slopes(self, states: Array, regressors: Array, slopes: Array) -> InformationOfStates:
-        """S and its derivatives.
-
-        Args:
-            states: shape (K, d).
-            regressors: A, shape (K, 6 u).
-            slopes: slopes of A by the states, shape (K, d, 6 u).
-        """
+        """S and its derivatives; arguments as in `information`, and slopes of A by the states, shape (K, d, 6 u)."""
         struts, ways = self.struts.slopes(states)
         matrices, mixed, answer, turn, information = self._parts(states, regressors, struts)
         y, rotated_answer = matrices @ turn, answer @ turn

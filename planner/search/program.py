@@ -26,11 +26,7 @@ from planner.search.objective import (
 
 
 def regressor_kernel(model: Model, scaling: Array) -> Kernel:
-    """State -> A H of (21) and (25), row by row, shape (6 u,).
-
-    Args:
-        scaling: diagonal of H, shape (u,).
-    """
+    """State -> A H of (21) and (25), row by row, shape (6 u,); H has the diagonal `scaling`."""
     n = model.coordinates
     state = ca.SX.sym("state", state_size(n))
     matrix = model.coordinate_regressor(state[:n], state[n : 2 * n], state[2 * n : 3 * n]) @ ca.diag(ca.DM(scaling))
