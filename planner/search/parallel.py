@@ -79,8 +79,7 @@ def gain(criterion: str, parameters: int, old: float, new: float) -> float:
     return abs(old / new) - 1.0 if new < 0.0 else new / old - 1.0
 
 
-NEWS = 0.3  # [s] between two signs of a worker that it gets on
-POLL = 0.1  # [s]
+POLL = 0.2  # [s] between two looks at the running starts
 
 
 Listener = Callable[[Request | Start | Failed | None], None]
@@ -96,13 +95,12 @@ def silent(event: Request | Start | Failed | None) -> None:
 
 
 _stop: Any = None
-_news: Any = None
 
 
-def _begin(stop: Any, news: Any) -> None:
-    """Gives a worker process its ends of the event and of the queue."""
-    global _stop, _news
-    _stop, _news = stop, news
+def _begin(stop: Any) -> None:
+    """Gives a worker process its end of the event."""
+    global _stop
+    _stop = stop
     threadpool_limits(limits=1, user_api="blas")  # there is a process for each core
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for that of CasADi, which comes with IPOPT and which nobody else limits
     Thread(target=_end_with_parent, daemon=True).start()
@@ -117,16 +115,7 @@ def _end_with_parent() -> None:
 
 
 def _work(task: Task) -> Start | Failed:
-    last_report = time.monotonic()
-
-    def watch(objective: float) -> bool:
-        nonlocal last_report
-        if time.monotonic() - last_report >= NEWS:
-            last_report = time.monotonic()
-            _news.put(task.seed)
-        return bool(_stop.is_set())
-
-    return run_safely(task, watch)
+    return run_safely(task, lambda objective: bool(_stop.is_set()))
 
 
 Runner = Callable[[Sequence[Task], Listener, float], Outcome]
@@ -204,8 +193,8 @@ def workers(pressed: Event) -> Iterator[Runner]:
         pressed: event that Ctrl-C sets.
     """
     context = get_context("spawn")  # not forked: MUMPS and threads of a parent do not survive that
-    stop, news = context.Event(), context.SimpleQueue()
-    pool = ProcessPoolExecutor(cores(), mp_context=context, initializer=_begin, initargs=(stop, news))
+    stop = context.Event()
+    pool = ProcessPoolExecutor(cores(), mp_context=context, initializer=_begin, initargs=(stop,))
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         if pressed.is_set():
@@ -217,9 +206,7 @@ def workers(pressed: Event) -> Iterator[Runner]:
         pending = set(places)
         while pending:
             finished, pending = wait(pending, POLL, FIRST_COMPLETED)
-            while not news.empty():
-                news.get()
-                listener(None)
+            listener(None)
             for future in finished:
                 results[places[future]] = _result(future)
                 listener(results[places[future]])
