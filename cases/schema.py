@@ -106,8 +106,7 @@ class Case(Heading):
 
     __str__ = __repr__
 
-    def _repr_html_(self) -> str:
-        return as_html(repr(self))
+    _repr_html_ = as_html
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":

@@ -21,6 +21,6 @@ MS = 1e-3  # [s]
 MINUTE = 60.0  # [s]
 
 
-def as_html(text: str) -> str:
-    """Text as it stands, for `_repr_html_`."""
-    return f"<pre>{escape(text)}</pre>"
+def as_html(value: object) -> str:
+    """The `_repr_html_` of values: their `repr` as it stands."""
+    return f"<pre>{escape(repr(value))}</pre>"

@@ -12,7 +12,8 @@ from scipy.special import chdtri
 
 from cases.basis import KEPT
 from cases.errors import IdentificationError
-from cases.units import Array
+from cases.recording_format import WRENCH
+from cases.units import Array, as_html
 from identification.estimation.biases import drifted_since, shifted_all_along
 from identification.finding import FINDINGS, Finding, Kind, Severity, sentences, warning
 from identification.model import Model
@@ -47,6 +48,16 @@ class ExternalForce(NamedTuple):
     def peak(self) -> Array:
         """Largest magnitude of each component, shape (6,) [N, N m]."""
         return np.asarray(np.abs(self.wrench).max(axis=0))
+
+    def __repr__(self) -> str:
+        """How long it is, and rms and peak of each component."""
+        components = zip(WRENCH, self.rms, self.peak, strict=True)
+        size = f"{len(self.t)} samples from {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else "no samples"
+        lines = [f"External force and moment in {{P}}: {size}"]
+        lines += [f"{name}: rms {rms:.4g}, peak {peak:.4g}" for name, rms, peak in components]
+        return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
+
+    _repr_html_ = as_html
 
 
 def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:

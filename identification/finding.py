@@ -7,6 +7,8 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from cases.units import as_html
+
 
 class Kind(StrEnum):
     """What a finding is about."""
@@ -51,6 +53,8 @@ class Finding:
 
     def __str__(self) -> str:
         return self.sentence
+
+    _repr_html_ = as_html
 
 
 def warning(kind: Kind, sentence: str, place: str = "", **quantity: Any) -> Finding:

@@ -196,8 +196,7 @@ class Result:
         lines.append(f"{len(parameters)} parameters, s0 {record['s0']:.3g}, condition {record['condition']:.3g}")
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 
-    def _repr_html_(self) -> str:
-        return as_html(repr(self))
+    _repr_html_ = as_html
 
 
 def case_of_result(path: Path) -> Case:

@@ -110,8 +110,7 @@ class Recording(Stream):
             lines.append(f"executed on {self.record['controller']}; sensors and encoders are simulated")
         return "\n".join(lines)
 
-    def _repr_html_(self) -> str:
-        return as_html(repr(self))
+    _repr_html_ = as_html
 
     @property
     def lost(self) -> NDArray[np.int64]:

@@ -8,7 +8,7 @@ from scipy.fft import rfft, rfftfreq
 from scipy.special import stdtrit
 
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, as_html
 from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
@@ -43,6 +43,8 @@ class Value(NamedTuple):
         """Confidence interval from the reported standard deviation: what is printed, and what coverage rates."""
         half = float(stdtrit(freedom, 0.5 + level / 2)) * self.reported
         return self.value - half, self.value + half
+
+    _repr_html_ = as_html
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
+from cases.units import as_html
 from identification.identify import identify
 from identification.model import full_model
 from identification.motion import Joined
@@ -34,7 +35,7 @@ def accepted(plan: Plan) -> tuple[str, ...]:
     return ACCEPTED if isinstance(plan.motion, Joined) else OF_PATHS
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Demo:
     """Results of the steps."""
 
@@ -48,6 +49,13 @@ class Demo:
     def worst(self) -> float:
         """Largest error in reported standard deviations."""
         return float(max(abs(row["error"]) / row["std"] for row in self.truth))
+
+    def __repr__(self) -> str:
+        """The plan, the result, and how far it is from the truth."""
+        error = f"largest error against the simulated machine: {self.worst:.2g} reported standard deviations"
+        return "\n".join([repr(self.plan), repr(self.result), error])
+
+    _repr_html_ = as_html
 
 
 def demo(

@@ -199,8 +199,7 @@ class Plan:
 
     __repr__ = __str__
 
-    def _repr_html_(self) -> str:
-        return as_html(str(self))
+    _repr_html_ = as_html
 
     def deviation_rows(self) -> tuple[tuple[str, str, str], ...]:
         """Predicted standard deviations for people: each parameter in words, its deviation, and the unit of that."""

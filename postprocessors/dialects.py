@@ -238,8 +238,7 @@ class Program:
             ]
         )
 
-    def _repr_html_(self) -> str:
-        return as_html(repr(self))
+    _repr_html_ = as_html
 
 
 def read_program(file: Path | str, case: Case, name: str | None = None) -> Program:

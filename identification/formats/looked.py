@@ -90,8 +90,7 @@ class Look:
 
     __str__ = __repr__
 
-    def _repr_html_(self) -> str:
-        return as_html(repr(self))
+    _repr_html_ = as_html
 
 
 def oddities(look: Look, layout: TextLayout | None, case: Case | None) -> Iterator[str]:

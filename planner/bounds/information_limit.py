@@ -20,6 +20,7 @@ from cases.basis import bound_hash
 from cases.errors import CaseError, FileProblem, HexciteError
 from cases.files import DAMAGED, json_text, read_json, write_text
 from cases.schema import Case
+from cases.units import as_html
 from identification.criteria import reference_scaling
 from identification.model import Model, full_model, identification_model
 from planner.bounds.design import Design, optimal_design, searched_design
@@ -46,7 +47,7 @@ TIGHT_AIM = 0.003  # the same, at which the proof ends before its time
 TIME_LIMIT = 120.0  # [s] of processor time, so that answers do not depend on what else a computer does; usual: 1 to 20
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Bound:
     """An upper bound of log det of the mean information, in reference scaling."""
 
@@ -65,6 +66,15 @@ class Bound:
     def efficiency(self, logdet: float) -> float:
         """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
         return float(np.exp((logdet - self.logdet) / self.parameters))
+
+    def __repr__(self) -> str:
+        """Two lines: the bound, and how it was found."""
+        design = f"the best design that was found has {self.design_logdet:.4f}"
+        return (
+            f"Bound of log det, {self.label}: {self.logdet:.4f}, {self.parameters} parameters; {design}\n{self.method}"
+        )
+
+    _repr_html_ = as_html
 
     @property
     def label(self) -> str:

@@ -11,6 +11,7 @@ from cases.basis import bound_hash
 from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
+from cases.units import as_html
 from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
 from planner.plans import Plan
 from planner.vibration import least_shaken
@@ -211,7 +212,7 @@ def _size(entry: Entry, names: Iterable[str]) -> float:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Comparison:
-    """Excitations before and after running them."""
+    """Excitations before and after running them; saved for people and programs, and made anew, not read back."""
 
     groups: tuple[tuple[Entry, ...], ...]  # each group: a plan, its runs and their results
     advice: Recommendation  # which one to prefer
@@ -249,6 +250,8 @@ class Comparison:
         """The entries and the recommendation, as text."""
         names = ", ".join(entry.name for entry in self.entries)
         return "\n".join([f"Comparison of {names}", *self.advice.sentences])
+
+    _repr_html_ = as_html
 
 
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:

@@ -11,6 +11,7 @@ from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.sensors import Disturbances
+from cases.units import as_html
 from planner.comparison.claims import Claim, claims_of
 from planner.comparison.methods import (
     METHODS,
@@ -27,7 +28,7 @@ from planner.execution import require_controller
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Validation:
-    """Known weights as each method identifies them."""
+    """Known weights as each method identifies them; saved for people and programs, not read back: only plans are."""
 
     case: Case  # machine and weights
     machine: str  # machine that was identified, in words
@@ -72,6 +73,8 @@ class Validation:
     def __repr__(self) -> str:
         """The claims, a line each."""
         return "\n".join([f"Validation of {self.case.name}", *(claim.sentence() for claim in self.claims)])
+
+    _repr_html_ = as_html
 
 
 def validate(

@@ -222,6 +222,15 @@ def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_ca
         assert max(map(len, text.splitlines())) < 200
         assert "hexapod" in text or value is recording
         assert value._repr_html_().startswith("<pre>")
+    over_recording, bound = hx.force(recording, result), hx.bound(hexapod_case)
+    (low, high), compared = result["m"].interval(1000), hx.compare([by_hand])
+    assert low < result["m"].value < high
+    for value in (over_recording, bound, compared, result["m"]):
+        assert max(map(len, repr(value).splitlines())) < 250
+        assert len(repr(value).splitlines()) <= 14
+        assert value._repr_html_().startswith("<pre>")
+    assert "fz_N: rms" in repr(over_recording)
+    assert f"{bound.logdet:.4f}" in repr(bound)
 
 
 @pytest.mark.parametrize(
