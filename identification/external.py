@@ -57,7 +57,8 @@ class ExternalForce(NamedTuple):
         lines += [f"{name}: rms {rms:.4g}, peak {peak:.4g}" for name, rms, peak in components]
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 
-    _repr_html_ = as_html
+    def _repr_html_(self) -> str:
+        return as_html(self)
 
 
 def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:

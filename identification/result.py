@@ -44,7 +44,8 @@ class Value(NamedTuple):
         half = float(stdtrit(freedom, 0.5 + level / 2)) * self.reported
         return self.value - half, self.value + half
 
-    _repr_html_ = as_html
+    def _repr_html_(self) -> str:
+        return as_html(self)
 
 
 @dataclass(frozen=True, slots=True)
