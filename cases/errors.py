@@ -89,10 +89,6 @@ class RecordingError(HexciteError, ValueError):
     """A recording cannot be used; the message names file and row or column."""
 
 
-class StandstillMismatch(RecordingError):
-    """The standstills of a recording are not those of the program; the message names the pose."""
-
-
 class IdentificationError(HexciteError, ValueError):
     """The data do not determine the parameters that were asked for."""
 

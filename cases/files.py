@@ -8,7 +8,6 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from itertools import chain, count
 from pathlib import Path
@@ -16,25 +15,19 @@ from typing import Any, NoReturn
 
 from cases.errors import FileProblem
 
+FolderKind = tuple[str, frozenset[str]]
+"""A kind of folder that hexcite writes: what it is, for messages, and the names of everything that it may hold.
 
-@dataclass(frozen=True)
-class FolderKind:
-    """A kind of folder that hexcite writes."""
+A folder with anything else in it is not ours.
+"""
+PLAN = "a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"})
+RUN = "a run", frozenset({"recording.json", "recording.csv"})
+RESULT = "a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"})
 
-    name: str  # what it is, for messages
-    contents: frozenset[str]  # names of everything that it may hold; a folder with anything else in it is not ours
-
-
-PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"}))
-RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}))
-RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}))
-
-COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.html", "plots"}))
-VALIDATION = FolderKind("a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}))
-DEMO = FolderKind("a demo", frozenset({"plan", "excitation.ngc", "recording", "result", "report.html"}))
-UNFINISHED = FolderKind(
-    "an unfinished validation", frozenset({"unfinished.json", "plans", "programs", "runs", "steps"})
-)
+COMPARISON = "a comparison", frozenset({"comparison.json", "report.html", "plots"})
+VALIDATION = "a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"})
+DEMO = "a demo", frozenset({"plan", "excitation.ngc", "recording", "result", "report.html"})
+UNFINISHED = "an unfinished validation", frozenset({"unfinished.json", "plans", "programs", "runs", "steps"})
 
 
 COMMANDS = {  # what stands in a folder of each kind, and the commands that take such a folder
@@ -48,9 +41,9 @@ COMMANDS = {  # what stands in a folder of each kind, and the commands that take
 
 def another_kind(folder: Path, wanted: str) -> str | None:
     """What a folder is, and which commands read it, where it is ours but not of the kind that holds `wanted`."""
-    for file, (kind, takers) in COMMANDS.items():
+    for file, ((name, _), takers) in COMMANDS.items():
         if file != wanted and (folder / file).is_file():
-            return f"is {kind.name} (it holds {file}); give it to {takers}"
+            return f"is {name} (it holds {file}); give it to {takers}"
     return None
 
 
@@ -169,6 +162,7 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
             raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
+    name, contents = kind
     entries = set[str]()
     try:  # one look: another command may be writing here
         entries = {entry.name for entry in path.iterdir()}
@@ -178,11 +172,11 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
             raise FileProblem(path, "exists and is not a folder", "choose another place with -o") from error
     except OSError as error:
         raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
-    if entries and not entries <= kind.contents:
-        other = sorted(entries - kind.contents)[0]
-        raise FileProblem(path, f"is not {kind.name} of hexcite's (it holds {other})", "choose another place with -o")
+    if entries and not entries <= contents:
+        other = sorted(entries - contents)[0]
+        raise FileProblem(path, f"is not {name} of hexcite's (it holds {other})", "choose another place with -o")
     if entries and not overwrite:
-        _refuse_to_replace(path, kind.name)
+        _refuse_to_replace(path, name)
     _require_place(path)
 
 
@@ -220,7 +214,7 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
                 _flush(file)
             placed = _put(part, path, overwrite)
             if placed != path:
-                raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
+                raise FileProblem(path, f"{kind[0]} stands there by now and stays", f"the new one is in {placed}")
         finally:
             shutil.rmtree(part, ignore_errors=True)
 

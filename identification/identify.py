@@ -143,8 +143,7 @@ def standing_of(
         asked: whether standstills are averaged where their poses are not known.
 
     Raises:
-        StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
-        RecordingError: no standstills, though there should be some.
+        RecordingError: no standstills, though there should be some; a pose was not measured, or one is none of them.
     """
     expected = poses if poses is not None else poses_of_record(recording.record, len(case.drive_columns))
     if recording.t is None:

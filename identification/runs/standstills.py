@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import RecordingError, StandstillMismatch
+from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import DEG, MM, Array
 from identification.formats.table import Lines
@@ -115,7 +115,7 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
         names: the recording, for messages.
 
     Raises:
-        StandstillMismatch: a pose of the program was not measured, or a standstill is not one of its poses.
+        RecordingError: a pose of the program was not measured, or a standstill is not one of its poses.
     """
     assert averages.struts is not None
     assert averages.weights is not None
@@ -132,7 +132,7 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
         indices.pop()
     for k, pose in enumerate(expected):
         if k >= len(indices):
-            raise StandstillMismatch(
+            raise RecordingError(
                 names,
                 f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, the recording ends "
                 f"with standstill {len(indices)}",
@@ -142,18 +142,18 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
         if _same(actual, pose, turns):
             continue
         if k + 1 < len(expected) and _same(actual, expected[k + 1], turns):
-            raise StandstillMismatch(
+            raise RecordingError(
                 names,
                 f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, pose {k + 2} follows pose {k}",
                 "record the whole program",
             )
-        raise StandstillMismatch(
+        raise RecordingError(
             names,
             f"standstill {k + 1} is at {case.words(actual)}, pose {k + 1} of the program at {case.words(pose)}",
             "is the recording of this program?",
         )
     if len(indices) > len(expected):
-        raise StandstillMismatch(
+        raise RecordingError(
             names,
             f"standstill {len(expected) + 1} at {case.words(poses[indices[len(expected)]])} is none of the "
             f"program's {len(expected)} poses",

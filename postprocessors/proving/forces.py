@@ -4,7 +4,7 @@ No controller limits sensor forces. But where it limits velocities and accelerat
 exceed these: f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.chain import Box
-from cases.schema import Case
 from identification.limit import Limit, LimitCheck, LimitKind, Status
-from identification.limit_proof import LimitedMachine, limited_machine
+from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
@@ -44,99 +43,95 @@ class Steady(NamedTuple):
         return Steady(self.duration / speed)
 
 
-@dataclass(frozen=True, slots=True)
-class ForceBounds:
-    """Bounds of the sensor forces with every body that a case expects, in motions within its limits."""
+def forces_anywhere(loads: Loads, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
+    """Bounds for any pose, with a share of the limits; empty for struts, whose forces depend on the pose."""
+    if loads.case.sensor_frame.struts is not None:
+        return ()
+    machine, limits = limited_machine(loads.case), _limits(loads)
+    linear, angular, spin = np.split(loads.coefficients, (3, 6), axis=1)
+    omega, alpha, pull = machine.fastest(share * limits.rate, share * limits.acceleration)
+    pull += float(np.linalg.norm(loads.case.gravity))
+    most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
+    products = spin.reshape(-1, 3, 3)
+    most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
+    return _checks(loads, most[None], np.array([clock]))
 
-    loads: Loads
-    limits: Box  # limits of rates and accelerations, which the controller enforces
-    case: Case
-    machine: LimitedMachine
 
-    @classmethod
-    def of(cls, case: Case) -> "ForceBounds | None":
-        """Bounds for a case; None where it names no range or no nominal body."""
-        loads = Loads.of(case)
-        if loads is None:
-            return None
-        return cls(loads, case.need_motion("the check of a program")[1], case, limited_machine(case))
+def forces_on(loads: Loads, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
+    """Bounds at the poses of a path, whatever the motion along it or beside it.
 
-    def anywhere(self, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
-        """Bounds for any pose, with a share of the limits; empty for struts, whose forces depend on the pose."""
-        if self.case.sensor_frame.struts is not None:
-            return ()
-        linear, angular, spin = np.split(self.loads.coefficients, (3, 6), axis=1)
-        omega, alpha, pull = self.machine.fastest(share * self.limits.rate, share * self.limits.acceleration)
-        pull += float(np.linalg.norm(self.case.gravity))
-        most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
-        products = spin.reshape(-1, 3, 3)
-        most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
-        return self._checks(most[None], np.array([clock]))
+    Forces are linear in accelerations, products of rates, and, by viscous friction in struts, rates, whose
+    coefficients unit ones show. Coulomb friction has no such coefficients.
+    """
+    if (sensors := loads.case.sensor_frame.struts) is not None and sensors.coulomb_friction_Nm is not None:
+        return ()
+    limits, times = _limits(loads), np.linspace(0.0, path.duration, PATH_SAMPLES)
+    pose = path.at(times).pose
+    axes, none = np.eye(6), np.zeros_like(pose)
 
-    def on(self, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
-        """Bounds at the poses of a path, whatever the motion along it or beside it.
+    def at(rates: Array, accelerations: Array = none) -> Array:
+        rate, acceleration = (np.array(np.broadcast_to(v, pose.shape)) for v in (rates, accelerations))
+        return _forces(loads, Motion(times, pose.copy(), rate, acceleration, none.copy()))
 
-        Forces are linear in accelerations, products of rates, and, by viscous friction in struts, rates, whose
-        coefficients unit ones show. Coulomb friction has no such coefficients.
-        """
-        if (sensors := self.case.sensor_frame.struts) is not None and sensors.coulomb_friction_Nm is not None:
-            return ()
-        times = np.linspace(0.0, path.duration, PATH_SAMPLES)
-        pose = path.at(times).pose
-        axes, none = np.eye(6), np.zeros_like(pose)
+    still = at(none)
+    most = np.abs(still)
+    squares, odd = np.zeros((2, 6, *still.shape))
+    for k, (rate, acceleration) in enumerate(zip(limits.rate, limits.acceleration, strict=True)):
+        forth, back = at(axes[k]), at(-axes[k])
+        squares[k], odd[k] = (forth + back) / 2.0 - still, (forth - back) / 2.0
+        most += np.abs(at(none, axes[k]) - still) * acceleration + np.abs(squares[k]) * rate**2
+        most += np.abs(odd[k]) * rate
+    for i, j in combinations(range(6), 2):
+        both = at(axes[i] + axes[j]) - odd[i] - odd[j] - squares[i] - squares[j] - still
+        most += np.abs(both) * limits.rate[i] * limits.rate[j]
+    return _checks(loads, most, times + clock)
 
-        def at(rates: Array, accelerations: Array = none) -> Array:
-            rate, acceleration = (np.array(np.broadcast_to(v, pose.shape)) for v in (rates, accelerations))
-            return self._forces(Motion(times, pose.copy(), rate, acceleration, none.copy()))
 
-        still = at(none)
-        most = np.abs(still)
-        squares, odd = np.zeros((2, 6, *still.shape))
-        for k, (rate, acceleration) in enumerate(zip(self.limits.rate, self.limits.acceleration, strict=True)):
-            forth, back = at(axes[k]), at(-axes[k])
-            squares[k], odd[k] = (forth + back) / 2.0 - still, (forth - back) / 2.0
-            most += np.abs(at(none, axes[k]) - still) * acceleration + np.abs(squares[k]) * rate**2
-            most += np.abs(odd[k]) * rate
-        for i, j in combinations(range(6), 2):
-            both = at(axes[i] + axes[j]) - odd[i] - odd[j] - squares[i] - squares[j] - still
-            most += np.abs(both) * self.limits.rate[i] * self.limits.rate[j]
-        return self._checks(most, times + clock)
+def forces_along(
+    loads: Loads, move: StraightMove | CircularMove, feed: float | None, clock: float
+) -> tuple[LimitCheck, ...]:
+    """Bounds for a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
-    def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
-        """Bounds for a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
+    Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'. `feed` is
+    the largest speed of the share of the way, besides the limits [1/s].
+    """
+    steady = replace(move, profile=Steady(1.0))
+    way = steady.at(np.linspace(0.0, 1.0, SAMPLES + 1))
+    none = np.zeros_like(way.pose)
+    pose, tangent, bend = way.pose.copy(), way.rates.copy(), way.accelerations.copy()
+    standing, forth, back, starting = (
+        _forces(loads, Motion(way.t, pose, *values, none))
+        for values in ((none, none), (tangent, bend), (-tangent, bend), (none, tangent))
+    )
+    speed, acceleration = _fastest(move, tangent, bend, _limits(loads))
+    fastest = min(speed, np.inf if feed is None else feed)
+    turning = (forth + back) / 2.0 - standing
+    most = np.maximum(np.abs(standing), np.abs(standing + fastest**2 * turning))
+    most += np.abs(forth - back) / 2.0 * max(fastest, 1.0)
+    return _checks(loads, most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
-        Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'. `feed` is
-        the largest speed of the share of the way, besides the limits [1/s].
-        """
-        steady = replace(move, profile=Steady(1.0))
-        way = steady.at(np.linspace(0.0, 1.0, SAMPLES + 1))
-        none = np.zeros_like(way.pose)
-        pose, tangent, bend = way.pose.copy(), way.rates.copy(), way.accelerations.copy()
-        standing, forth, back, starting = (
-            self._forces(Motion(way.t, pose, *values, none))
-            for values in ((none, none), (tangent, bend), (-tangent, bend), (none, tangent))
-        )
-        speed, acceleration = _fastest(move, tangent, bend, self.limits)
-        fastest = min(speed, np.inf if feed is None else feed)
-        turning = (forth + back) / 2.0 - standing
-        most = np.maximum(np.abs(standing), np.abs(standing + fastest**2 * turning))
-        most += np.abs(forth - back) / 2.0 * max(fastest, 1.0)
-        return self._checks(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
-    def _forces(self, motion: Motion) -> Array:
-        return self.loads.forces(motion, *self.machine.mechanics(motion)[0])
+def _limits(loads: Loads) -> Box:
+    """Limits of rates and accelerations, which the controller enforces."""
+    return loads.case.need_motion("the check of a program")[1]
 
-    def _checks(self, most: Array, times: Array) -> tuple[LimitCheck, ...]:
-        """The worst force, and the worst moment where moments have a range."""
-        kinds = [kind for kind in (~self.loads.moments, self.loads.moments) if kind.any()]
-        return tuple(self._check(np.where(kind, most, 0.0), times) for kind in kinds)
 
-    def _check(self, most: Array, times: Array) -> LimitCheck:
-        row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / self.loads.limit)), most.shape))
-        name, limit, worst = self.loads.labels[channel], float(self.loads.limit[channel]), float(most[row, channel])
-        kind = LimitKind.SENSOR_MOMENT if self.loads.moments[channel] else LimitKind.SENSOR_FORCE
-        ratio, time = worst / limit, float(times[row])
-        return LimitCheck(Limit(kind), f"{name}, at most", worst, limit, kind.unit, ratio, time, Status.PROVEN)
+def _forces(loads: Loads, motion: Motion) -> Array:
+    return loads.forces(motion, *limited_machine(loads.case).mechanics(motion)[0])
+
+
+def _checks(loads: Loads, most: Array, times: Array) -> tuple[LimitCheck, ...]:
+    """The worst force, and the worst moment where moments have a range."""
+    kinds = [kind for kind in (~loads.moments, loads.moments) if kind.any()]
+    return tuple(_check(loads, np.where(kind, most, 0.0), times) for kind in kinds)
+
+
+def _check(loads: Loads, most: Array, times: Array) -> LimitCheck:
+    row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / loads.limit)), most.shape))
+    name, limit, worst = loads.labels[channel], float(loads.limit[channel]), float(most[row, channel])
+    kind = LimitKind.SENSOR_MOMENT if loads.moments[channel] else LimitKind.SENSOR_FORCE
+    ratio, time = worst / limit, float(times[row])
+    return LimitCheck(Limit(kind), f"{name}, at most", worst, limit, kind.unit, ratio, time, Status.PROVEN)
 
 
 def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: Box) -> tuple[float, float]:

@@ -12,10 +12,10 @@ from cases.schema import Case
 from cases.units import DEG, MM, MS
 from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.motion import Array
+from identification.overload import Loads
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import Profile, TimeLaw, fastest_profile
 from postprocessors.blocks import path_speed_deviation
-from postprocessors.proving.forces import ForceBounds
 from postprocessors.reading import Reading, Timed
 
 Law = Callable[[float, float, float], TimeLaw]
@@ -72,7 +72,7 @@ class Judge:
     case: Case
     guarantees: Guarantees
     file: str  # name of the program, for messages
-    forces: ForceBounds | None  # bounds of the sensor forces; None where the case has no range or body
+    loads: Loads | None  # what the sensors carry; None where the case has no range or body
 
     @property
     def limits(self) -> Box:
@@ -91,15 +91,15 @@ class Judge:
         return replace(check, of=check.of._replace(move=move), status=verdict, binding=False)
 
     def proven_forces(
-        self, kind: LimitKind, bound: Callable[[ForceBounds], Iterable[LimitCheck]], move: OwnMove | None = None
+        self, kind: LimitKind, bound: Callable[[Loads], Iterable[LimitCheck]], move: OwnMove | None = None
     ) -> LimitCheck | None:
         """Proven sensor forces or moments; None where a motion within the controller's limits could exceed them.
 
         No controller limits sensor forces. They are bounded where it enforces velocities and accelerations.
         """
-        if self.forces is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.guarantees.enforced:
+        if self.loads is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.guarantees.enforced:
             return None
-        check = next((c for c in bound(self.forces) if c.kind is kind), None)
+        check = next((c for c in bound(self.loads) if c.kind is kind), None)
         return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
 
 

@@ -24,7 +24,7 @@ from identification.limit_proof import (
 from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.proving.forces import Steady
+from postprocessors.proving.forces import Steady, forces_along, forces_on
 from postprocessors.proving.guarantees import Judge
 from postprocessors.proving.homing import predicted, way_home
 from postprocessors.reading import Still, Stretch, Timed, Untimed
@@ -99,7 +99,7 @@ def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
         if by.guarantees.follows_paths:
             yield check
         elif kind in SENSED:
-            proof = by.proven_forces(kind, lambda forces: forces.on(part.points, clock))
+            proof = by.proven_forces(kind, lambda loads: forces_on(loads, part.points, clock))
             yield proof or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
             yield replace(check, status=by.status_of(check.kind))
@@ -135,7 +135,7 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clo
                 yield by.prediction(check)
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
                 proof = by.proven_forces(
-                    family, lambda forces: forces.along(motion, part.share_rate, clock), OwnMove.UNTIMED
+                    family, lambda loads: forces_along(loads, motion, part.share_rate, clock), OwnMove.UNTIMED
                 )
                 yield proof or by.prediction(check, status=Status.NOT_ENFORCED)
             case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:

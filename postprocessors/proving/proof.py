@@ -11,7 +11,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
 from identification.motion import Array
-from postprocessors.proving.forces import ForceBounds
+from identification.overload import Loads
 from postprocessors.proving.guarantees import Guarantees, Judge
 from postprocessors.proving.judging import judge
 from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
@@ -126,7 +126,7 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     """
     if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
-    by = Judge(case, guarantees, reading.file, ForceBounds.of(case))
+    by = Judge(case, guarantees, reading.file, Loads.of(case))
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[LimitCheck] = []

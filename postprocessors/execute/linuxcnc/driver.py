@@ -32,10 +32,6 @@ START_LIMIT = 40.0  # [s] for each step of starting; they take tenths of a secon
 STATUS_LIMIT = 10.0  # [s] reading the state fails while it is being written; that passes when the writer goes on
 
 
-class Failure(Exception):
-    """LinuxCNC did not carry out a command."""
-
-
 class Recorder:
     """Fetches the logged cycles in a thread of its own; `halsampler` would print them with six digits only."""
 
@@ -107,7 +103,7 @@ class Session:
                 break
             except linuxcnc.error:
                 if time.monotonic() - start > STATUS_LIMIT:
-                    raise Failure("milltask is gone") from None
+                    raise RuntimeError("milltask is gone") from None
                 time.sleep(POLL)
         while True:
             message = self._channel.poll()
@@ -121,14 +117,14 @@ class Session:
         """Gives a command and waits until it is carried out: the next one would take its place."""
         command(*arguments)
         if self.command.wait_complete(START_LIMIT) == -1:
-            raise Failure(f"{command.__name__} was not carried out within {START_LIMIT:g} s")
+            raise RuntimeError(f"{command.__name__} was not carried out within {START_LIMIT:g} s")
 
     def wait(self, reached, step):
         start = time.monotonic()
         self.look()
         while not reached():
             if self.errors or time.monotonic() - start > START_LIMIT:
-                raise Failure(step)
+                raise RuntimeError(step)
             time.sleep(POLL)
             self.look()
 
@@ -189,7 +185,7 @@ def main():
         recorder.start()
         started = recorder.count
         outcome = session.run(arguments.time_limit)
-    except Failure as failure:
+    except RuntimeError as failure:
         outcome = "error"
         session.errors.append(str(failure))
     ended = recorder.count

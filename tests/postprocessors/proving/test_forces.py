@@ -7,12 +7,12 @@ from cases.loading import load_case
 from identification.motion import Motion, rotation_motion
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
-from postprocessors.proving.forces import ForceBounds, Steady
+from postprocessors.proving.forces import Steady, forces_along, forces_anywhere, forces_on
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
-BOUNDS = ForceBounds.of(CASE)
+LOADS = Loads.of(CASE)
 LIMITS = CASE.limits.motion
 FAR = HOME + np.r_[0.15, -0.1, 0.05, 0.3, -0.2, 0.3]
 
@@ -21,7 +21,7 @@ def forces(pose, rates, accelerations) -> np.ndarray:
     """Newton and Euler for each body."""
     none = np.zeros_like(pose)
     motion = Motion(np.zeros(len(pose)), pose.copy(), rates.copy(), accelerations.copy(), none)
-    return np.abs(Loads.of(CASE).forces(motion, rotation_motion(motion), motion.accelerations[:, :3]))
+    return np.abs(LOADS.forces(motion, rotation_motion(motion), motion.accelerations[:, :3]))
 
 
 def corners(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -35,7 +35,7 @@ def test_no_motion_within_the_limits_passes_the_bound_of_any_pose():
     angles = np.column_stack([rng.uniform(-np.pi, np.pi, 50_000) for _ in range(3)])
     pose = np.hstack([np.zeros_like(angles), angles])
     found = forces(pose, *corners(rng, len(pose))).max()
-    bound = BOUNDS.anywhere(0.0)[0].worst
+    bound = forces_anywhere(LOADS, 0.0)[0].worst
     assert 0.7 * bound < found <= bound
 
 
@@ -44,9 +44,9 @@ def test_no_motion_within_the_limits_passes_the_bound_on_a_path():
     rng = np.random.default_rng(2)
     t = np.repeat(np.linspace(0.0, path.duration, 400), 64)
     found = forces(path.at(t).pose, *corners(rng, len(t))).max()
-    (check,) = BOUNDS.on(path, 0.0)
+    (check,) = forces_on(LOADS, path, 0.0)
     assert 0.9 * check.worst < found <= check.worst * 1.001
-    assert check.worst < BOUNDS.anywhere(0.0)[0].worst
+    assert check.worst < forces_anywhere(LOADS, 0.0)[0].worst
 
 
 MOVES = {
@@ -68,13 +68,13 @@ def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(name: st
     kept = np.all(np.abs(rates) <= LIMITS.rate, axis=1) & np.all(np.abs(accelerations) <= LIMITS.acceleration, axis=1)
     assert kept.sum() > 500
     found = forces(way.pose[kept], rates[kept], accelerations[kept]).max()
-    (check,) = BOUNDS.along(move, feed, 0.0)
+    (check,) = forces_along(LOADS, move, feed, 0.0)
     assert 0.75 * check.worst < found <= check.worst
 
 
 def test_a_feed_and_a_known_way_lower_the_bound():
-    slow = BOUNDS.along(MOVES["arc"], 0.1, 0.0)[0].worst
-    assert slow <= BOUNDS.along(MOVES["arc"], None, 0.0)[0].worst < BOUNDS.anywhere(0.0)[0].worst
+    slow = forces_along(LOADS, MOVES["arc"], 0.1, 0.0)[0].worst
+    assert slow <= forces_along(LOADS, MOVES["arc"], None, 0.0)[0].worst < forces_anywhere(LOADS, 0.0)[0].worst
 
 
 def test_the_planned_law_is_below_the_bound_along_its_own_move():
@@ -82,8 +82,10 @@ def test_the_planned_law_is_below_the_bound_along_its_own_move():
     move = StraightMove(HOME, HOME + np.r_[0.1, 0.0, 0.0, 0.1, 0.0, 0.0], law)
     t = np.linspace(0.0, move.duration, 500)
     motion = move.at(t)
-    assert forces(motion.pose, motion.rates, motion.accelerations).max() <= BOUNDS.along(move, None, 0.0)[0].worst
+    assert (
+        forces(motion.pose, motion.rates, motion.accelerations).max() <= forces_along(LOADS, move, None, 0.0)[0].worst
+    )
 
 
 def test_without_a_range_there_is_no_bound():
-    assert ForceBounds.of(changed(CASE, sensors__range_N=None)) is None
+    assert Loads.of(changed(CASE, sensors__range_N=None)) is None
