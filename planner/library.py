@@ -33,6 +33,7 @@ class Settings(TypedDict, total=False):
         starts: number of random starts; as many as pay unless given.
         seconds: time for the search [s].
         seed: seed of the starts.
+        workers: processes that search; one a core unless given.
     """
 
     criterion: str
@@ -43,6 +44,7 @@ class Settings(TypedDict, total=False):
     starts: int | None
     seconds: float | None
     seed: int
+    workers: int | None
 
 
 class PoseSettings(TypedDict, total=False):
@@ -77,8 +79,8 @@ def plan(
 ) -> Plan:
     """The most informative motion inside the machine's limits, proven.
 
-    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up. The search runs in one process
-    a core, which do not run the caller's script.
+    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up. The search runs in `workers`
+    processes, which do not run the caller's script.
 
     Args:
         case: machine and limits.
@@ -123,7 +125,8 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
     settings.setdefault("model", static_model(case))
-    return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
+    with threadpool_limits(limits=1, user_api="blas"):
+        return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
 
 
 ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises

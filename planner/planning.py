@@ -1,7 +1,6 @@
 """Plans an excitation from start to proof."""
 
 import json
-import os
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -28,6 +27,7 @@ from planner.search.parallel import (
     Listener,
     Outcome,
     Runner,
+    cores,
     deadlines,
     enough,
     first_ctrl_c,
@@ -40,7 +40,7 @@ from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
 KEPT = 3  # number of the best orders and periods that get more starts
-ROUND = max(2, min(8, os.cpu_count() or 1))  # starts in a round
+FEWEST, MOST = 2, 8  # starts in a round
 
 
 def shipped_start(family: Family, case: Case) -> Array | None:
@@ -204,6 +204,7 @@ def _explored(
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     everything: list[Start | Failed] = []
     tasks += beside
+    a_round = max(FEWEST, min(MOST, request.workers or cores()))
     while True:
         more, interrupted = run(tasks, listener, until)
         everything += more
@@ -213,7 +214,7 @@ def _explored(
         starts = sorted(_starts(results), key=lambda s: -s.promise)
         ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
         best = [families[k] for k in ranked] or families
-        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, most - len(results)))]
+        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(a_round, most - len(results)))]
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:
@@ -258,6 +259,6 @@ def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
     """`make`, in the main thread; after the first Ctrl-C the best motion so far is proven and rated."""
     if not request.family.optimised:
         return make(request, case, listener, run_here)
-    with first_ctrl_c() as pressed, workers(pressed) as run:
+    with first_ctrl_c() as pressed, workers(pressed, request.workers) as run:
         plan = make(request, case, listener, run)
     return plan.ended_early() if pressed.is_set() else plan

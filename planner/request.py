@@ -41,6 +41,7 @@ class Request:
     seed: int = 0  # seed of the starts
     # whether a spline may take the place of moves whose steps of acceleration do more harm than good
     may_be_smooth: bool = False
+    workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
 
     def __post_init__(self) -> None:
         if self.criterion not in CRITERIA:
@@ -56,6 +57,8 @@ class Request:
             raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
         if self.seed < 0:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+        if self.workers is not None and not 1 <= self.workers <= 1000:
+            raise HexciteError(f"{self.workers} workers; choose 1 to 1000, by default one a core")
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "

@@ -75,6 +75,7 @@ def validate(
     on: Annotated[str, option("Controller: virtual or linuxcnc.")] = "virtual",
     starts: Annotated[int, option("Random starts of the optimised methods.")] = 2,
     seed: Annotated[int, option("Seed of the starts and of the sensors' noise.")] = 0,
+    workers: console.Workers = None,
     undisturbed: Annotated[
         bool, option("Without the disturbances of the simulated structure.", "--undisturbed")
     ] = False,
@@ -97,7 +98,7 @@ def validate(
     from planner.comparison.validation import disturbances_of, validate_recordings
     from planner.comparison.validation import validate as carried_out
 
-    settings = ValidationSettings(on, starts, seed, plans)
+    settings = ValidationSettings(on, starts, seed, plans, workers)
     loaded = load_case(case)
     if loaded.limits is not None and full_model(loaded) == RIGID:
         raise CaseError(

@@ -31,6 +31,7 @@ OwnCase = Annotated[
 Stale = Annotated[
     bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")
 ]
+Workers = Annotated[int | None, typer.Option(help="Processes on this computer; by default one a core.")]
 Criterion = Annotated[
     str,
     typer.Option(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MOVING = ("fourier", "ptp", "spline")  # families that are optimised
 BELONGS = {
-    "duration": MOVING, "starts": MOVING, "seconds": MOVING, "seed": MOVING, "target": MOVING,
+    "duration": MOVING, "starts": MOVING, "seconds": MOVING, "seed": MOVING, "workers": MOVING, "target": MOVING,
     "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",),
     "free_order": ("fourier",), "free_period": ("fourier",),
     "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
@@ -73,6 +73,7 @@ def plan(
         float | None, option("Time for the search in s; by default until more starts stop paying.")
     ] = None,
     seed: Annotated[int, option("Seed of the random starts.")] = 0,
+    workers: console.Workers = None,
     output: Annotated[Path | None, out("Folder to write; named after case and family by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -107,6 +108,7 @@ def plan(
         starts=starts,
         seconds=seconds,
         seed=seed,
+        workers=workers,
         may_be_smooth=not (family_source and family_source.name != "DEFAULT") and moves is None,
     )
     optimised = request.family.optimised

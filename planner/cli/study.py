@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-from planner.cli.console import Json, answered, argument, option, out, print_table, progress
+from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, progress
 
 
 def study(
@@ -12,7 +12,7 @@ def study(
     scheduler: Annotated[
         str | None, option("Running Dask scheduler, tcp://host:port; by default this computer's cores.")
     ] = None,
-    workers: Annotated[int | None, option("Processes on this computer; by default one a core.")] = None,
+    workers: Workers = None,
     output: Annotated[Path | None, out("Study folder; continued if it is there.")] = None,
     json: Json = False,
 ) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from cases.basis import bound_hash
 from cases.errors import HexciteError
@@ -271,9 +272,10 @@ def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale
     for k, folder in enumerate(folders):
         if any(folder.resolve() == other.resolve() for other in folders[:k]):
             raise HexciteError(folder, "is named twice; name each folder once")
-    entries = [
-        entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)
-        for thing in things
-    ]
+    with threadpool_limits(limits=1, user_api="blas"):
+        entries = [
+            entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)
+            for thing in things
+        ]
     entry_groups = groups(entries)
     return Comparison(tuple(tuple(group) for group in entry_groups), recommend(entry_groups))

@@ -50,9 +50,10 @@ class ValidationSettings:
     starts: int = 2  # random starts of the optimised methods
     seed: int = 0  # seed of the starts and of the sensors' noise
     plans: Path | None = None  # folder of an earlier validation whose plans are used; None: plan anew
+    workers: int | None = None  # processes that search; None for one a core
 
     def __post_init__(self) -> None:
-        Request(starts=self.starts, seed=self.seed)  # which says what these can be
+        Request(starts=self.starts, seed=self.seed, workers=self.workers)  # which says what these can be
 
 
 USUAL = ValidationSettings()
@@ -203,7 +204,7 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
         plan = poses_planned(request, case)
     else:
         if request.family.optimised:
-            request = replace(request, starts=settings.starts, seed=settings.seed)
+            request = replace(request, starts=settings.starts, seed=settings.seed, workers=settings.workers)
         plan = planned(request, case)
         if plan.interrupted:
             raise Interrupted

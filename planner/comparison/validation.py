@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
@@ -104,7 +106,7 @@ def validate(
     case.need_machine("a validation")
     disturbances = disturbances_of(case, settings, undisturbed)
     mounted = mounted_weights(case, None) if mounted is None else mounted
-    with ExitStack() as places:
+    with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
         trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)

@@ -184,8 +184,8 @@ def ctrl_c_waits() -> Iterator[None]:
 
 
 @contextmanager
-def workers(pressed: Event) -> Iterator[Runner]:
-    """Processes, one a core, that run rounds of starts until the context ends.
+def workers(pressed: Event, most: int | None = None) -> Iterator[Runner]:
+    """Processes, one a core or at most `most`, that run rounds of starts until the context ends.
 
     Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of the time.
 
@@ -194,7 +194,7 @@ def workers(pressed: Event) -> Iterator[Runner]:
     """
     context = get_context("spawn")  # not forked: MUMPS and threads of a parent do not survive that
     stop = context.Event()
-    pool = ProcessPoolExecutor(cores(), mp_context=context, initializer=_begin, initargs=(stop,))
+    pool = ProcessPoolExecutor(most or cores(), mp_context=context, initializer=_begin, initargs=(stop,))
 
     def run(tasks: Sequence[Task], listener: Listener, until: float) -> Outcome:
         if pressed.is_set():

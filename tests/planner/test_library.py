@@ -1,9 +1,11 @@
 """The library as README shows it, in a notebook or a script without a guard, and values that are saved and loaded."""
 
+import functools
 import pkgutil
 import re
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from importlib import import_module
 from inspect import unwrap
@@ -22,6 +24,7 @@ from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, OwnM
 from planner.families.settings import FAMILIES
 from planner.plans import Plan
 from planner.request import PoseMethod, PoseRequest, Request
+from planner.search import parallel
 from tests.helpers import one_line
 from tests.planner.command_line import refused
 
@@ -210,6 +213,33 @@ def test_a_result_comes_back_as_it_was_saved(folder: Path, tmp_path: Path):
         assert (tmp_path / "twin" / name).read_bytes() == (folder / "result" / name).read_bytes()
     hx.report(result, tmp_path / "page.html")  # without the residuals, which are not saved
     assert "centre of gravity" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("workers", [None, 1, 3])
+def test_a_search_has_the_processes_that_it_is_given(
+    workers: int | None, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+):
+    given = []
+
+    def pool(most: int, **settings: Any) -> ProcessPoolExecutor:
+        given.append(most)
+        return ProcessPoolExecutor(1, **settings)
+
+    monkeypatch.setattr(parallel, "ProcessPoolExecutor", pool)
+    plan = hx.plan(hexapod_case, hx.Fourier(order=2), 4.0, model=0, starts=1, workers=workers)
+    assert given == [workers or parallel.cores()]
+    assert plan.of_motion[0] == replace(plan.of_motion[0], workers=7)  # how many there were is no part of a plan
+
+
+def test_a_search_needs_a_process(hexapod_case: Case):
+    for refuse in (hx.ValidationSettings, functools.partial(hx.plan, hexapod_case)):
+        with pytest.raises(HexciteError, match="0 workers; choose 1 to 1000"):
+            refuse(workers=0)
+    assert "0 workers; choose 1 to 1000" in refused("plan", "hexapod", "--workers", 0)
+    assert "0 workers; choose 1 to 1000" in refused("validate", "hexapod", "--workers", 0)
+    assert "--workers does nothing with --family manual" in refused(
+        "plan", "hexapod", "--family", "manual", "--workers", 2
+    )
 
 
 def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_case: Case):
