@@ -22,7 +22,7 @@ from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block, offset
 from identification.recording import Recording
 from identification.result import Value, physical_values
 from identification.runs.preparation import moving_run, on_one_clock
-from identification.runs.sample_checks import Scan, unmeasured
+from identification.runs.sample_checks import unmeasured
 from identification.runs.standstills import standstills
 
 
@@ -78,7 +78,9 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     findings = checks.findings
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model, checks)
-        t, forces, matrices, poses = still.t, still.recorded, still.matrices, _poses(model, recording, checks)
+        t, forces, matrices, poses = still.t, still.recorded, still.matrices, None
+        if model.struts is not None and recording.struts is not None:
+            poses = model.struts.hexapod.coordinates(recording.struts[~checks.bad])
     else:
         run = moving_run(recording, case, model, whole, checks)
         findings += run.window
@@ -88,15 +90,6 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     variance = np.diag(result.covariance_robust)[offset_columns(model)]
     findings += tuple(shifted_all_along(residuals, variance, case))
     return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings)
-
-
-def _poses(model: Model, recording: Recording, checks: Scan) -> Array | None:
-    """Poses of the standstills that are used, where forces in struts are to become one on the platform."""
-    if model.struts is None:
-        return None
-    if recording.struts is None:
-        return None if recording.poses is None else recording.poses[~checks.bad]
-    return model.struts.hexapod.coordinates(recording.struts[~checks.bad])
 
 
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
@@ -184,7 +177,6 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
     root = 1.0 / np.sqrt(variance)
     along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
-    indices = np.flatnonzero(np.r_[True, ~along])
     # The unknown direction stays free, so that the others do not take over its share.
     spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
     u = spread @ (after.values - before.values)
@@ -200,16 +192,8 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
     sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
     findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
-    jacobian = np.eye(4)
-    jacobian[1:, 0], jacobian[1:, 1:] = -u[1:] / u[0] ** 2, np.eye(3) / u[0]
-    values, deviations = np.r_[u[0], u[1:] / u[0]], np.sqrt(np.diag(jacobian @ of_u @ jacobian.T))
-    units = {"m": "kg", "xC": "m", "yC": "m", "zC": "m"}
-    parameters = {
-        name: Value(float(values[k]), float(deviations[k]), float(deviations[k]), units[name])
-        for k, name in enumerate(units)
-        if k in indices
-    }
-    return Payload(parameters, tuple(findings))
+    physical = physical_values(body, u, of_u, of_u)
+    return {name: value for name, value in physical.items() if name not in names}, tuple(findings)
 
 
 def require_two(before: Result, after: Result) -> None:

@@ -345,7 +345,7 @@ def _marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Row
                 f"most {100 * MOST_MISSING:g} % may be missing",
                 "record again, or give what is sampled less often in a file of its own",
             )
-        values[ours] = _spread(column[good], np.flatnonzero(good), np.arange(len(good)), ours in _KEPT)
+        values[ours] = spread(column[good], np.flatnonzero(good), np.arange(len(good)), ours in _KEPT)
         missing |= ~good
         columns = (*columns, name)
     if not columns:
@@ -372,7 +372,7 @@ def _with_lost_rows(stream: Stream) -> Stream:
     rows = np.arange(own[-1] + 1)
     present = np.zeros(len(rows), dtype=bool)
     present[own] = True
-    more: dict[Any, Any] = {n: _spread(v, own, rows, n in _SWITCHING) for n, v in stream.channels.items()}
+    more: dict[Any, Any] = {n: spread(v, own, rows, n in _SWITCHING) for n, v in stream.channels.items()}
     missing = ~present
     if stream.missing is not None:
         missing[own] = stream.missing
@@ -381,7 +381,7 @@ def _with_lost_rows(stream: Stream) -> Stream:
     return replace(stream, t=t, lines=lines, missing=missing, **more)
 
 
-def _spread(values: Array, own: NDArray[np.int64], rows: NDArray[np.int64], last: bool) -> Array:
+def spread(values: Array, own: NDArray[np.int64], rows: NDArray[np.int64], last: bool) -> Array:
     """Values at all rows: straight lines between those that are there, or the last of them."""
     if last:
         return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])

@@ -15,6 +15,7 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM, Array
 from identification.finding import Finding, Kind, Severity, sentences, warning
+from identification.formats.assembly import spread
 from identification.formats.table import GAP, HOST_GAP, Lines, Stream, lost_samples
 from identification.recording import Recording
 from identification.signals import stretches
@@ -118,13 +119,7 @@ def unmeasured(recording: Recording) -> Scan:
 
 def bridged(values: Array, bad: Rows) -> Array:
     """Values with bad samples replaced by the straight line between good neighbours, shape (n, k)."""
-    if not bad.any():
-        return values
-    index, good = np.arange(len(values)), np.flatnonzero(~bad)
-    result = values.copy()
-    for k in range(values.shape[1]):
-        result[bad, k] = np.interp(index[bad], good, values[good, k])
-    return result
+    return spread(values[~bad], np.flatnonzero(~bad), np.arange(len(bad)), False) if bad.any() else values
 
 
 def missing_values(stream: Stream) -> list[Finding]:
