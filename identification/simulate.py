@@ -101,26 +101,16 @@ def _lengths(disturbances: Disturbances) -> Array:
     return np.repeat([disturbances.pose_error_length_mm * MM, disturbances.pose_error_angle_deg * DEG], 3)
 
 
-class ForceParts(NamedTuple):
-    """Parts of the true forces, by their causes."""
-
-    rigid: Array  # (18) of the motion that the drives made, shape (n, 6) [N]
-    mode: Array  # what the vibration of the structure adds, shape (n, 6) [N]
-    pose: Array  # error that depends on the pose, shape (n, 6) [N]
-
-    @property
-    def total(self) -> Array:
-        """The forces, shape (n, 6) [N]."""
-        return self.rigid + self.mode + self.pose
-
-
 Moved = tuple[Array, Array, Kinematics]
 """A run as its encoders and sensors see it, whatever is mounted: times of the samples, shape (n,) [s], true lengths of
 the struts then, shape (n, 6) [m], and the motion of the sensors when they are sampled."""
 
 
-def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> ForceParts:
-    """The true forces of a motion, by their causes.
+def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> Array:
+    """Parts of the true forces of a motion, shape (3, n, 6) [N], whose sum they are.
+
+    (18) of the motion that the drives made, what the vibration of the structure adds, and the error that depends on the
+    pose.
 
     Args:
         motion: motion of the drives, at n instants.
@@ -135,7 +125,7 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
     rigid = expected_forces(model, motion, u)
     disturbances = around.disturbances
     if disturbances is None:
-        return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
+        return np.array([rigid, np.zeros_like(rigid), np.zeros_like(rigid)])
     home = case.need_machine("the simulation of sensor forces")[0].home.vector
     fields = pose_fields(disturbances, home, motion.pose)
     frequency = mode_frequency(disturbances, simulation.parameters.body.mass_kg, around.load)
@@ -143,7 +133,7 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
         motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, disturbances.mode_damping)
     )
     weight = around.load * float(np.linalg.norm(case.gravity))
-    return ForceParts(rigid, expected_forces(model, vibration, u) - rigid, fields[0] + weight * fields[1])
+    return np.array([rigid, expected_forces(model, vibration, u) - rigid, fields[0] + weight * fields[1]])
 
 
 def _quantised(drives: Array, case: Case, simulation: Simulation) -> Array:
@@ -188,8 +178,8 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
 
 def sensed(
     case: Case, run: Moved, trigger_times: Array, seed: int, source: str, around: Circumstances
-) -> tuple[Recording, ForceParts]:
-    """The recording of what the machine did, and what its true forces consist of.
+) -> tuple[Recording, Array]:
+    """The recording of what the machine did, and what its true forces consist of, see `force_parts`.
 
     Args:
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
@@ -201,7 +191,7 @@ def sensed(
     simulation = case.need_simulation("the simulation of sensor forces")
     t, struts, motion = run
     parts = force_parts(case, motion, 1.0 / simulation.encoder_rate_Hz, around)
-    forces = parts.total
+    forces = parts.sum(axis=0)
     draw = np.random.default_rng(seed)
     forces += draw.normal(size=forces.shape) * simulation.force_noise
     if simulation.acceleration_noise.any():

@@ -68,7 +68,7 @@ def true_forces(case: Case, execution: Execution, t: Array, around: Circumstance
     """Sensor forces (18) at times t, evenly spaced where a structural mode vibrates, shape (n, 6) [N]."""
     step = float(t[-1] - t[0]) / max(len(t) - 1, 1)
     motion = execution.kinematics(np.clip(t, 0.0, execution.duration))
-    return force_parts(case, motion, step, around).total
+    return force_parts(case, motion, step, around).sum(axis=0)
 
 
 def simulate_standstills(
@@ -76,7 +76,7 @@ def simulate_standstills(
 ) -> Recording:
     """What the machine records standing still in poses, shape (n, 6) [m, rad], averaged in each of them."""
     still = Kinematics(poses, np.zeros_like(poses), np.zeros_like(poses))
-    forces = force_parts(case, still, 1.0, around).total
+    forces = force_parts(case, still, 1.0, around).sum(axis=0)
     noise = np.random.default_rng(seed).normal(0.0, case.simulation.force_noise_N / np.sqrt(samples), forces.shape)
     step = case.simulation.encoder_resolution
     struts = np.round(Hexapod.of(case).strut_lengths(poses) / step) * step

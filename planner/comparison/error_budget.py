@@ -16,7 +16,7 @@ from identification.runs.evaluation import Run
 from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import standstills
-from identification.simulate import ForceParts, pose_covariance
+from identification.simulate import pose_covariance
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ def cause_of(parts: Mapping[str, float]) -> str:
 
 
 def error_budget(
-    answer: LinearAnswer, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array
+    answer: LinearAnswer, recording: Recording, parts: Array, estimate: Estimate, truth: Array
 ) -> dict[str, dict[str, float]]:
     """Parts of the error of an estimate, less truth, which add up to it: for each parameter, by cause [SI].
 
@@ -91,13 +91,13 @@ def error_budget(
 
     Args:
         recording: recording that was identified, averaged where it stands.
-        parts: parts of its true forces, at the same rows.
+        parts: parts of its true forces, see `force_parts`, at the same rows.
         estimate: estimate by least squares.
         truth: linear parameters u of its model, shape (u,) [SI].
     """
     model = estimate.model
-    noise = recording.forces - parts.total
-    added = [answer.seen(part) for part in (parts.mode, parts.pose, noise)]
+    noise = recording.forces - parts.sum(axis=0)
+    added = [answer.seen(part) for part in (*parts[1:], noise)]
     *shifts, whole = answer.of(np.stack([*added, answer.left(truth)], axis=2)).T
     form, none = physical_form(model), np.zeros((len(truth), len(truth)))
     values, true = form.of(estimate.fit.values, none)[0], form.of(truth, none)[0]

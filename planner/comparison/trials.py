@@ -21,7 +21,7 @@ from identification.recording import Recording, read
 from identification.result import Estimate
 from identification.runs.preparation import on_one_clock
 from identification.runs.standstills import average, find_standstills, match
-from identification.simulate import Circumstances, ForceParts, Moved, loaded_truth, moved, sensed
+from identification.simulate import Circumstances, Moved, loaded_truth, moved, sensed
 from identification.trajectories.executed import Execution
 from planner.comparison.error_budget import BODY, error_budget, linear_answer, true_deviations
 
@@ -107,7 +107,7 @@ class Excitation:
 
     def recorded(
         self, weights: int, disturbances: Disturbances | None, run: Moved | None = None
-    ) -> tuple[Recording, ForceParts]:
+    ) -> tuple[Recording, Array]:
         """The run with some weights mounted, averaged where it stands, and the parts of its forces."""
         around = Circumstances(_weights(self.case, weights), disturbances)
         run = self.moved(weights, disturbances) if run is None else run
@@ -117,7 +117,7 @@ class Excitation:
             return recording, parts
         windows = find_standstills(recording, 0.0)
         averages, those = match(average(recording, windows), self.case, self.poses, source)
-        return averages, ForceParts(*(np.array([part[w].mean(axis=0) for w in windows[those]]) for part in parts))
+        return averages, np.array([[part[w].mean(axis=0) for w in windows[those]] for part in parts])
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
