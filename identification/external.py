@@ -193,7 +193,7 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
     findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
     physical = physical_values(body, u, of_u, of_u)
-    return {name: value for name, value in physical.items() if name not in names}, tuple(findings)
+    return Payload({name: value for name, value in physical.items() if name not in names}, tuple(findings))
 
 
 def require_two(before: Result, after: Result) -> None:
