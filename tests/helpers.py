@@ -1,5 +1,6 @@
 """What many tests share: a derivative check, a smooth motion, the paper's poses, and the rule of one-line messages."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -119,3 +120,8 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
 
     states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])
     return {g.kind: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.order == 0}
+
+
+def tells(text: str, *facts: str) -> bool:
+    """Whether one line of a text holds facts (place, value, limit, remedy) in this order, whatever stands between."""
+    return re.search(".*".join(map(re.escape, facts)), text) is not None

@@ -131,7 +131,7 @@ def test_a_mistake_is_named_with_its_key(mistake: str, tmp_path: Path) -> None:
 def test_what_is_not_toml_is_named_with_its_line(broken: str, tmp_path: Path) -> None:
     line = next(k for k, text in enumerate(HEXAPOD.splitlines(), 1) if "radius_mm = 700.0" in text)
     file = edited(tmp_path, "radius_mm = 700.0", broken)
-    with pytest.raises(CaseError, match=rf"is not TOML: .*line {line}.*; correct that line") as caught:
+    with pytest.raises(CaseError, match=rf"not TOML.*line {line}\b.*correct") as caught:
         load_case(file)
     assert one_line(caught.value).startswith(file)
 
@@ -145,9 +145,7 @@ def test_a_file_that_is_not_text_is_named(tmp_path: Path) -> None:
 
 def test_the_first_of_several_mistakes_is_told_and_the_others_are_counted(tmp_path: Path) -> None:
     file = edited(tmp_path, "base_joint_angle_deg = 55.0\nplatform_joint_angle_deg = 80.0", "base_joint_angle_deg = -1")
-    with pytest.raises(
-        CaseError, match=r"base_joint_angle_deg: -1: .*\(1 more problem; hexcite case check lists all\)"
-    ) as caught:
+    with pytest.raises(CaseError, match=r"base_joint_angle_deg: -1\b.*1 more .*hexcite case check") as caught:
         load_case(file)
     one_line(caught.value)
 
@@ -156,6 +154,6 @@ def test_a_transducer_has_noise_of_forces_and_of_moments(tmp_path: Path) -> None
     text = built_in_cases()["ft_wrist"].read_text(encoding="utf-8")
     text = text.replace("[sensors]", "[sensors]\nforce_noise_N = 0.1")
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(CaseError, match=r"sensors\.moment_noise_Nm is missing; .*give both") as caught:
+    with pytest.raises(CaseError, match=r"sensors\.moment_noise_Nm.*missing.*give") as caught:
         load_case(str(tmp_path))
     one_line(caught.value)

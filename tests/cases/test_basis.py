@@ -57,7 +57,7 @@ def test_only_what_an_artefact_was_computed_from_makes_it_stale(key: str, value:
             assert artefact.require_unchanged(bases[name], now, stale=False) == ()
             continue
         assert changes[0].startswith(f"{key} was ")
-        with pytest.raises(FileProblem, match=rf"{name}\.json: case hexapod has changed since: .*stale"):
+        with pytest.raises(FileProblem, match=rf"{name}\.json: case hexapod.*changed.*stale"):
             artefact.require_unchanged(bases[name], now, stale=False)
         (remark,) = artefact.require_unchanged(bases[name], now, stale=True)
         assert remark.startswith("stale: ")
@@ -73,7 +73,7 @@ def test_bounds_and_programs_outlive_a_new_title() -> None:
 def test_the_case_is_found_by_what_the_artefact_says() -> None:
     artefact = Artefact(Path("result.json"), {"case_file": "hexapod"}, "identify again")
     assert artefact.case().name == "hexapod"
-    with pytest.raises(FileProblem, match="names no case; identify again, or name it with case"):
+    with pytest.raises(FileProblem, match=r"no case.*identify again.* case"):
         Artefact(Path("result.json"), {}, "identify again").case()
-    with pytest.raises(CaseError, match=r"gone\.toml: no such case; name the case file with case"):
+    with pytest.raises(CaseError, match=r"gone\.toml: no such case.*with case"):
         Artefact(Path("result.json"), {"case_file": "/gone.toml"}, "identify again").case()

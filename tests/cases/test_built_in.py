@@ -139,7 +139,7 @@ def test_a_byte_order_mark_as_windows_editors_write_it_does_no_harm(tmp_path: Pa
     [("need_machine", "machine"), ("need_controller", "controller"), ("need_simulation", "simulation")],
 )
 def test_a_part_that_a_case_lacks_is_asked_for_by_name(wrist_case: Case, need: str, part: str) -> None:
-    with pytest.raises(CaseError, match=f"case ft_wrist: {part}: is missing; baking needs it") as caught:
+    with pytest.raises(CaseError, match=f"case ft_wrist: {part}: .*missing.*baking") as caught:
         getattr(wrist_case, need)("baking")
     assert caught.value.key == part
 

@@ -100,12 +100,12 @@ def test_a_hexapod_has_the_same_words(tmp_path: Path) -> None:
     home, limits = case.need_motion("a test")
     np.testing.assert_array_equal(home, case.machine.home.vector)
     assert limits is case.limits.motion
-    with pytest.raises(CaseError, match=r"machine\.chain: is missing; a test needs it"):
+    with pytest.raises(CaseError, match=r"machine\.chain: .*missing.*a test"):
         case.need_chain("a test")
 
 
 def test_what_only_a_hexapod_can_do_is_refused_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(CaseError, match=r"machine\.chain: a validation is for hexapods") as caught:
+    with pytest.raises(CaseError, match=r"machine\.chain: .*validation.*hexapods") as caught:
         load_case(written(tmp_path, GANTRY)).need_machine("a validation")
     one_line(caught.value)
 

@@ -111,7 +111,7 @@ def test_a_folder_that_was_taken_during_the_work_stays_and_the_new_one_is_beside
             (part / "plan.json").write_text("mine")
             plan(tmp_path / "p", "theirs")
 
-    with pytest.raises(FileProblem, match=r"p: a plan stands there by now and stays; the new one is in .*p-2"):
+    with pytest.raises(FileProblem, match=r"p: a plan stands there.*p-2"):
         slow()
     assert (tmp_path / "p" / "plan.json").read_text() == "theirs"
     assert (tmp_path / "p-2" / "plan.json").read_text() == "mine"
@@ -137,7 +137,7 @@ def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
 def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> None:
     (tmp_path / "p").mkdir()
     (tmp_path / "p" / name).write_text("years of work")
-    with pytest.raises(FileProblem, match=r"is not a plan of hexcite's .it holds .*; choose another place") as caught:
+    with pytest.raises(FileProblem, match=r"not a plan.*holds .*; choose another place") as caught:
         plan(tmp_path / "p", "new")
     assert one_line(caught.value).startswith(str(tmp_path / "p"))
     assert tree(tmp_path) == {"p": None, f"p/{name}": "years of work"}
@@ -145,7 +145,7 @@ def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> N
 
 def test_a_file_is_not_replaced_by_a_folder(tmp_path: Path) -> None:
     (tmp_path / "p").write_text("a file")
-    with pytest.raises(FileProblem, match="exists and is not a folder"):
+    with pytest.raises(FileProblem, match=r"exists.*not a folder"):
         plan(tmp_path / "p", "new")
     assert tree(tmp_path) == {"p": "a file"}
 
@@ -153,7 +153,7 @@ def test_a_file_is_not_replaced_by_a_folder(tmp_path: Path) -> None:
 def test_a_folder_is_not_replaced_by_a_file(tmp_path: Path) -> None:
     plan(tmp_path / "p", "old")
     before = tree(tmp_path)
-    with pytest.raises(FileProblem, match=r"p: cannot be written \(Is a directory\)"):
+    with pytest.raises(FileProblem, match=r"p: cannot be written.*Is a directory"):
         write_text(tmp_path / "p", "new")
     assert tree(tmp_path) == before
 
@@ -161,7 +161,7 @@ def test_a_folder_is_not_replaced_by_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize("write", [plan, write_text])
 def test_a_place_below_a_file_cannot_be_written(write: Callable[[Path, str], None], tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
-    with pytest.raises(FileProblem, match=r"cannot be written \(.*\); choose another place") as caught:
+    with pytest.raises(FileProblem, match=r"cannot be written \(.*another place") as caught:
         write(tmp_path / "file" / "below", "new")
     assert one_line(caught.value).startswith(str(tmp_path / "file" / "below"))
 
@@ -169,7 +169,7 @@ def test_a_place_below_a_file_cannot_be_written(write: Callable[[Path, str], Non
 @pytest.mark.parametrize("context", [atomic_file, plan_folder])
 def test_a_disk_that_is_full_is_told_in_one_line(context: Callable, tmp_path: Path) -> None:
     with (
-        pytest.raises(FileProblem, match=r"cannot be written .No space left on device") as caught,
+        pytest.raises(FileProblem, match=r"cannot be written.*No space left") as caught,
         context(tmp_path / "p"),
     ):
         raise OSError(28, "No space left on device")
@@ -223,15 +223,13 @@ def test_what_is_not_json_is_not_written(value: float) -> None:
 )
 def test_what_is_not_a_json_object_is_named_with_its_maker(content: bytes, says: str, tmp_path: Path) -> None:
     (tmp_path / "r.json").write_bytes(content)
-    with pytest.raises(FileProblem, match=f"r.json: {says}.*write it again with hexcite plan") as caught:
+    with pytest.raises(FileProblem, match=rf"r\.json: {says}.*hexcite plan") as caught:
         read_json(tmp_path / "r.json", "hexcite plan")
     one_line(caught.value)
 
 
 def test_a_json_file_that_is_missing_is_named_with_its_maker(tmp_path: Path) -> None:
-    with pytest.raises(
-        FileProblem, match=r"r.json: cannot be read \(No such file or directory\); hexcite plan writes it"
-    ):
+    with pytest.raises(FileProblem, match=r"r\.json: .*No such file.*hexcite plan"):
         read_json(tmp_path / "r.json", "hexcite plan")
 
 
@@ -255,7 +253,7 @@ def test_a_folder_that_cannot_be_replaced_at_the_last_moment_is_put_back(
 def test_a_result_does_not_take_the_place_of_a_plan(tmp_path: Path) -> None:
     plan(tmp_path / "p", "old")
     before = tree(tmp_path)
-    with pytest.raises(FileProblem, match=r"p: is not a result of hexcite's \(it holds plan.json\)"):
+    with pytest.raises(FileProblem, match=r"p: .*not a result.*holds plan\.json"):
         check_folder(tmp_path / "p", RESULT)
     assert tree(tmp_path) == before
 
@@ -264,7 +262,7 @@ def test_a_result_does_not_take_the_place_of_a_plan(tmp_path: Path) -> None:
 def test_what_is_read_is_never_replaced(source: str, tmp_path: Path) -> None:
     plan(tmp_path / "p", "old")
     check_folder(tmp_path / "p", PLAN, [tmp_path / "other"], overwrite=True)
-    with pytest.raises(FileProblem, match="which is read; choose another place"):
+    with pytest.raises(FileProblem, match="is read; choose another place"):
         check_folder(tmp_path / "p", PLAN, [tmp_path / source], overwrite=True)
 
 
@@ -273,7 +271,7 @@ def test_the_folder_that_one_works_in_is_not_replaced(
     place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(FileProblem, match="is the folder that you work in"):
+    with pytest.raises(FileProblem, match="folder that you work in"):
         check_folder(Path(place), PLAN)
 
 
@@ -281,7 +279,7 @@ def test_an_output_file_is_checked_before_the_work(tmp_path: Path) -> None:
     (tmp_path / "a.ngc").write_text("x")
     check_file(tmp_path / "a.ngc", [".ngc"], overwrite=True)
     check_file(tmp_path / "B.NGC", [".ngc"], [tmp_path / "a.ngc"])
-    with pytest.raises(FileProblem, match=r"ends in '.json'; name a file that ends in .ngc or .nc"):
+    with pytest.raises(FileProblem, match=r"'\.json'; .*\.ngc or \.nc"):
         check_file(tmp_path / "plan.json", [".ngc", ".nc"])
     with pytest.raises(FileProblem, match="is also what is read"):
         check_file(tmp_path / "a.ngc", [".ngc"], [tmp_path / "sub" / ".." / "a.ngc", tmp_path / "a.ngc"])
@@ -294,7 +292,7 @@ def test_an_output_file_is_checked_before_the_work(tmp_path: Path) -> None:
 def test_a_place_that_only_looks_writable_is_known_before_the_work(name: str, tmp_path: Path) -> None:
     """Permission bits tell nothing of names that are too long, of /proc, of full disks."""
     for check in (lambda: check_folder(tmp_path / name, PLAN), lambda: check_file(tmp_path / f"{name}.csv", [".csv"])):
-        with pytest.raises(FileProblem, match=r"cannot be .* \(File name too long\); choose another place"):
+        with pytest.raises(FileProblem, match=r"File name too long.*another place"):
             check()
     assert list(tmp_path.iterdir()) == []
 

@@ -16,7 +16,7 @@ def test_gravity_of_the_equator_and_the_poles_in_any_direction_is_accepted(gravi
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, 0.0), (0.0, 0.0, -9810.0), (0.0, 0.0, -1.0), (0.0, 0.0, -8.91)])
 def test_other_lengths_are_refused(gravity: tuple[float, ...]) -> None:
-    with pytest.raises(ValidationError, match=r"on Earth it has 9.7 to 9.9: give the local"):
+    with pytest.raises(ValidationError, match=r"9\.7 to 9\.9.*give"):
         Case.model_validate(CASE | {"gravity_m_s2": gravity})
 
 

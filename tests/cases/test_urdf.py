@@ -83,9 +83,7 @@ def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_a_flange_that_does_not_exist_lists_those_that_do(tmp_path: Path) -> None:
-    with pytest.raises(
-        CaseError, match=r"has no link tool1; name one of base_link, .*wrist_3, flange, tool0"
-    ) as caught:
+    with pytest.raises(CaseError, match=r"no link tool1; .*base_link, .*wrist_3, flange, tool0") as caught:
         read_urdf(file_with(tmp_path, ur10()), "tool1")
     one_line(caught.value)
 

@@ -66,7 +66,7 @@ def test_orthonormal_columns_are_the_ideal_of_k() -> None:
 @pytest.mark.parametrize("nothing", range(5))
 def test_a_parameter_that_nothing_excites_is_named(nothing: int) -> None:
     silent = REGRESSOR * (np.arange(5) != nothing)
-    with pytest.raises(IdentificationError, match=f"rank 4 of 5: {NAMES[nothing]} not determined") as caught:
+    with pytest.raises(IdentificationError, match=rf"rank 4 of 5: {NAMES[nothing]}\b") as caught:
         singular_values(silent.T @ silent, NAMES)
     one_line(caught.value)
 
@@ -78,5 +78,5 @@ def test_parameters_that_only_their_sum_excites_are_named_together() -> None:
 
 
 def test_no_measurement_at_all_determines_nothing() -> None:
-    with pytest.raises(IdentificationError, match="rank 0 of 5: m, mxC, myC, mzC, k0 not determined"):
+    with pytest.raises(IdentificationError, match=r"rank 0 of 5: m, mxC, myC, mzC, k0\b"):
         singular_values(np.zeros((5, 5)), NAMES)

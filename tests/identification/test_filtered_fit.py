@@ -61,6 +61,6 @@ def test_more_unknowns_than_the_filter_leaves_independent_forces_are_refused() -
     """Ten samples through a 40 Hz low-pass at 1 kHz hold about 10 * 6 * 0.08 = 5 independent forces."""
     matrices = np.random.default_rng(2).normal(size=(10, 6, 6))
     regression = Regression(matrices, np.ones((10, 6)), list("abcdef"), filtered=Filtered(0.08, 1))
-    with pytest.raises(IdentificationError, match=r"60 forces, 5 of them independent, for 6 unknowns") as caught:
+    with pytest.raises(IdentificationError, match=r"60 forces, 5 .*independent.* 6 unknowns") as caught:
         gauss_markov(regression, np.ones(6))
     one_line(caught.value)

@@ -21,7 +21,7 @@ from identification.recording import Recording
 from identification.runs.sample_checks import scan
 from identification.simulate import simulate_recording
 from identification.trajectories.moves import StraightMove
-from tests.helpers import HOME, Harmonic, few, one_line, simulated
+from tests.helpers import HOME, Harmonic, few, one_line, simulated, tells
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL
 from tests.simulated_machine import PoseExecution
@@ -84,7 +84,7 @@ def test_a_run_that_nothing_touches_raises_no_alarm(seeds: range) -> None:
 
 def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact, "MOST_TOUCHED", 0.08)
-    with pytest.raises(IdentificationError, match=r"leave the model in (9|10) % of the samples") as caught:
+    with pytest.raises(IdentificationError, match=r"leave the model.* (9|10) %") as caught:
         estimate_parameters(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0])), CASE)
     one_line(caught.value)
 
@@ -93,7 +93,7 @@ def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatc
 def test_a_contact_of_up_to_half_the_run_is_located_although_the_fit_follows_it(
     seed: int, start: float, duration: float
 ) -> None:
-    with pytest.raises(IdentificationError, match="an identification run must be free") as caught:
+    with pytest.raises(IdentificationError, match="run must be free") as caught:
         estimate_parameters(pushed(run(seed), start, np.array([12.0, 0.0, 16.0]), duration), CASE)
     found = re.search(r"lines (\d+) to (\d+): external contact from ([\d.]+) to ([\d.]+) s", one_line(caught.value))
     assert found is not None
@@ -115,7 +115,7 @@ def test_noise_with_memory_is_no_contact() -> None:
 @pytest.mark.parametrize(("a", "b"), few((0, 1), (0, 3), (1, 4), (2, 5)))
 def test_exchanged_channels_are_named(a: int, b: int) -> None:
     swapped = with_forces(lambda f: f.__setitem__((slice(None), [a, b]), f[:, [b, a]]), run(3))
-    with pytest.raises(IdentificationError, match=f"force channels {a + 1} and {b + 1} are exchanged") as caught:
+    with pytest.raises(IdentificationError, match=rf"force channels {a + 1} and {b + 1}\b.*exchanged") as caught:
         estimate_parameters(swapped, CASE)
     assert "run.csv" in one_line(caught.value)
 
@@ -123,7 +123,7 @@ def test_exchanged_channels_are_named(a: int, b: int) -> None:
 @pytest.mark.parametrize("channel", few(5, 0))
 def test_a_turned_sign_is_named(channel: int) -> None:
     turned = with_forces(lambda f: f.__setitem__((slice(None), channel), -f[:, channel]), run(3))
-    with pytest.raises(IdentificationError, match=f"sign of force channel {channel + 1} is turned"):
+    with pytest.raises(IdentificationError, match=rf"force channel {channel + 1}\b.*turned"):
         estimate_parameters(turned, CASE)
 
 
@@ -135,7 +135,7 @@ def test_clipped_forces_are_left_out_with_their_rows() -> None:
     cut = replace(cut, forces=np.clip(cut.forces, -150.0, 150.0))
     assert np.mean(np.abs(cut.forces) >= 150.0) > 0.001
     found, ignored = estimate_parameters(cut, case), estimate_parameters(cut, CASE)
-    assert any("channel 2 is at the end of its range of 150 N; left out" in w for w in found.warnings)
+    assert any(tells(w, "channel 2", "150 N", "left out") for w in found.warnings)
     assert any(re.match(r"lines? \d+", w) for w in found.warnings)
     rows = [k for k, name in enumerate(found.model.names) if not name.startswith("f_q0")]
     assert np.abs((found.fit.values - TRUTH) / np.sqrt(np.diag(found.fit.covariance)))[rows].max() < 4.5
@@ -144,20 +144,20 @@ def test_clipped_forces_are_left_out_with_their_rows() -> None:
 
 def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
     error, warnings = errors(with_forces(lambda f: f.__setitem__((slice(800, 1000), 4), f[800, 4]), run(1)))
-    assert "lines 802 to 1001: channel 5 is stuck at" in warnings[0]
+    assert tells(warnings[0], "lines 802 to 1001: channel 5", "stuck at")
     assert error < 4.5
 
 
 def test_what_befalls_several_channels_alike_is_one_finding() -> None:
     stuck = with_forces(lambda f: f.__setitem__((slice(800, 1000), [1, 4]), f[800, [1, 4]]), run(1))
     (warning,) = [w for w in scan(stuck, CASE).warnings if "stuck" in w]
-    assert re.search(r"channel \d is stuck at .*\(likewise channel \d\); left out", warning)
+    assert re.search(r"channel \d .*stuck.*likewise channel \d.*left out", warning)
 
 
 @pytest.mark.parametrize("size", [50.0, 4e3])
 def test_single_force_samples_that_jump_are_left_out_with_their_rows(size: float) -> None:
     error, warnings = errors(with_forces(lambda f: f.__setitem__(([500, 1500], 2), size), run(2)))
-    assert "lines 502, 1502: channel 3 jumps by up to" in warnings[0]
+    assert tells(warnings[0], "lines 502, 1502: channel 3", "jumps")
     assert error < 4.5
 
 
@@ -232,13 +232,13 @@ def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: 
     struts = whole.struts.copy()
     struts[[700, 1900], 3] += size
     error, warnings = errors(replace(whole, struts=struts))
-    assert "lines 702, 1902: strut 4 jumps by up to" in warnings[0]
+    assert tells(warnings[0], "lines 702, 1902: strut 4", "jumps")
     assert "1 m/s" in warnings[0]
     assert error < 4.5
 
 
 def test_a_run_with_most_samples_damaged_is_refused() -> None:
-    with pytest.raises(RecordingError, match=r"% of the samples are unusable.*record again"):
+    with pytest.raises(RecordingError, match=r"\d %.*unusable.*record again"):
         estimate_parameters(with_forces(lambda f: f.__setitem__((slice(100, 1800), 0), 5000.0), run()), CASE)
 
 
@@ -246,11 +246,11 @@ def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
     longest = float(run().struts.max()) * 1e3 - 5.0
     workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})
     (warning,) = estimate_parameters(run(), CASE.model_copy(update={"workspace": workspace})).warnings
-    assert re.match(rf"lines \d+ to \d+.*strut \d of .* is outside the workspace of 650 to {longest:g} mm", warning)
+    assert re.match(rf"lines \d+ to \d+.*strut \d .*workspace.*650 to {longest:g} mm", warning)
 
 
 def test_a_motion_without_clock_is_no_list_of_standstills() -> None:
-    with pytest.raises(RecordingError, match=r"no t_s column, yet its \d+ rows .* give recording.clock.period_ms"):
+    with pytest.raises(RecordingError, match=r"no t_s .* \d+ rows .*recording\.clock\.period_ms"):
         estimate_parameters(replace(run(), t=None, trigger=None), CASE)
 
 
@@ -261,7 +261,7 @@ def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated(
     slow = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2000.0))
     recording = replace(simulate_recording(case, slow, np.array([[0.0, 1.0]]), 0, "run.csv"), trigger=None)
     estimate = estimate_parameters(recording, case, 5)
-    assert any("never faster than 1 mm/s" in w for w in estimate.warnings)
+    assert any("1 mm/s" in w for w in estimate.warnings)
     assert estimate.evaluated.samples > 0.99 * 2000 * 20 - 200
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
 
@@ -274,7 +274,7 @@ def test_residuals_that_are_not_white_are_told() -> None:
 
 def test_struts_in_the_wrong_order_are_told() -> None:
     whole = run(1)
-    with pytest.raises(IdentificationError, match="struts 1 and 2, 3 and 4, 5 and 6 are exchanged"):
+    with pytest.raises(IdentificationError, match=r"struts 1 and 2, 3 and 4, 5 and 6\b.*exchanged"):
         estimate_parameters(replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]]), CASE)
 
 
@@ -283,7 +283,7 @@ def test_a_mass_that_is_not_nominal_is_told() -> None:
     told = CASE.model_dump(exclude_defaults=True)
     other = type(CASE).model_validate(told | {"nominal": told["nominal"] | {"mass_kg": 60.0}})
     warnings = estimate_parameters(run(), other).warnings
-    assert any("31.8 kg where nominal.mass_kg is 60 kg, more than a third off" in w for w in warnings)
+    assert any(tells(w, "31.8 kg", "nominal.mass_kg", "60 kg") for w in warnings)
     assert not any("more than a third" in w for w in estimate_parameters(run(), CASE).warnings)
 
 
@@ -318,19 +318,19 @@ def test_a_contact_lasts_at_least_20_ms() -> None:
 def test_forces_in_another_unit_are_told_by_the_mass(unit: str, factor: float) -> None:
     unlimited = CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"range_N": None})})
     recorded = run()
-    with pytest.raises(IdentificationError, match=f"forces seem to be in {unit}; set recording.units.forces") as caught:
+    with pytest.raises(IdentificationError, match=rf"forces .* in {unit}; set recording\.units\.forces") as caught:
         estimate_parameters(replace(recorded, forces=factor * recorded.forces), unlimited)
     one_line(caught.value)
 
 
 def test_a_model_without_inertia_is_no_contact() -> None:
     motion = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0))
-    with pytest.raises(IdentificationError, match="it has no inertia, which moves them in a motion; choose a model"):
+    with pytest.raises(IdentificationError, match=r"no inertia.*choose a model"):
         estimate_parameters(simulate_recording(CASE, motion, np.array([[0.2, 3.8]]), 1), CASE, 3)
 
 
 def test_a_clock_in_another_unit_is_named() -> None:
     recorded = run()
     assert recorded.t is not None
-    with pytest.raises(RecordingError, match=r"1 s apart seem to be in ms: set recording.clock.unit = 'ms'"):
+    with pytest.raises(RecordingError, match=r"1 s apart .*ms: .*recording\.clock\.unit = 'ms'"):
         estimate_parameters(replace(recorded, t=1e3 * recorded.t), CASE)

@@ -131,7 +131,7 @@ def test_a_result_of_version_0_1_has_its_sentences_as_findings(saved: Result, tm
 
 
 def test_a_tare_in_motion_is_refused(saved: Result) -> None:
-    with pytest.raises(IdentificationError, match=r"run.csv: struts move by .* mm, at most 0.1 mm"):
+    with pytest.raises(IdentificationError, match=r"run\.csv: struts .* mm, at most 0\.1 mm"):
         tare(recorded(), saved)
 
 
@@ -151,14 +151,14 @@ def test_the_payload_is_the_body_that_was_added(saved: Result) -> None:
 
 
 def test_one_recording_is_not_taken_for_two(saved: Result) -> None:
-    with pytest.raises(IdentificationError, match="is named twice; name the result without") as caught:
+    with pytest.raises(IdentificationError, match=r"named twice; .*without") as caught:
         require_two(saved, saved)
     one_line(caught.value)
     first, again, other = (
         replace(saved, file=Path(name), record=saved.record | {"inputs": [{"file": name, "sha256": content}]})
         for name, content in (("a", "5e6f"), ("copy/result.json", "5e6f"), ("after", "7a8b"))
     )
-    with pytest.raises(IdentificationError, match="is of the same recording as") as caught:
+    with pytest.raises(IdentificationError, match="same recording as") as caught:
         require_two(first, again)
     one_line(caught.value)
     require_two(first, other)
@@ -230,7 +230,7 @@ def test_a_damaged_result_is_named(
 
 
 def test_parameters_of_another_case_are_refused(saved: Result) -> None:
-    with pytest.raises(HexciteError, match="parameters of case hexapod, not ft_wrist"):
+    with pytest.raises(HexciteError, match=r"case hexapod, not ft_wrist"):
         Result.load(Path(saved.source), load_case("ft_wrist"))
 
 
@@ -265,7 +265,7 @@ def test_warnings_and_findings_belong_together(saved: Result, tmp_path: Path) ->
 
 
 def test_a_unit_changed_by_hand_is_noticed(saved: Result, tmp_path: Path) -> None:
-    with pytest.raises(FileProblem, match=r"unit of xC is mm, not m: changed by hand; identify again"):
+    with pytest.raises(FileProblem, match=r"unit of xC .*mm, not m\b.*identify again"):
         Result.load(damaged(saved, tmp_path, ("parameters", "xC", "unit"), "mm"), CASE)
 
 
@@ -273,7 +273,7 @@ def test_a_case_of_ones_own_is_looked_at_too(saved: Result, tmp_path: Path) -> N
     file = damaged(saved, tmp_path, (KEPT,), result_basis(CASE))
     sensors = CASE.sensors.model_copy(update={"force_noise_N": 2.0})
     changed = CASE.model_copy(update={"sensors": sensors})
-    with pytest.raises(FileProblem, match=r"result.json: case hexapod .*sensors.force_noise_N was .*stale"):
+    with pytest.raises(FileProblem, match=r"result\.json: case hexapod .*sensors\.force_noise_N .*stale"):
         Result.load(file, changed)
     (remark,) = Result.load(file, changed, stale=True).remarks
     assert remark.startswith("stale: ")
@@ -282,5 +282,5 @@ def test_a_case_of_ones_own_is_looked_at_too(saved: Result, tmp_path: Path) -> N
 def test_damage_of_what_the_run_determined_is_named(saved: Result, tmp_path: Path) -> None:
     saved.save(tmp_path / "result")
     (tmp_path / "result" / "identifiability.json").write_text('{"names": ["m"]}')
-    with pytest.raises(FileProblem, match=r"identifiability.json: entry 'correlation' is missing .*identify again"):
+    with pytest.raises(FileProblem, match=r"identifiability\.json: .*'correlation'.*missing.*identify again"):
         Result.load(tmp_path / "result", CASE)

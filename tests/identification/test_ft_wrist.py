@@ -12,7 +12,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.identify import estimate_parameters
 from identification.recording import Recording, read
-from tests.helpers import few, one_line
+from tests.helpers import few, one_line, tells
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
 OFFSETS = [9.0765, -1.0181, 9.9848, 0.4325, -0.6916, -0.1570]
@@ -72,7 +72,7 @@ def test_offsets_carry_the_unit_of_their_channel(recording: Recording) -> None:
 
 
 def test_the_wrong_sense_is_told_by_a_negative_mass(recording: Recording) -> None:
-    with pytest.raises(IdentificationError, match=r"signs of all force channels are turned: .*sense") as caught:
+    with pytest.raises(IdentificationError, match=r"all force channels.*sense") as caught:
         estimate_parameters(recording, with_sense("sensor_on_load"))
     one_line(caught.value)
 
@@ -120,7 +120,7 @@ def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
     run = replace(whole, t=whole.t[keep], forces=whole.forces[keep], others=others)
     sound, estimate = estimate_parameters(whole, CASE), estimate_parameters(run, CASE)
     assert sound.evaluated.samples - estimate.evaluated.samples > 0.3 * 690
-    assert sum("samples are missing; no filter reaches across" in w for w in estimate.warnings) == 2
+    assert sum(tells(w, "samples are missing", "no filter") for w in estimate.warnings) == 2
     mass, before = estimate.physical["m"], sound.physical["m"]
     assert abs(mass.value - before.value) < 2.0 * before.reported
     assert abs(mass.value - 0.932) < 1.96 * mass.reported

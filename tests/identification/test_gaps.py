@@ -19,7 +19,7 @@ from identification.result import Estimate
 from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, few, one_line
+from tests.helpers import Harmonic, few, one_line, tells
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -109,7 +109,7 @@ def test_damage_costs_itself_and_the_filters_reach(
     assert all(any(w.startswith(text) for w in estimate.warnings) for text in says)
     (share,) = [w for w in estimate.warnings if "of the motion is left out" in w]
     assert float(share.split(" %")[0]) == pytest.approx(100 * (lost + 2 * MARGIN) / 3.6, abs=0.6)
-    assert "0.141 s on either side, as far as the filter reaches" in share
+    assert tells(share, "0.141 s", "filter")
 
 
 def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[str], tmp_path: Path) -> None:
@@ -154,7 +154,7 @@ def test_places_of_samples_count_what_is_missing(lines: list[str], tmp_path: Pat
 @pytest.mark.parametrize("edit", [without(600, 3500), emptied(1200, 2700), emptied(30, 1300, 5)])
 def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines: list[str], tmp_path: Path) -> None:
     file = damaged(lines, tmp_path, edit)
-    with pytest.raises(RecordingError, match=r"at most (30|50) % may be") as caught:
+    with pytest.raises(RecordingError, match=r"at most (30|50) %") as caught:
         identified(file)
     assert one_line(caught.value).startswith(str(file))
 
@@ -173,5 +173,5 @@ def test_periods_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) ->
     from identification.samples import Conditioning
 
     recording = read(damaged(lines, tmp_path, without(1500, 1580)), CASE)
-    with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave period out"):
+    with pytest.raises(RecordingError, match=r"line 1500: .*missing.*leave period out"):
         estimate_parameters(recording, CASE, conditioning=Conditioning(True))

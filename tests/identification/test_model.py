@@ -32,7 +32,7 @@ def test_table_2_has_ten_models() -> None:
 
 @pytest.mark.parametrize("number", [-1, 10])
 def test_another_number_is_answered_with_the_choices(number: int) -> None:
-    with pytest.raises(IdentificationError, match=f"model {number} .*choose 0, 1, 2, 3, 4, 5, 6, 7, 8, 9") as caught:
+    with pytest.raises(IdentificationError, match=rf"model {number}\b.*choose 0, 1, 2, 3, 4, 5, 6, 7, 8, 9") as caught:
         identification_model(CASE, number)
     one_line(caught.value)
 

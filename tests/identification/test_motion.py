@@ -113,7 +113,7 @@ def test_samples_are_even_include_both_ends_and_are_no_rarer_than_asked(duration
 
 
 def test_arrays_of_a_motion_must_belong_together_and_cannot_be_changed() -> None:
-    with pytest.raises(ValueError, match=r"rates has shape \(2, 6\), expected \(3, 6\)"):
+    with pytest.raises(ValueError, match=r"rates .*\(2, 6\).*\(3, 6\)"):
         Motion(np.zeros(3), np.zeros((3, 6)), np.zeros((2, 6)), np.zeros((3, 6)), np.zeros((3, 6)))
     motion = Harmonic().at([0.0, 1.0])
     for order in ORDERS:

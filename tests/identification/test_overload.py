@@ -56,5 +56,5 @@ def test_sensors_that_are_too_weak_for_a_payload_are_named(hexapod_case: Case):
 
 
 def test_more_payloads_than_the_case_has_are_refused(hexapod_case: Case):
-    with pytest.raises(CaseError, match=r"payloads\.weights: are 5; 6 cannot be mounted"):
+    with pytest.raises(CaseError, match=r"payloads\.weights: .*\b5; 6\b"):
         hexapod_case.body(6)

@@ -65,7 +65,7 @@ def test_columns_may_have_other_names_and_any_order(tmp_path: Path, recording: R
     back = read(file, hexapod_case.model_copy(update={"recording": recorded}))
     np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)
     np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
-    with pytest.raises(RecordingError, match=r"column l1_mm is missing; it has .*q\[0\]"):
+    with pytest.raises(RecordingError, match=r"l1_mm .*missing.*q\[0\]"):
         read(file, hexapod_case)
 
 
@@ -130,9 +130,9 @@ def test_a_gap_is_counted_and_does_not_change_the_step(recording: Recording) -> 
 def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None:
     late = recording.t.copy()
     late[700] += 0.0003
-    with pytest.raises(RecordingError, match=r"line 702, t_s: step of 1.3 ms where the run has 1 ms") as caught:
+    with pytest.raises(RecordingError, match=r"line 702, t_s: .*1\.3 ms .*\b1 ms") as caught:
         _ = replace(recording, t=late).step
-    assert "export the run at one rate" in one_line(caught.value)
+    assert "at one rate" in one_line(caught.value)
 
 
 def test_rounded_time_stamps_count_as_even(recording: Recording) -> None:
@@ -146,7 +146,7 @@ def test_a_clock_may_tremble_by_a_few_percent_of_a_step(recording: Recording, ji
     if even:
         assert replace(recording, t=trembling).step == pytest.approx(1e-3)
         return
-    with pytest.raises(RecordingError, match=r"line 402, t_s: step of 1.2 ms where the run has 1 ms"):
+    with pytest.raises(RecordingError, match=r"line 402, t_s: .*1\.2 ms .*\b1 ms"):
         _ = replace(recording, t=trembling).step
 
 
@@ -170,7 +170,7 @@ def test_a_trigger_may_be_a_voltage_with_noise(tmp_path: Path, recording: Record
     np.testing.assert_array_equal(read(file, hexapod_case).trigger, recording.trigger)
     voltage[400] = f"{rows[400].rpartition(',')[0]},2.4"
     file.write_text("\n".join([header, *voltage]) + "\n")
-    with pytest.raises(RecordingError, match=r"line \d+, trigger: .*more than two levels") as caught:
+    with pytest.raises(RecordingError, match=r"line \d+, trigger: .*two levels") as caught:
         read(file, hexapod_case)
     one_line(caught.value)
 

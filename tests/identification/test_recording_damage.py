@@ -120,7 +120,7 @@ def name_too_long(folder: Path) -> Path:
 
 @pytest.mark.parametrize("place", [not_there, empty_folder, folder_instead_of_file, link_to_itself, name_too_long])
 def test_a_place_that_holds_no_readable_file_is_named(place: Callable[[Path], Path], tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match=r"cannot be read .*give a recording's CSV or folder") as caught:
+    with pytest.raises(RecordingError, match=r"cannot be read .*CSV or folder") as caught:
         read(place(tmp_path), CASE)
     assert str(tmp_path) in one_line(caught.value)
 
@@ -137,8 +137,6 @@ def test_what_is_no_rotation_matrix_is_named(damage: str, tmp_path: Path, wrist_
     header = ["fx", "fy", "fz", "tx", "ty", "tz", *ROTATION]
     file = tmp_path / "run.csv"
     file.write_bytes(csv([header, *([["1.0"] * 6 + m for m in (good, good, bad, good)])]))
-    with pytest.raises(
-        RecordingError, match=r", line 4, r11..r33: not a rotation matrix .*check order and sign"
-    ) as caught:
+    with pytest.raises(RecordingError, match=r", line 4, r11\.\.r33: .*rotation.*order and sign") as caught:
         read(file, wrist_case)
     one_line(caught.value)

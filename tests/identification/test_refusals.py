@@ -128,7 +128,7 @@ def test_the_highest_cutoff_that_is_named_is_taken() -> None:
 
 
 def test_another_model_is_answered_with_the_choices() -> None:
-    with pytest.raises(IdentificationError, match=r"model 10 .*choose 0, 1, 2"):
+    with pytest.raises(IdentificationError, match=r"model 10\b.*choose 0, 1, 2"):
         estimate_parameters(RUN, CASE, 10)
 
 
@@ -147,6 +147,6 @@ def place(error: BaseException) -> int:
 @pytest.mark.parametrize(("recording", "reach"), [(RUN, 110), (STILL, 0)], ids=["moving", "standstills"])
 def test_struts_that_cannot_close_are_named_by_their_place_in_the_recording(recording: Recording, reach: int) -> None:
     """Rows from 1000 on are impossible; in a moving run the filter smears them by its own length."""
-    with pytest.raises(IdentificationError, match="no pose has the strut lengths") as caught:
+    with pytest.raises(IdentificationError, match=r"no pose.*strut lengths") as caught:
         estimate_parameters(with_struts(jam, recording), CASE)
     assert abs(place(caught.value) - 1000) <= reach

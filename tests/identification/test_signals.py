@@ -89,6 +89,6 @@ def test_a_signal_played_backwards_is_filtered_backwards() -> None:
 
 @pytest.mark.parametrize("count", [1, MARGIN, 2 * MARGIN + 1])
 def test_a_signal_shorter_than_the_filter_is_refused(count: int) -> None:
-    with pytest.raises(RecordingError, match=f"{count} samples are too few for a 40 Hz filter") as caught:
+    with pytest.raises(RecordingError, match=rf"\b{count} samples.* 40 Hz") as caught:
         LOW_PASS.apply(np.zeros((count, 6)))
     assert "record longer" in one_line(caught.value)

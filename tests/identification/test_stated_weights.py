@@ -123,11 +123,11 @@ def test_a_known_mass_and_a_real_body_go_with_stated_weights() -> None:
 
 def test_weights_that_cannot_be_are_refused() -> None:
     recording = runs(CASE, 1)[0]
-    with pytest.raises(IdentificationError, match=r"the case states no noise; give sensors\.force_noise_N"):
+    with pytest.raises(IdentificationError, match=r"no noise; .*sensors\.force_noise_N"):
         estimate_parameters(recording, BARE, how=method(weights="stated"))
     with pytest.raises(IdentificationError, match="robust finds its own"):
         estimate_parameters(recording, CASE, how=method("robust", weights="stated"))
-    with pytest.raises(IdentificationError, match="weights 'best' are unknown; choose equal, per_channel"):
+    with pytest.raises(IdentificationError, match=r"weights 'best'.*choose equal, per_channel"):
         method(weights="best")
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import hexcite as hx
+from tests.helpers import tells
 from tests.planner.command_line import call, refused
 
 Rows = list[list[str]]
@@ -99,9 +100,9 @@ def test_a_run_with_gaps_and_nothing_in_some_rows_is_identified(shared: Path, ch
     file.write_text("\n".join(lines) + "\n")
     found = call("identify", file, "--case", "hexapod", "-o", tmp_path / "result", "--json").json()
     warnings = " / ".join(found["warnings"])
-    assert f"lines {middle + 1} to {middle + 20}: no measured value in f5_N, f6_N; left out" in warnings
-    assert f"behind line {middle + 1000}: 100 samples are missing; no filter reaches across" in warnings
-    assert "% of the motion is left out" in warnings
+    assert tells(warnings, f"lines {middle + 1} to {middle + 20}: ", "f5_N, f6_N", "left out")
+    assert tells(warnings, f"line {middle + 1000}: 100 samples", "no filter")
+    assert tells(warnings, " %", "left out")
     sound = chain["identify"]["parameters"]
     for name, value in found["parameters"].items():
         assert abs(value["value"] - sound[name]["value"]) < 3.0 * sound[name]["std_robust"], name

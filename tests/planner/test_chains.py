@@ -185,7 +185,7 @@ def test_a_chain_that_turns_about_one_axis_names_what_it_cannot_identify():
     data["machine"]["chain"]["joints"] = data["machine"]["chain"]["joints"][:1]
     data["limits"]["motion"]["joints"] = data["limits"]["motion"]["joints"][:1]
     upright = Case.model_validate(data).found_at("ur10_wrist")  # it turns about the vertical alone
-    with pytest.raises(HexciteError, match=r"no motion in this box determines .*mzC"):
+    with pytest.raises(HexciteError, match=r"no motion.* determines .*mzC"):
         make(Request(Fourier(order=3), 4.0, starts=1, model=6), upright, silent, run_here)
 
 
@@ -204,7 +204,7 @@ def test_languages_of_hexapods_are_refused_in_one_line(dialect: str, plans: Plan
 
 def test_a_plan_of_other_joints_is_refused(plans: Plans, tmp_path: Path):
     plans[6].save(tmp_path / "six")
-    with pytest.raises(HexciteError, match="does not have the 7 coordinates"):
+    with pytest.raises(HexciteError, match="not have the 7 coordinates"):
         Plan.load(tmp_path / "six", chain_case(7))
 
 

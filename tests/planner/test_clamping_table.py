@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
+from tests.helpers import tells
 from tests.planner.command_line import call, refused
 
 CASE = load_case("clamping_table")
@@ -56,7 +57,7 @@ def test_two_standstills_weigh_the_payload_and_refuse_its_height_by_name(results
     assert list(p) == ["m", "xC", "yC"]
     for name, truth in (("m", MASS), ("xC", CENTRE[0]), ("yC", CENTRE[1])):
         assert abs(p[name]["value"] - truth) < 4.0 * p[name]["std"], name
-    assert any(w.startswith("zC not determined: gravity acts along it") for w in answer["warnings"])
+    assert any(tells(w, "zC not determined", "gravity") for w in answer["warnings"])
     assert len(answer["warnings"]) == 1
 
 
@@ -85,7 +86,7 @@ def test_a_change_that_is_no_weight_is_told(results: tuple[Path, Path], tmp_path
 
 def test_the_same_table_twice_is_no_payload(results: tuple[Path, Path]) -> None:
     reason = refused("payload", results[0], results[0], "--case", "clamping_table")
-    assert "is named twice; name the result without the payload" in reason
+    assert tells(reason, "named twice", "without the payload")
 
 
 def test_external_force_and_tare(results: tuple[Path, Path], tmp_path: Path) -> None:
@@ -101,7 +102,7 @@ def test_external_force_and_tare(results: tuple[Path, Path], tmp_path: Path) -> 
 
 def test_a_moving_plan_is_refused_with_the_reason(tmp_path: Path) -> None:
     line = refused("plan", "clamping_table", "-o", tmp_path / "plan")
-    assert "setup: is 1a, a sensor frame that does not move" in line
+    assert tells(line, "setup: is 1a", "not move")
     assert "hexcite tare" in line
 
 
@@ -109,4 +110,4 @@ def test_a_moving_plan_is_refused_with_the_reason(tmp_path: Path) -> None:
 def test_a_model_of_motion_is_refused_with_the_reason(model: int, tmp_path: Path) -> None:
     file = record(tmp_path / "empty.csv", OFFSETS, 0)
     line = refused("identify", file, "--case", "clamping_table", "--model", model, "-o", tmp_path / "r")
-    assert "the sensor frame does not move: only its offsets" in line
+    assert tells(line, "not move", "offsets")

@@ -19,7 +19,7 @@ from planner.plan_folder import fingerprint_of
 from planner.plan_program import plan_of_program
 from planner.reports.compare import coloured
 from postprocessors.dialects import DIALECTS
-from tests.helpers import few
+from tests.helpers import few, tells
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused
 
@@ -64,7 +64,7 @@ def test_a_long_measurement_may_be_best_and_yet_not_per_second(hexapod_case: Cas
     long, short = entry(hexapod_case, "long", 0.10, 1200.0), entry(hexapod_case, "short", 0.20, 12.0)
     advice = recommend([[long], [short]])
     assert advice.best == "long"
-    assert "per second of measuring time short carries most information" in advice.sentences
+    assert any(tells(sentence, "per second", "short ") for sentence in advice.sentences)
 
 
 def test_what_one_does_not_determine_is_said_and_not_compared(hexapod_case: Case):
@@ -185,10 +185,11 @@ def test_warnings_of_the_best_are_told_with_the_best_without(hexapod_case: Case)
     assert not any("warnings" in s for s in recommend([[a], [b]]).sentences)
     advice = recommend([[doubtful], [b]])
     assert advice.best == "a"
-    assert advice.sentences[1] == "see to the warnings of a before you rely on it; without warnings the best is b"
+    assert tells(advice.sentences[1], "warnings of a ", "without warnings", " b")
     assert warnings_of([doubtful, b]) == ("a: contact in rows 3 to 9",)
     both = recommend([[doubtful], [replace(b, warnings=("drift",))]])
-    assert both.sentences[1] == "see to the warnings of a before you rely on it"
+    assert tells(both.sentences[1], "warnings of a ")
+    assert "without warnings" not in both.sentences[1]
 
 
 @pytest.mark.parametrize(
@@ -205,7 +206,7 @@ def test_nothing_is_recommended_across_machines_loads_or_noise(
     a, b, c = (entry(hexapod_case, n, std, 12.0) for n, std in (("a", 0.1), ("b", 0.2), ("c", 0.3)))
     alone = recommend([[changed(a, **one)], [changed(b, **other)]])
     assert (alone.best, alone.ratios) == (None, {})
-    assert "none is preferred across them: a (case hexapod" in alone.sentences[0]
+    assert tells(alone.sentences[0], "none is preferred", "a (case hexapod")
     advice = recommend([[changed(a, **one)], [changed(b, **other)], [changed(c, **other)]])
     assert advice.best == "b"
     assert set(advice.ratios) == {"b", "c"}
@@ -268,8 +269,8 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
     assert [e.conditions.case.name for e in entries] == ["mine", "mine"]
     assert entries[0].duration == pytest.approx(chain["run"]["duration_s"], abs=0.05)
     hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"))
-    assert "has changed since: sensors.range_N was 5000, is 6000" in refused(
-        "compare", *results, "-o", hexapod_file.parent / "c"
+    assert tells(
+        refused("compare", *results, "-o", hexapod_file.parent / "c"), "changed", "sensors.range_N was 5000, is 6000"
     )
 
 
@@ -288,14 +289,16 @@ def test_units_stand_in_the_tables(chain: Chain, shared: Path, tmp_path: Path):
 
 
 def test_what_cannot_be_compared_is_refused(chain: Chain, shared: Path, tmp_path: Path):
-    assert "holds no plan, run or result" in refused("compare", tmp_path, "-o", tmp_path / "c")
+    assert "no plan, run or result" in refused("compare", tmp_path, "-o", tmp_path / "c")
     assert "nowhere: does not exist" in refused("compare", tmp_path / "nowhere", "-o", tmp_path / "c")
     assert "is a file" in refused("compare", shared / "excitation.ngc", "-o", tmp_path / "c")
     call("compare", shared / "plan", shared / "result", "-o", tmp_path / "old")
     assert "old: is a comparison" in refused("compare", tmp_path / "old", "-o", tmp_path / "c")
     nameless = shutil.copytree(shared / "recording", tmp_path / "nameless")
     (nameless / "recording.json").write_text("{}")
-    assert "recording.json: names no case; run the program again" in refused("compare", nameless, "-o", tmp_path / "c")
+    assert tells(
+        refused("compare", nameless, "-o", tmp_path / "c"), "recording.json: ", "no case", "run the program again"
+    )
     (nameless / "recording.json").write_text('{"case_file": "hexapod", "case_hash": "0"}')
     assert "case hexapod has changed since" in refused("compare", nameless, "-o", tmp_path / "c")
     assert "named twice" in refused("compare", shared / "plan", shared / "plan", "-o", tmp_path / "c")

@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from planner.precision import value_text
+from tests.helpers import tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 
@@ -132,4 +133,4 @@ def test_the_page_opens_in_a_browser(browser: Browser, demo: dict[str, Any]):
 
 def test_the_page_counts_the_truths_inside_their_intervals(page: Page, demo: dict[str, Any]):
     inside = sum(abs(r["error"]) <= 1.96 * r["std"] for r in demo["truth"])
-    assert f"{inside} of 20 truths lie in the 95 % interval" in page.text
+    assert tells(page.text, f"{inside} of 20 truths", "95 %")

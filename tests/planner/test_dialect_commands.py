@@ -11,6 +11,7 @@ from planner.cli.programs import exceeded_sentence
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading
 from postprocessors.setpoints import write_csv, write_parquet
+from tests.helpers import tells
 from tests.planner.command_line import call, refused
 from tests.postprocessors.other_dialects import BOTH, SINUMERIK, TWINCAT, Typed, smooth_points
 from tests.postprocessors.test_setpoints import CASE, moves
@@ -38,11 +39,11 @@ def test_a_program_is_checked_by_its_ending_and_by_the_name_of_its_language(type
 
 def test_the_wrong_language_is_refused_with_its_first_strange_word(tmp_path: Path):
     file = written(TWINCAT, tmp_path, "nc")
-    assert "line 1, column 1: cannot read '%TEST'" in refused(
-        "check", file, "--case", "hexapod", "--dialect", "sinumerik"
-    )
-    assert "'fanuc' is unknown; choose linuxcnc, sinumerik, twincat, setpoints" in refused(
-        "check", file, "--case", "hexapod", "--dialect", "fanuc"
+    assert tells(refused("check", file, "--case", "hexapod", "--dialect", "sinumerik"), "line 1, column 1: ", "'%TEST'")
+    assert tells(
+        refused("check", file, "--case", "hexapod", "--dialect", "fanuc"),
+        "'fanuc'",
+        "choose linuxcnc, sinumerik, twincat, setpoints",
     )
 
 
@@ -58,7 +59,7 @@ def test_tables_are_checked_in_both_forms(write, ending: str, tmp_path: Path):
 def test_a_table_that_is_something_else_is_refused(tmp_path: Path):
     file = tmp_path / "recording.csv"
     file.write_text("t_s,l1_mm\n0,1\n")
-    assert "the columns are not t_s,x_mm,..,trigger" in refused("check", file, "--case", "hexapod")
+    assert tells(refused("check", file, "--case", "hexapod"), "columns", "t_s,x_mm,..,trigger")
 
 
 def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
@@ -67,7 +68,7 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
     case = tmp_path / "case.toml"
     case.write_text(text[:start] + text[end:], encoding="utf-8")
     line = refused("check", written(TWINCAT, tmp_path, "nc"), "--case", case)
-    assert "controller.twincat: is missing; the dialect twincat needs it: add the table" in line
+    assert tells(line, "controller.twincat: ", "missing", "add the table")
 
 
 @pytest.mark.parametrize("real", [False, True])
@@ -76,9 +77,7 @@ def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the
     guarantees = twincat_guarantees(Reading("p", (), 0), CASE)
     outcome = SimpleNamespace(run=SimpleNamespace(real=real), guarantees=guarantees)
     (sentence,) = exceeded_sentence({LimitKind.ANGULAR_VELOCITY: 1.0, LimitKind.STRUT_ACCELERATION: 1.03}, outcome)
-    assert sentence.startswith(
-        "EXCEEDED BY THE CONTROLLER" if real else "exceeded by the built-in controller only: strut acc"
-    )
+    assert tells(sentence, *(("EXCEEDED BY THE CONTROLLER",) if real else ("exceeded by", "built-in", ": strut acc")))
     assert ("TwinCAT keeps it itself" in sentence) is not real
     assert list(exceeded_sentence({LimitKind.JERK: 1.005}, outcome)) == []
 

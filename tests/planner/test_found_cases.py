@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases
+from tests.helpers import tells
 from tests.planner.command_line import call, refused
 
 
@@ -40,7 +41,7 @@ def test_results_know_their_case(mine: Path, shared: Path, tmp_path: Path, hexap
     data = json.loads((again / "result.json").read_text())
     (again / "result.json").write_text(json.dumps(data | {"inputs": []}))
     assert "not by a payload" in refused("payload", mine, again)  # found, read and compared
-    assert "parameters of case mine, not hexapod" in refused("export", mine, "--to", "c", "--case", "hexapod")
+    assert "case mine, not hexapod" in refused("export", mine, "--to", "c", "--case", "hexapod")
 
 
 def test_a_case_that_changed_is_refused_by_key_and_stale_stays_written(
@@ -113,7 +114,7 @@ def test_the_case_of_a_plan_can_be_named_and_is_compared(shared: Path, tmp_path:
         ("retime", plan, "--method", "ipopt"),
         ("compare", plan, "-o", tmp_path / "b"),
     ):
-        assert "name the case file with --case" in refused(*words)
+        assert "with --case" in refused(*words)
         hexapod_file.write_text(text.replace("range_N = 5000.0", "range_N = 6000.0"), encoding="utf-8")
         line = refused(*words, "--case", hexapod_file)
         assert "sensors.range_N was 5000, is 6000" in line
@@ -125,5 +126,5 @@ def test_the_case_of_a_plan_can_be_named_and_is_compared(shared: Path, tmp_path:
 def test_a_case_that_is_gone_can_be_named(mine: Path, tmp_path: Path, hexapod_file: Path) -> None:
     moved = tmp_path / "moved.toml"
     hexapod_file.rename(moved)
-    assert "no such case; name the case file with --case" in refused("export", mine, "--to", "json", "--force")
+    assert tells(refused("export", mine, "--to", "json", "--force"), "no such case", "--case")
     call("export", mine, "--to", "json", "--force", "--case", moved, "-o", tmp_path / "m.json", "--json").json()

@@ -11,7 +11,7 @@ from cases.loading import built_in_cases, load_case
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, few
+from tests.helpers import Harmonic, few, tells
 from tests.planner.command_line import call, refused
 from tests.simulated_machine import PoseExecution
 
@@ -109,7 +109,7 @@ def test_error_terms_replace_those_of_the_model_and_serve_other_commands(
 
 def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
     shown = call("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "result", "--fix", "m=31.83kg").out
-    assert "+- is the larger of std by (28)" in shown
+    assert "larger of std by (28)" in shown
     assert next(line for line in shown.splitlines() if "(m)" in line).split()[3] == "given"
 
 
@@ -145,7 +145,7 @@ def test_a_run_to_verify_on_that_is_not_there_is_told_before_a_result_is_written
 
 def test_two_files_of_one_kind_are_refused(run: Path, tmp_path: Path) -> None:
     line = refused("identify", run / "run.csv", run / "forces.csv", "--case", "hexapod", "-o", tmp_path / "r")
-    assert "give the files of one run" in line
+    assert "files of one run" in line
 
 
 def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp_path: Path) -> None:
@@ -154,10 +154,8 @@ def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
     words = ("identify", run / "run.csv", "--case", tmp_path / "case.toml", "-o", tmp_path / "result")
     printed = " ".join(call(*words).out.split())
-    assert re.search(
-        r"s0\^2 consists of: noise of force sensors [\d.]+ %, of accelerations 0\.\d+ %, unexplained", printed
-    )
-    assert re.search(r"biases parameters by at most \S+ of their \+-", printed)
+    assert re.search(r"s0\^2 .*force sensors [\d.]+ %, .*accelerations 0\.\d+ %, unexplained", printed)
+    assert re.search(r"biases .*at most \S+ .*\+-", printed)
     saved = json.loads((tmp_path / "result" / "result.json").read_text())
     assert saved["noise_sources"]["force_sensors"] == pytest.approx(1.0, abs=0.15)
     assert set(saved["attenuation"]) == set(saved["parameters"])
@@ -174,4 +172,4 @@ def test_weights_are_chosen_by_name_and_follow_from_the_noise_that_the_case_stat
     assert saved["noise_sources"]["accelerations"] > 0.2
     plain = ("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "r", "--weights")
     assert "give sensors.force_noise_N and acceleration_noise_m_s2" in refused(*plain, "stated")
-    assert "weights 'mine' are unknown; choose equal, per_channel, per_unit, stated" in refused(*plain, "mine")
+    assert tells(refused(*plain, "mine"), "weights 'mine'", "choose equal, per_channel, per_unit, stated")

@@ -31,7 +31,7 @@ def family(case: Case) -> FourierFamily:
 )
 def test_a_home_out_of_reach_makes_every_motion_infeasible(key: str, value: object, limit: str, hexapod_case: Case):
     case = changed(hexapod_case, **{key: value})
-    with pytest.raises(InfeasiblePlan, match=rf"no feasible motion: {limit} .* reaches .*, limit .*; widen") as caught:
+    with pytest.raises(InfeasiblePlan, match=rf"{limit} .*reaches .+, limit .+; widen") as caught:
         run_start(Task(case, 0, family(case), "D", seed=1))
     one_line(caught.value)
 
@@ -78,5 +78,5 @@ def test_an_error_in_a_worker_reaches_the_user_as_it_was(error: HexciteError):
 
 
 def test_a_model_that_the_case_does_not_have_is_no_matter_of_the_solver(hexapod_case: Case):
-    with pytest.raises(HexciteError, match="model 42 is not one of Table 2"):
+    with pytest.raises(HexciteError, match=r"model 42 .*Table 2"):
         identification_model(hexapod_case, 42)

@@ -25,7 +25,7 @@ from planner.families.settings import FAMILIES
 from planner.plans import Plan
 from planner.request import PoseMethod, PoseRequest, Request
 from planner.search import parallel
-from tests.helpers import one_line
+from tests.helpers import one_line, tells
 from tests.planner.command_line import refused
 
 README = Path(__file__).parents[2] / "README.md"
@@ -48,7 +48,7 @@ def folder(lines: str, cache: Path, tmp_path_factory: pytest.TempPathFactory) ->
     script.write_text(lines, encoding="utf-8")
     run = subprocess.run([sys.executable, script], cwd=folder, capture_output=True, text=True, timeout=1200)
     assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout.startswith("Plan for hexapod: ptp motion, 2.00 s")  # print(plan), once: workers run no script
+    assert tells(run.stdout, "Plan for hexapod", "2.00 s")  # print(plan), once: workers run no script
     assert run.stdout.count("D-efficiency") == 1
     return folder
 
@@ -67,7 +67,7 @@ def test_the_door_opens_without_loading_what_is_behind_it():
 
 def test_every_name_of_the_door_is_there():
     assert [name for name in dir(hx) if getattr(hx, name) is None] == []
-    with pytest.raises(AttributeError, match=r"hexcite has no plans; it has .*plan"):
+    with pytest.raises(AttributeError, match=r"no plans; .*\bplan\b"):
         _ = hx.plans
 
 

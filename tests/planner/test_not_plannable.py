@@ -134,7 +134,7 @@ def test_limits_that_forbid_even_to_stand_are_named_before_planning_begins(
 
 def test_a_box_around_the_start_is_to_be_made_smaller(hexapod_case: Case):
     case = changed(hexapod_case, workspace__keep_out=[BEHIND_HOME])
-    with pytest.raises(InfeasiblePlan, match=r"distance from vice \(origin\) .* workspace.keep_out smaller") as caught:
+    with pytest.raises(InfeasiblePlan, match=r"distance from vice \(origin\) .*workspace\.keep_out") as caught:
         require_plannable(Request(), case)
     one_line(caught.value)
 
@@ -172,9 +172,7 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
     softer = changed(
         hexapod_case, limits__motion__jerk_m_s3=[50.0] * 3, limits__motion__angular_jerk_rad_s3=[100.0] * 3
     )
-    with pytest.raises(
-        HexciteError, match=r"4 s is too short for 40 moves: .* 0.2 s .* at least 8 s, or moves 20"
-    ) as caught:
+    with pytest.raises(HexciteError, match=r"\b4 s .*40 moves: .*0\.2 s .*at least 8 s, .*moves 20") as caught:
         require_plannable(request, softer)
     one_line(caught.value)
 
@@ -182,7 +180,7 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
     require_plannable(Request(Fourier(period=0.25), duration=0.25), hexapod_case)
     case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
-    with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation passes up to 5 Hz"):
+    with pytest.raises(HexciteError, match=r"order 5 .*20 Hz, .*up to 5 Hz"):
         require_plannable(Request(Fourier(period=0.25), duration=0.25), case)
 
 

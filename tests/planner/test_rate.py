@@ -12,7 +12,7 @@ from identification.identify import estimate_parameters
 from identification.model import identification_model
 from planner.plan_figures import worst_std
 from planner.poses.planned_poses import noise_of_average
-from tests.helpers import Harmonic
+from tests.helpers import Harmonic, tells
 from tests.identification.test_findings import CASE, run
 
 
@@ -36,5 +36,5 @@ def test_a_recording_of_another_rate_says_so() -> None:
     recorded = run()
     slow = replace(recorded, t=recorded.t[::2], struts=recorded.struts[::2], forces=recorded.forces[::2], trigger=None)
     notes = estimate_parameters(slow, CASE).notes
-    assert any("recorded at 500 Hz; predictions assume 1000 Hz" in n and "1.41 times" in n for n in notes)
+    assert any(tells(n, "500 Hz", "1000 Hz") and "1.41 times" in n for n in notes)
     assert not any("predictions assume" in note for note in estimate_parameters(recorded, CASE).notes)

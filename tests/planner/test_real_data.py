@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers import tells
 from tests.planner.command_line import Answer, call, skip_without
 
 FOLDER = Path(__file__).parents[3] / "shared" / "data" / "ft_wrist_ntnu"
@@ -58,7 +59,7 @@ def test_a_moving_run_of_three_clocks_gives_the_mass_and_the_delay_of_the_accele
     assert abs(mass["value"] - 0.932) < 3.0 * max(mass["std"], mass["std_robust"])
     assert answer["parameters"]["zC"]["value"] == pytest.approx(0.0439, abs=0.0005)
     assert -6.6e-3 < answer["delay_s"]["value"] < -4.9e-3
-    assert any("delay estimated in the band up to 33.3 Hz" in n for n in answer["notes"])
+    assert any(tells(n, "delay", "33.3 Hz") for n in answer["notes"])
 
 
 @skip_without(STATIC)
@@ -76,10 +77,10 @@ def test_offsets_of_the_static_set_give_the_moving_run_its_mass_and_what_disagre
     assert abs(mass["value"] - 0.932) < max(mass["std"], mass["std_robust"])
     assert answer["parameters"]["f_q0_1"]["std"] == pytest.approx(0.0279, abs=1e-3)
     told = [w for w in answer["warnings"] if "offsets have drifted" in w]
-    assert told[0].endswith("with offsets of its own the run gives 0.9373 +- 0.0054 kg")
+    assert tells(told[0], "offsets of its own", "0.9373 +- 0.0054 kg")
 
 
 @skip_without(STATIC)
 def test_a_moving_run_without_accelerometer_is_refused(tmp_path: Path):
     answer = identified(("wrench", "orientations"), "-o", tmp_path / "r")
-    assert "needs rotation matrices and an accelerometer" in answer.refusal()
+    assert "rotation matrices and an accelerometer" in answer.refusal()

@@ -20,7 +20,7 @@ def requested(family: str, settings: dict[str, Any]) -> Request:
 
 
 def test_an_unknown_family_is_named_with_those_that_are_known():
-    with pytest.raises(HexciteError, match="family 'chirp' is unknown; choose manual, fourier, ptp, spline"):
+    with pytest.raises(HexciteError, match=r"family 'chirp'.*choose manual, fourier, ptp, spline"):
         family_class("chirp")
 
 
@@ -56,7 +56,7 @@ def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value
 
 def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
     Request(Fourier(order=1, period=3.0), duration=6.0)
-    with pytest.raises(HexciteError, match=r"order 1 needs two periods.*duration 6 or more"):
+    with pytest.raises(HexciteError, match=r"order 1 .*two periods.*duration 6\b"):
         Request(Fourier(order=1, period=3.0), duration=3.0)
 
 
@@ -64,9 +64,7 @@ def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
     ("duration", "chosen"), [(10.0, "choose 9 s"), (1.0, "choose 3 s"), (0.0, "choose 3 s"), (-12.0, "choose 3 s")]
 )
 def test_the_duration_is_a_whole_number_of_stated_periods(duration: float, chosen: str):
-    with pytest.raises(
-        HexciteError, match=f"{duration:g} s is not a whole number of periods of 3 s; {chosen}"
-    ) as caught:
+    with pytest.raises(HexciteError, match=f"{duration:g} s .*periods of 3 s; {chosen}") as caught:
         Request(Fourier(period=3.0), duration=duration)
     one_line(caught.value)
 

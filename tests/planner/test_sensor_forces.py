@@ -22,6 +22,7 @@ from planner.rating import PlannedMotion, notes
 from planner.request import Request
 from planner.search.problem import build_program, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
+from tests.helpers import tells
 from tests.postprocessors.changed_case import changed
 
 MODEL = identification_model(load_case("hexapod"), 0)
@@ -104,4 +105,4 @@ def test_the_plan_says_which_load_bound_it():
     )
     found = PlannedMotion(None, {}, LimitReport((check,)))
     (note,) = notes(found, Request(PointToPoint()), None, {})
-    assert note.startswith("sensor force (sensor 3, 5 payloads) shapes the motion")
+    assert tells(note, "sensor force", "sensor 3", "5 payloads")

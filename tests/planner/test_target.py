@@ -13,7 +13,7 @@ from planner.families.settings import Fourier, Manual, PointToPoint, Spline, fam
 from planner.library import shortest_plan
 from planner.rating import PlannedMotion, notes
 from planner.request import Request, parse_targets
-from tests.helpers import one_line
+from tests.helpers import one_line, tells
 
 
 @dataclass(frozen=True)
@@ -69,12 +69,12 @@ def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapo
     with pytest.raises(InfeasiblePlan) as caught:
         shortest_plan(Request(Spline(), targets=("m=10g",)), hexapod_case, make)
     message = one_line(caught.value)
-    assert "target m=10g is out of reach in 12 s: the best found has 28.9 g; allow duration 104" in message
+    assert tells(message, "m=10g", "12 s", "28.9 g", "allow duration 104")
     assert asked == [12.0]
 
 
 def test_the_duration_that_would_do_is_one_that_the_family_can_have(hexapod_case: Case):
-    with pytest.raises(InfeasiblePlan, match=r"allow duration 105 or a wider target"):  # 35 periods of 3 s
+    with pytest.raises(InfeasiblePlan, match=r"allow duration 105 .*target"):  # 35 periods of 3 s
         shortest_plan(Request(Fourier(period=3.0), targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
 
 
@@ -82,8 +82,8 @@ def test_a_target_that_no_motion_can_meet_is_called_so(hexapod_case: Case):
     with pytest.raises(InfeasiblePlan) as caught:
         shortest_plan(Request(PointToPoint(), targets=("m=1g",)), hexapod_case, planner_with(0.1)[0])
     message = one_line(caught.value)
-    assert "the best found has 28.9 g" in message
-    assert "even the longest motion, 600 s, would not do: set a wider target" in message
+    assert "28.9 g" in message
+    assert tells(message, "600 s", "set a wider target")
 
 
 def test_ctrl_c_in_a_shorter_plan_keeps_the_one_that_meets_the_targets(hexapod_case: Case):
@@ -97,9 +97,7 @@ def test_ctrl_c_in_a_shorter_plan_keeps_the_one_that_meets_the_targets(hexapod_c
 
 def test_ctrl_c_before_the_targets_are_met_says_so_and_nothing_of_reach(hexapod_case: Case):
     request = Request(PointToPoint(), targets=("m=0.05kg",))
-    with pytest.raises(
-        Interrupted, match=r"the best found until then has 0.0577 kg, not m=0.05kg: nothing was written"
-    ):
+    with pytest.raises(Interrupted, match=r"0\.0577 kg, not m=0\.05kg.*nothing was written"):
         shortest_plan(request, hexapod_case, planner_with(0.1, stopped=1)[0])
 
 
@@ -119,7 +117,7 @@ def test_a_plan_tells_what_its_targets_use(hexapod_case: Case):
 @pytest.mark.parametrize(("family", "knots"), [("ptp", ""), ("spline", " knots 150")])
 def test_the_command_that_would_do_is_whole(family: str, knots: str, hexapod_case: Case):
     """Ten knots a second are too many for so long a spline."""
-    with pytest.raises(InfeasiblePlan, match=rf"allow duration 104{knots} or a wider target"):
+    with pytest.raises(InfeasiblePlan, match=rf"allow duration 104{knots} .*target"):
         shortest_plan(Request(family_class(family)(), targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
 
 
@@ -145,7 +143,7 @@ def test_a_target_that_makes_no_sense_is_refused_by_name(word: str, words: str, 
 
 
 def test_a_target_that_is_given_twice_is_refused(hexapod_case: Case):
-    with pytest.raises(HexciteError, match="m=20g: m is given twice"):
+    with pytest.raises(HexciteError, match=r"m=20g: m .*twice"):
         parse_targets(("m=10g", "zC=1mm", "m=20g"), hexapod_case, 9)
 
 
@@ -157,5 +155,5 @@ def test_units_are_turned_into_si(hexapod_case: Case):
 
 
 def test_hand_made_motions_have_no_targets():
-    with pytest.raises(HexciteError, match="targets need a family that is optimised"):
+    with pytest.raises(HexciteError, match=r"targets .*family.*optimised"):
         Request(Manual(), targets=("m=0.05kg",))

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers import tells
 from tests.planner.command_line import refused
 
 KINDS = {
@@ -38,7 +39,7 @@ def test_the_kind_of_a_wrong_folder_and_its_commands_are_named(
 
 def test_a_file_of_a_plan_is_not_its_folder(tmp_path: Path):
     (tmp_path / "plan.json").write_text("{}")
-    assert f"is a file, not a folder; name the folder {tmp_path}" in refused("post", tmp_path / "plan.json")
+    assert tells(refused("post", tmp_path / "plan.json"), "not a folder", f"name the folder {tmp_path}")
 
 
 def test_a_folder_of_nobody_is_called_none(tmp_path: Path):

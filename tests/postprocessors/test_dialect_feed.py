@@ -59,13 +59,13 @@ def test_feed_per_minute_counts_the_way_of_x_y_z(typed: Typed, feed: float, x: f
 @typed_dialects
 def test_where_only_angles_move_the_feed_counts_degrees_and_must_be_told_so(typed: Typed):
     move = f"G1 G60 {typed.angle}10 F3000"
-    with pytest.raises(ProgramError, match=r"F counts A, B, C in this move only after #?FGROUP ?[(\[]A,B,C[)\]]"):
+    with pytest.raises(ProgramError, match=r"F counts A, B, C .*after #?FGROUP ?[(\[]A,B,C[)\]]"):
         typed.parts(move)
     group = "FGROUP(A,B,C)" if typed is SINUMERIK else "#FGROUP [A,B,C]"
     value, linear = last_feed(typed, f"{group}\n{move}")
     assert value == pytest.approx(3000 * DEG / 60)
     assert not linear
-    with pytest.raises(ProgramError, match="F counts X, Y, Z in this move only after"):
+    with pytest.raises(ProgramError, match=r"F counts X, Y, Z .*after"):
         typed.parts(f"{group}\n{move}\nG1 G60 X1")
 
 

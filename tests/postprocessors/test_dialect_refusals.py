@@ -134,7 +134,7 @@ def test_a_word_that_is_not_understood_is_named_with_line_and_column(typed: Type
 
 @both
 def test_without_its_end_a_program_is_not_read(typed: Typed):
-    with pytest.raises(ProgramError, match="no M30 at the end; the file is truncated or not a"):
+    with pytest.raises(ProgramError, match=r"no M30.*truncated"):
         typed.read(typed.head)
 
 
@@ -150,7 +150,7 @@ def test_every_line_of_the_frame_is_needed(typed: Typed):
 
 @both
 def test_characters_that_are_no_ascii_are_named_with_their_column(typed: Typed):
-    with pytest.raises(ProgramError, match="line 2, column 4: character 'é' is not plain ASCII"):
+    with pytest.raises(ProgramError, match=r"line 2, column 4: .*'é'.*ASCII"):
         typed.language.read(b"; a\nG1 \xe9\n", "p", CASE)
 
 
@@ -159,16 +159,14 @@ def test_lines_longer_than_the_controller_takes_are_refused(typed: Typed):
     limit = {"sinumerik": 512, "twincat": 4096}[typed.name]
     fits = "; " + "x" * (limit - 2)
     typed.read(typed.text(f"{fits}\nG1 G60 X1 {typed.angle}1 F3000"))
-    with pytest.raises(ProgramError, match=f"{limit + 1} characters, the controller takes {limit}"):
+    with pytest.raises(ProgramError, match=rf"\b{limit + 1} characters, .*\b{limit}\b"):
         typed.read(typed.text(fits + "x"))
 
 
 @both
 def test_more_blocks_than_the_memory_holds_are_refused(typed: Typed):
     small = changed(CASE, **{f"controller__{typed.name}__most_blocks": 20})
-    with pytest.raises(
-        ProgramError, match=r"more than 20 blocks, .* memory holds \(most_blocks\); make the program shorter"
-    ):
+    with pytest.raises(ProgramError, match=r"20 blocks, .*most_blocks.*shorter"):
         typed.read(typed.text("G1 G60 X1 F300\n" * 20), small)
 
 
@@ -176,7 +174,7 @@ def test_more_blocks_than_the_memory_holds_are_refused(typed: Typed):
 def test_a_case_without_settings_of_a_dialect_is_told_the_missing_table(name: str):
     controller = CASE.controller.model_copy(update={name: None})
     case = CASE.model_copy(update={"controller": controller})
-    with pytest.raises(CaseError, match=rf"case hexapod: controller\.{name}: is missing; the dialect {name} needs it"):
+    with pytest.raises(CaseError, match=rf"case hexapod: controller\.{name}: .*missing.*dialect {name}\b"):
         dialect(name).load().read(b"M30\n", "p", case)
 
 

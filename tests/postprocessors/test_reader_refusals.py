@@ -122,7 +122,7 @@ def test_comments_may_follow_the_end():
 def test_a_line_may_be_as_long_as_the_controller_reads_and_no_longer():
     filled = f"({'x' * (LONGEST_LINE - 2)})"
     read_linuxcnc(typed(filled), "p.ngc")
-    with pytest.raises(ProgramError, match="line 4: 253 characters, the controller takes 252; split it"):
+    with pytest.raises(ProgramError, match=r"line 4: 253 characters, .*252; split"):
         read_linuxcnc(typed(filled.replace("x", "xx", 1)), "p.ngc")
 
 

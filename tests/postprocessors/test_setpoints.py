@@ -176,9 +176,9 @@ def test_a_row_that_is_edited_is_named(row: int, column: str, change, words: str
 
 def test_a_table_for_another_cycle_home_or_machine_is_refused():
     content = write_csv(moves(), CASE)
-    with pytest.raises(ProgramError, match="follow each 4 ms, the case's cycle"):
+    with pytest.raises(ProgramError, match=r"each 4 ms.*cycle"):
         proof(content, COARSE)
-    with pytest.raises(ProgramError, match="z_mm: the table does not begin at home"):
+    with pytest.raises(ProgramError, match=r"z_mm: .*begin at home"):
         proof(content, changed(CASE, machine__home={**CASE.machine.home.model_dump(), "z_mm": 901.0}))
     ring = {"radius_mm": 701.0, "half_angle_deg": 12.0, "pair_centres_deg": (90.0, 210.0, 330.0), "z_mm": 0.0}
     with pytest.raises(ProgramError, match=r"l1_mm: .* but the pose"):
@@ -198,7 +198,7 @@ def test_a_limit_that_is_passed_is_named_with_its_row():
 def test_a_case_without_the_table_is_told_so():
     case = CASE.model_copy(update={"controller": CASE.controller.model_copy(update={"setpoints": None})})
     for work in (lambda: write_csv(moves(), case), lambda: LANGUAGE.read(b"x", "t", case)):
-        with pytest.raises(CaseError, match=r"controller\.setpoints: is missing; the dialect setpoints needs it"):
+        with pytest.raises(CaseError, match=r"controller\.setpoints: .*missing.*dialect setpoints"):
             work()
 
 

@@ -37,7 +37,7 @@ def test_queued_switches_wait_for_motion_and_the_others_do_not(body: str, expect
 
 @pytest.mark.parametrize("line", ["M62 P0", "M63 P0"])
 def test_a_queued_switch_needs_a_next_motion(line: str, hexapod_case: Case):
-    with pytest.raises(ProgramError, match="line 4: the trigger waits for a next motion that never comes") as caught:
+    with pytest.raises(ProgramError, match=r"line 4: .*waits.*never") as caught:
         parts(typed(f"{line}\nG4 P1"), hexapod_case)
     one_line(caught.value)
 
@@ -45,7 +45,7 @@ def test_a_queued_switch_needs_a_next_motion(line: str, hexapod_case: Case):
 @pytest.mark.parametrize("size", [0.002, 2.0])
 def test_a_queued_switch_inside_a_path_is_refused_since_the_path_does_not_stop_for_it(size: float, hexapod_case: Case):
     lines = there_and_back(40, size)
-    with pytest.raises(ProgramError, match="line 26: the trigger switches in the middle of a path; switch at rest"):
+    with pytest.raises(ProgramError, match=r"line 26: .*middle of a path; .*at rest"):
         parts(typed(timed([*lines[:20], "M62 P0", *lines[20:]])), hexapod_case)
 
 

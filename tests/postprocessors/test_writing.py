@@ -52,7 +52,7 @@ def test_the_text_of_a_motion_within_the_limits_comes_with_its_proof(motion: Fou
 def test_a_motion_that_breaks_a_limit_is_not_written_and_the_limit_is_named(motion: FourierMotion, hexapod_case: Case):
     bigger = replace(motion, a=1.2 * motion.a, b=1.2 * motion.b)
     tightest = prove(bigger, hexapod_case, 2000.0).violations[0].kind
-    with pytest.raises(ProgramError, match=f"p.ngc, line [0-9]+: {tightest} .* reaches .*, limit ") as caught:
+    with pytest.raises(ProgramError, match=rf"p\.ngc, line [0-9]+: {tightest} .*reaches .+, limit \S") as caught:
         proven_text(bigger, hexapod_case, LINUXCNC, "p.ngc", ())
     one_line(caught.value)
 
@@ -93,14 +93,14 @@ def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: F
         return LINUXCNC.load().write(replace(program, blocks=tuple(blocks)), case)
 
     broken = replace(LINUXCNC, load=lambda suffix: replace(LINUXCNC.load(), write=wrong))
-    with pytest.raises(ProgramError, match="'excitation' reads back differently; report this"):
+    with pytest.raises(ProgramError, match=r"'excitation' .*differently"):
         proven_text(motion, hexapod_case, broken, "p.ngc", ())
 
 
 def test_an_unknown_dialect_or_suffix_lists_the_known_ones():
     with pytest.raises(HexciteError, match="'fanuc' is unknown; choose linuxcnc"):
         dialect("fanuc")
-    with pytest.raises(ProgramError, match=r"a/b\.min: the suffix names no controller; programs end in \.ngc"):
+    with pytest.raises(ProgramError, match=r"a/b\.min: .*no controller; .*\.ngc"):
         dialect_of_file("a/b.min")
     assert dialect_of_file("a/b.ngc") is dialect("linuxcnc")
 

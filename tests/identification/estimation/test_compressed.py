@@ -56,15 +56,15 @@ def test_what_nothing_excites_is_named() -> None:
     root = np.triu(np.ones((3, 3)))
     assert determined(root, ["m", "k0", "k1"], 60)[0] == 3
     root[:, 1] = 2.0 * root[:, 0]
-    with pytest.raises(IdentificationError, match="rank 2 of 3: m, k0 not determined") as caught:
+    with pytest.raises(IdentificationError, match=r"rank 2 of 3: m, k0\b") as caught:
         determined(root, ["m", "k0", "k1"], 60)
     one_line(caught.value)
 
 
 def test_too_few_forces_are_refused() -> None:
-    with pytest.raises(IdentificationError, match="3 samples give 18 forces for 20 unknowns") as caught:
+    with pytest.raises(IdentificationError, match=r"3 samples.* 18 forces.* 20 unknowns") as caught:
         compress(Regression(A[:3], forces(0)[:3], NAMES), WEIGHTS)
     one_line(caught.value)
-    with pytest.raises(IdentificationError, match="24 forces, 12 of them independent, for 20 unknowns") as caught:
+    with pytest.raises(IdentificationError, match=r"24 forces, 12 .*independent.* 20 unknowns") as caught:
         degrees_of_freedom(24, 20, Filtered(0.1, 5))
     one_line(caught.value)

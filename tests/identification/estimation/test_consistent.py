@@ -170,13 +170,13 @@ def test_other_estimators_and_filters_are_served() -> None:
 
 def test_a_solver_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "ACCURACIES", (1e-30,))
-    with pytest.raises(IdentificationError, match="no consistent body was found: Clarabel") as caught:
+    with pytest.raises(IdentificationError, match=r"no consistent body.*Clarabel") as caught:
         bound(0)
     one_line(caught.value)
 
 
 def test_a_model_without_inertia_is_refused() -> None:
-    with pytest.raises(IdentificationError, match=r"I11, .*I33 not in the model; .* models 6 to 9") as caught:
+    with pytest.raises(IdentificationError, match=r"I11, .*I33 .*; .*models 6 to 9") as caught:
         consistent(Regression(A[:, :, :4], forces(0), NAMES[:4]), free(0), THIN)
     one_line(caught.value)
 

@@ -88,7 +88,7 @@ def test_more_data_of_the_same_kind_shrink_standard_deviations_with_the_root() -
 @pytest.mark.parametrize("nothing", range(5))
 def test_a_parameter_that_nothing_excites_is_named(nothing: int) -> None:
     silent = A * (np.arange(5) != nothing)
-    with pytest.raises(IdentificationError, match=f"rank 4 of 5: {NAMES[nothing]} not determined") as caught:
+    with pytest.raises(IdentificationError, match=rf"rank 4 of 5: {NAMES[nothing]}\b") as caught:
         gauss_markov(Regression(silent, A @ U, NAMES), ONES)
     one_line(caught.value)
 
@@ -96,7 +96,7 @@ def test_a_parameter_that_nothing_excites_is_named(nothing: int) -> None:
 def test_parameters_that_only_act_together_are_named_together() -> None:
     twins = A.copy()
     twins[:, :, 4] = -2.0 * A[:, :, 1]
-    with pytest.raises(IdentificationError, match="rank 4 of 5: mxC, k0 not determined"):
+    with pytest.raises(IdentificationError, match=r"rank 4 of 5: mxC, k0\b"):
         gauss_markov(Regression(twins, A @ U, NAMES), ONES)
 
 
@@ -107,7 +107,7 @@ def test_fewer_forces_than_unknowns_are_refused(samples: int, enough: bool) -> N
     if enough:
         gauss_markov(Regression(six, np.ones((samples, 6)), names), ONES)
         return
-    with pytest.raises(IdentificationError, match="1 samples give 6 forces for 6 unknowns; record more") as caught:
+    with pytest.raises(IdentificationError, match=r"\b1 samples .*6 forces .*6 unknowns; record more") as caught:
         gauss_markov(Regression(six, np.ones((samples, 6)), names), ONES)
     one_line(caught.value)
 

@@ -8,7 +8,7 @@ from identification.estimation import channel_weights as module
 from identification.estimation.channel_weights import full_weights, per_channel
 from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Filtered, Regression
-from tests.helpers import few, one_line
+from tests.helpers import few, one_line, tells
 from tests.identification.moving_run import NAMES, SAMPLES, A, U, coverage, forces
 
 Array = np.ndarray
@@ -101,11 +101,11 @@ def test_behind_a_filter_the_channels_are_those_of_the_recorded_forces() -> None
 def test_it_says_when_it_does_not_settle(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "WEIGHT_ROUNDS", 1)
     fit, _ = full_weights(Regression(A, shaken(0), NAMES))
-    assert "W still changed after 1 rounds" in fit.findings[0].sentence
+    assert tells(fit.findings[0].sentence, "W ", "1 rounds")
 
 
 def test_too_few_samples_are_refused() -> None:
-    with pytest.raises(IdentificationError, match=r"59 independent samples are too few .* at least 60") as caught:
+    with pytest.raises(IdentificationError, match=r"59 independent samples.*at least 60") as caught:
         full_weights(Regression(A[:59], forces(0)[:59], NAMES))
     one_line(caught.value)
 
@@ -114,7 +114,7 @@ def test_a_channel_computed_from_others_is_found() -> None:
     matrices = np.tile(np.eye(6), (200, 1, 1))
     measured = np.random.default_rng(0).normal(size=(200, 6))
     measured[:, 4] = measured[:, 0] - 2.0 * measured[:, 1]
-    with pytest.raises(IdentificationError, match="noise of channels 1, 2, 5 is not independent") as caught:
+    with pytest.raises(IdentificationError, match=r"channels 1, 2, 5 .*not independent") as caught:
         full_weights(Regression(matrices, measured, NAMES[10:16]))
     one_line(caught.value)
 

@@ -39,9 +39,9 @@ def test_what_nothing_determines_stays_where_it_was() -> None:
 
 
 def test_failures_are_told() -> None:
-    with pytest.raises(IdentificationError, match=f"did not become small within {STEPS}"):
+    with pytest.raises(IdentificationError, match=rf"not become small.*\b{STEPS}\b"):
         gauss_newton(lambda x: (x**2, np.diag(2.0 * x)), np.array([1.0]), 1e-40)
     with pytest.raises(IdentificationError, match=r"no step lowers chi\^2"):
         gauss_newton(lambda x: (MATRIX @ x - RIGHT, -MATRIX), np.zeros(3), 1e-10)
-    with pytest.raises(IdentificationError, match="no finite value at the start"):
+    with pytest.raises(IdentificationError, match=r"no finite value.*start"):
         gauss_newton(lambda x: (np.array([np.nan]), np.eye(1)), np.zeros(1), 1e-10)

@@ -131,7 +131,7 @@ def test_data_without_noise_give_the_parameters_exactly() -> None:
 
 def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solver, "STEPS", 1)
-    with pytest.raises(IdentificationError, match="did not become small within 1"):
+    with pytest.raises(IdentificationError, match=r"not become small.*\b1\b"):
         nonlinear(Regression(A, forces(0), NAMES), MODEL, ONES, {})
 
 
@@ -152,6 +152,6 @@ def test_what_cannot_be_known_is_said_in_a_line(known, message: str) -> None:
 
 def test_parameters_that_a_standstill_does_not_determine_are_named() -> None:
     still = MODEL.matrices(*paper_poses(), np.zeros((480, 6)), np.zeros((480, 6)))
-    with pytest.raises(IdentificationError, match=r"rank 14 of 20: IC11, IC12, .* not determined") as caught:
+    with pytest.raises(IdentificationError, match=r"rank 14 of 20: IC11, IC12, ") as caught:
         nonlinear(Regression(still, still @ U, NAMES), MODEL, ONES, {})
     one_line(caught.value)

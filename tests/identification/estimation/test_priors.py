@@ -141,7 +141,7 @@ def test_inertia_that_a_standstill_cannot_show_comes_from_the_design_alone() -> 
 
 
 def test_what_neither_data_nor_priors_determine_is_named() -> None:
-    with pytest.raises(IdentificationError, match="rank 19 of 20: I23 not determined") as caught:
+    with pytest.raises(IdentificationError, match=r"rank 19 of 20: I23\b") as caught:
         with_priors(Regression(STATIC, STATIC @ U, NAMES), MODEL, ONES, [p for p in CAD if p.name != "IC23"])
     one_line(caught.value)
 
@@ -170,7 +170,7 @@ def test_without_priors_it_is_gauss_markov() -> None:
 
 def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solver, "STEPS", 1)
-    with pytest.raises(IdentificationError, match="did not become small within 1"):
+    with pytest.raises(IdentificationError, match=r"not become small.*\b1\b"):
         with_priors(Regression(A, forces(0), NAMES), MODEL, ONES, CAD)
 
 

@@ -15,7 +15,7 @@ from identification.findings.wiring import Order, orders_of, other_wiring
 from identification.identify import estimate_parameters
 from identification.recording import read
 from identification.simulate import simulate_recording
-from tests.helpers import HOME, few, one_line
+from tests.helpers import HOME, few, one_line, tells
 from tests.identification.test_findings import CASE, MODEL, MOTIONS, run
 from tests.simulated_machine import simulate_standstills
 
@@ -70,9 +70,9 @@ def test_turned_signs_of_channels_are_named(signs: str) -> None:
 def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
     """The residuals are those of the right signs; only the mass tells."""
     whole = run(1)
-    with pytest.raises(IdentificationError, match=r"signs of all force channels are turned: .*mass") as caught:
+    with pytest.raises(IdentificationError, match=r"all force channels.*mass") as caught:
         estimate_parameters(replace(whole, forces=-whole.forces), CASE)
-    assert "exchange both ends of these bars in sensor_frame.bars" in one_line(caught.value)
+    assert tells(one_line(caught.value), "exchange", "sensor_frame.bars")
 
 
 @pytest.mark.parametrize("channel", range(6))
@@ -100,7 +100,7 @@ def test_nothing_is_blamed_on_a_sound_run(seed: int) -> None:
 
 def test_silent_sensors_are_not_blamed_on_their_cables() -> None:
     whole = run(0)
-    with pytest.raises(IdentificationError, match="channel 1 reads 0 at every sample"):
+    with pytest.raises(IdentificationError, match=r"channel 1 reads 0\b.*every sample"):
         estimate_parameters(replace(whole, forces=np.zeros_like(whole.forces)), CASE)
 
 
@@ -112,15 +112,15 @@ def test_exchanged_drives_are_mended_where_drives_are_named() -> None:
     mixed = replace(whole, struts=whole.struts[:, [1, 0, 2, 3, 4, 5]])
     said = other_wiring(mixed, case, MODEL)
     assert said is not None
-    assert said.startswith("struts 1 and 2 are exchanged: residuals ")
-    assert said.endswith("write recording.drives.order = [5, 6, 4, 3, 2, 1]")
+    assert tells(said, "struts 1 and 2", "exchanged", "residuals")
+    assert said.endswith("recording.drives.order = [5, 6, 4, 3, 2, 1]")
 
 
 def test_standstills_tell_exchanged_struts_too() -> None:
     draw = np.random.default_rng(0)
     away = draw.uniform(-1.0, 1.0, (40, 6)) * np.r_[[0.12] * 3, [0.15] * 3]
     still = simulate_standstills(CASE, HOME + away, 1000, 0)
-    with pytest.raises(IdentificationError, match="struts 3 and 4 are exchanged"):
+    with pytest.raises(IdentificationError, match=r"struts 3 and 4\b.*exchanged"):
         estimate_parameters(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
 
 
@@ -142,9 +142,7 @@ def test_the_turned_sign_of_one_channel_is_named_alone_by_standstills_of_a_wrist
     """All moments turned, with the centre of gravity, leave the same; a moment alone does not show in the newtons."""
     case = load_case("ft_wrist")
     file = standing_on_a_wrist(tmp_path / "run.csv", np.where(np.arange(6) == channel, -1.0, 1.0))
-    with pytest.raises(
-        IdentificationError, match=f"the sign of force channel {channel + 1} is turned: residuals .* N m"
-    ):
+    with pytest.raises(IdentificationError, match=rf"force channel {channel + 1}\b.*turned.* N m"):
         estimate_parameters(read(file, case), case)
 
 

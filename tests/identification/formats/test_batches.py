@@ -43,7 +43,7 @@ def test_time_runs_forwards_across_blocks(tmp_path: Path) -> None:
     rows = TEXT.encode()[:SIZE].count(b"\n") - 1  # of the first block
     lines = TEXT.splitlines()
     lines[rows + 1] = "0," + lines[rows + 1].split(",", 1)[1]
-    with pytest.raises(RecordingError, match=rf"line {rows + 2}, t_s: 0.000000 s comes after .* s; time must"):
+    with pytest.raises(RecordingError, match=rf"line {rows + 2}, t_s: 0\.000000 s .* s; time must"):
         read(written(tmp_path, "\n".join(lines)), HEXAPOD)
 
 
@@ -51,9 +51,7 @@ def test_a_file_that_takes_more_than_half_of_the_free_memory_is_refused_with_its
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(reading, "free_memory", lambda: 2 * reading.BYTES * 100_000)
-    with pytest.raises(
-        RecordingError, match=r"0\.0\d+ GB .*half of the free memory.* 8,333 rows of 12 columns"
-    ) as caught:
+    with pytest.raises(RecordingError, match=r"0\.0\d+ GB .*free memory.* 8,333 rows .*12 columns") as caught:
         read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 
@@ -62,7 +60,7 @@ def test_two_gigabytes_of_nothing_are_refused_at_once(tmp_path: Path) -> None:
     file = written(tmp_path, ",".join(NAMES) + "\n")
     with file.open("r+b") as stream:
         stream.truncate(2_000_000_000)  # sparse: takes no room
-    with pytest.raises(RecordingError, match=r"line 2: is longer than a million characters"):
+    with pytest.raises(RecordingError, match=r"line 2: .*longer than.*million"):
         read(file, HEXAPOD)
 
 

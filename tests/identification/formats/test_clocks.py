@@ -11,7 +11,7 @@ from cases.errors import RecordingError
 from identification.formats.table import Lines
 from identification.recording import read
 from identification.runs.sample_checks import unmeasured
-from tests.helpers import one_line
+from tests.helpers import one_line, tells
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written
 
 RUN = Truth()
@@ -84,7 +84,7 @@ def test_a_clock_that_cannot_be_is_named_with_its_line(what: str, tmp_path: Path
 def test_a_sampling_rate_that_changes_is_named_where_it_does(tmp_path: Path) -> None:
     times = [*RUN.t[:30], *(RUN.t[29] + 2e-3 * np.arange(1, 11))]
     recording = read(written(tmp_path, stamped([f"{t:.3f}" for t in times])), case_with())
-    with pytest.raises(RecordingError, match=r"run.csv, line 32, t_s: step of 2 ms where the run has 1 ms; .*one rate"):
+    with pytest.raises(RecordingError, match=r"run\.csv, line 32, t_s: .*\b2 ms .*\b1 ms; .*one rate"):
         _ = recording.step
 
 
@@ -95,7 +95,7 @@ def test_a_line_is_counted_in_the_file_whatever_stands_above_it(tmp_path: Path) 
     text = "\n".join(["title", "", *lines[:11], "", "", *lines[11:]])
     recording = read(written(tmp_path, text), case_with(header_rows=3))
     (told,) = unmeasured(recording).warnings
-    assert told.startswith(f"behind line {text.splitlines().index(lines[20]) + 1}: 1000 samples are missing; no filter")
+    assert tells(told, f"line {text.splitlines().index(lines[20]) + 1}: 1000 samples", "no filter")
 
 
 def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
     assert recording.lines.place(12) == "line 11"
     assert recording.lines.place(13) == "line 12"
     (told,) = unmeasured(recording).warnings
-    assert told == "behind line 11: 3 samples are missing; bridged from their neighbours"
+    assert tells(told, "line 11: 3 samples", "bridged")
 
 
 def test_lines_are_counted_behind_rows_that_stand_in_none() -> None:

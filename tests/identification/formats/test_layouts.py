@@ -75,7 +75,7 @@ def test_names_in_the_letters_of_windows_are_found(tmp_path: Path) -> None:
     file = written(tmp_path, csv(RUN.numbers(), names).encode("cp1252"))
     case = case_with(encoding="cp1252", columns={"l1_mm": "Länge"})
     np.testing.assert_allclose(read(file, case).struts, RUN.struts, rtol=1e-8)
-    with pytest.raises(RecordingError, match=r"line 1: is not UTF-8 text; save the file as UTF-8"):
+    with pytest.raises(RecordingError, match=r"line 1: .*not UTF-8.*save"):
         read(file, case_with(columns={"l1_mm": "Länge"}))
 
 
@@ -137,7 +137,7 @@ def test_what_the_case_states_wrongly_is_named_with_the_setting(what: str, tmp_p
 def test_a_pipe_is_no_recording(tmp_path: Path) -> None:
     """Opening one would wait for somebody to write."""
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(RecordingError, match=r"pipe.csv: cannot be read \(it is not a regular file\)"):
+    with pytest.raises(RecordingError, match=r"pipe\.csv: .*not a regular file"):
         read(tmp_path / "pipe.csv", case_with())
 
 

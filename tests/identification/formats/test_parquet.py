@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from cases.errors import RecordingError
 from identification.recording import Recording, read, write_recording
 from identification.runs.sample_checks import unmeasured
-from tests.helpers import answer, one_line
+from tests.helpers import answer, one_line, tells
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written
 
 RUN = Truth()
@@ -85,7 +85,8 @@ def gap(name: str, value: object) -> dict[str, object]:
 def test_what_was_not_measured_is_marked(value: float | None, tmp_path: Path) -> None:
     recording = read(parquet(tmp_path, gap("f2_N", value)), HEXAPOD)
     assert np.flatnonzero(recording.missing).tolist() == [7]
-    assert unmeasured(recording).warnings == ("row 8: no measured value in f2_N; left out",)
+    (warning,) = unmeasured(recording).warnings
+    assert tells(warning, "row 8: ", "f2_N", "left out")
     others = np.arange(RUN.count) != 7
     np.testing.assert_allclose(recording.forces[others], RUN.forces[others], rtol=1e-6)
 
@@ -115,7 +116,7 @@ def test_what_cannot_be_used_is_named_with_its_row(what: str, tmp_path: Path) ->
 def test_a_file_that_was_cut_off_is_named(keep: int, tmp_path: Path) -> None:
     whole = parquet(tmp_path, columns()).read_bytes()
     file = written(tmp_path, whole[:keep], "cut.parquet")
-    with pytest.raises(RecordingError, match=r"is a damaged Parquet file \(.*\); copy or export it again") as caught:
+    with pytest.raises(RecordingError, match=r"damaged Parquet file \(.+\); .*export") as caught:
         read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 

@@ -59,7 +59,7 @@ def test_clocks_of_another_epoch_are_brought_together(tmp_path: Path) -> None:
 def test_columns_of_one_clock_cannot_be_shifted_apart(tmp_path: Path) -> None:
     numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
     file = written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES]))
-    with pytest.raises(RecordingError, match=r"share a clock, recording.clock.offset_s shifts them by different times"):
+    with pytest.raises(RecordingError, match=r"share a clock.*recording\.clock\.offset_s"):
         read(file, case_with(clock={"offset_s": {"struts": 0.1}}))
 
 

@@ -86,23 +86,21 @@ def test_readings_of_an_accelerometer_are_scaled_and_turned_into_the_platform(tm
     expected = 9.82085 * np.column_stack([-readings[:, 1], readings[:, 2], -readings[:, 0]])
     np.testing.assert_allclose(read(file, case).specific_forces, expected, rtol=1e-12)
     assert read(file, HEXAPOD).specific_forces is None
-    with pytest.raises(
-        RecordingError, match=r"line 2: the accelerometer reads 1\.\d+ m/s\^2 where gravity is 9.81"
-    ) as caught:
+    with pytest.raises(RecordingError, match=r"line 2: .* 1\.\d+ m/s\^2 .*gravity.* 9\.81") as caught:
         read(file, case_with(accelerometer={"scale_m_s2": 1.0, "mounting": mounting}))
     assert "correct recording.accelerometer.scale_m_s2" in one_line(caught.value)
 
 
 def test_drives_that_the_case_does_not_know_are_refused(tmp_path: Path) -> None:
     columns = dict(zip(DRIVE_NAMES, drives().T, strict=True))
-    with pytest.raises(RecordingError, match=r"has drive positions; say in \[recording.drives\]"):
+    with pytest.raises(RecordingError, match=r"drive positions.*\[recording\.drives\]"):
         read(written(tmp_path, csv(*table(**columns))), HEXAPOD)
     columns |= dict(zip(STRUTS, RUN.struts.T * 1e3, strict=True))
-    with pytest.raises(RecordingError, match=r"has strut lengths and drive positions; take one of them out"):
+    with pytest.raises(RecordingError, match=r"strut lengths and drive positions.*out"):
         read(written(tmp_path, csv(*table(**columns))), case_with(drives=DRIVES))
 
 
 def test_a_drive_that_is_missing_is_named(tmp_path: Path) -> None:
     columns = dict(zip(DRIVE_NAMES[:5], drives().T[:5], strict=True))
-    with pytest.raises(RecordingError, match=r"column q6_mm is missing; it has t_s, q1_mm"):
+    with pytest.raises(RecordingError, match=r"q6_mm .*missing.* t_s, q1_mm"):
         read(written(tmp_path, csv(*table(**columns))), case_with(drives=DRIVES))

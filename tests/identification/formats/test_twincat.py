@@ -92,7 +92,7 @@ def test_stamps_may_be_filetimes(tmp_path: Path) -> None:
         lines.append("\t".join(fields))
     file = written(tmp_path, head + "\n\n" + "\n".join(lines))
     require_the_run(read(file, case(clock={"unit": "filetime"})))
-    with pytest.raises(RecordingError, match=r"such as 132959733843760000, are not in ms; set .*unit = 'filetime'"):
+    with pytest.raises(RecordingError, match=r"132959733843760000.* ms; .*unit = 'filetime'"):
         read(file, case())
 
 

@@ -15,7 +15,7 @@ from identification.result import Estimate, residuals_of
 from identification.runs.averaging import periodic_run
 from identification.runs.periods import each_period
 from identification.samples import Conditioning
-from tests.helpers import few, ideal, one_line, simulated
+from tests.helpers import few, ideal, one_line, simulated, tells
 from tests.identification.repeating import LEAD, Repeating, recorded
 
 CASE = load_case("hexapod")
@@ -120,7 +120,7 @@ def test_a_contact_in_one_period_costs_that_period_and_nothing_else() -> None:
     touched[here] += np.linalg.solve(MODEL.structure, [20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     estimate = estimate_parameters(replace(run, forces=touched), CASE, conditioning=AUTO)
     assert estimate.quantities["periodic"]["periods"] == 3
-    assert any("period 3 of 4 differs from the others by up to" in w and "left out" in w for w in estimate.warnings)
+    assert any("period 3 of 4" in w and "left out" in w for w in estimate.warnings)
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
 
 
@@ -139,7 +139,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
     stuck[rows, 2] = stuck[rows[0], 2]
     estimate = estimate_parameters(replace(run, forces=stuck), CASE, conditioning=AUTO)
     assert estimate.quantities["periodic"]["periods"] == 3
-    assert any("period 2 of 4 has bad samples" in w for w in estimate.warnings)
+    assert any(tells(w, "period 2 of 4", "bad samples") for w in estimate.warnings)
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
 
 

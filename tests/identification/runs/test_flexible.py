@@ -57,7 +57,7 @@ def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
     assert found["value"] == pytest.approx(mode, rel=0.05)
     assert abs(flexible.physical["m"].value - TRUE_MASS) < 0.3 * abs(rigid.physical["m"].value - TRUE_MASS)
     assert off(rigid) > 5.0
-    assert any(note.startswith(f"a structural mode at {found['value']:.3g} +-") for note in flexible.notes)
+    assert any(f"a structural mode at {found['value']:.3g} +-" in note for note in flexible.notes)
     assert flexible.case == CASE
 
 

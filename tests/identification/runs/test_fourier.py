@@ -97,5 +97,5 @@ def test_noise_moves_the_period_by_what_the_information_says() -> None:
 
 
 def test_fewer_samples_than_coefficients_are_refused() -> None:
-    with pytest.raises(ValueError, match="4 samples are too few for 2 harmonics"):
+    with pytest.raises(ValueError, match=r"\b4 samples.*\b2 harmonics"):
         fit_series(np.arange(4.0), np.zeros((4, 1)), 4.0, 0.0, 2)

@@ -152,7 +152,7 @@ def test_a_case_that_states_nothing_is_told_nothing() -> None:
 
 def test_too_much_stated_noise_is_told() -> None:
     found = estimate_parameters(run(CASE), stated(CASE, force_noise_N=2.0))
-    assert any("there is less of it; check sensors.force_noise_N" in w for w in found.warnings)
+    assert any("check sensors.force_noise_N" in w for w in found.warnings)
 
 
 def test_an_estimator_without_comparison_says_so() -> None:

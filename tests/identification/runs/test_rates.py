@@ -18,7 +18,7 @@ from identification.recording import Recording
 from identification.runs.preparation import on_one_clock
 from identification.runs.rates import interval_means
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, ideal, one_line
+from tests.helpers import Harmonic, ideal, one_line, tells
 from tests.simulated_machine import PoseExecution, true_forces
 
 CASE = load_case("hexapod")
@@ -95,7 +95,7 @@ def test_errors_are_those_of_ten_times_the_samples() -> None:
     few = estimate_parameters(on_one_clock(thinned, CASE), CASE)
     ratio = [few.physical[n].std / v.std for n, v in many.physical.items()]
     assert np.exp(np.mean(np.log(ratio))) == pytest.approx(np.sqrt(10.0), rel=0.15)
-    assert "10 samples averaged for each of the motion (2 ms" in many.notes[0]
+    assert tells(many.notes[0], "10 samples averaged", "2 ms")
     assert many.quantities["averaged"]["ratio"] == pytest.approx(10.0, rel=1e-9)
 
 
@@ -147,7 +147,7 @@ def test_an_average_over_a_clipped_sample_counts_as_clipped() -> None:
     joined = on_one_clock(replace(recording, forces=forces), CASE)
     (row,) = np.flatnonzero(np.abs(joined.forces[:, 1]) >= 4999.0)
     assert joined.t[row] == pytest.approx(recording.t[7003], abs=1.1e-3)
-    assert any("at the end of its range" in w for w in estimate_parameters(joined, CASE).warnings)
+    assert any("end of its range" in w for w in estimate_parameters(joined, CASE).warnings)
 
 
 def test_averages_over_missing_forces_are_marked() -> None:
@@ -183,7 +183,7 @@ def test_held_struts_whose_rhythm_a_gap_breaks_are_refused() -> None:
     assert on_one_clock(run, CASE).step == pytest.approx(5e-3)
     keep = np.r_[0:1500, 1512 : len(t)]
     broken = replace(run, t=t[keep], struts=held[keep], forces=run.forces[keep])
-    with pytest.raises(RecordingError, match=r"run.csv, line 1502: the struts are held for 5 rows .* breaks their"):
+    with pytest.raises(RecordingError, match=r"run\.csv, line 1502: .*struts.* 5 rows"):
         on_one_clock(broken, CASE)
 
 
@@ -197,6 +197,6 @@ def test_single_samples_that_are_missing_among_many_do_not_matter() -> None:
 
 def test_forces_that_hardly_overlap_the_motion_are_refused() -> None:
     recording = two_rates(10.0)
-    with pytest.raises(RecordingError, match="cover less than 3 samples of the motion") as caught:
+    with pytest.raises(RecordingError, match=r"less than 3 samples") as caught:
         on_one_clock(replace(recording, t=recording.t + 2.996), CASE)
     one_line(caught.value)

@@ -84,7 +84,7 @@ def test_a_single_period_can_be_given_where_it_ends_as_it_began() -> None:
 
 def test_a_wrong_period_is_refused_with_the_right_one() -> None:
     t, struts, _ = run(1.25, 3)
-    with pytest.raises(RecordingError, match=r"period 1: a period later .* mm rms .* has a period of 1\.25\d* s") as e:
+    with pytest.raises(RecordingError, match=r"period 1: .* mm rms .*period of 1\.25\d* s") as e:
         given_part(t, struts, np.arange(len(t)), 1.0)
     assert "leave period out" in one_line(e.value)
 
@@ -106,9 +106,7 @@ def random_motion(seed: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("seed", range(6))
 def test_a_motion_that_does_not_repeat_is_refused_with_how_far_the_best_period_misses(seed: int) -> None:
     t, struts = random_motion(seed)
-    with pytest.raises(
-        RecordingError, match=r"best period, [\d.]+ s, the struts are [\d.]+ mm rms .* at most 1 %"
-    ) as e:
+    with pytest.raises(RecordingError, match=r"period, [\d.]+ s, .* [\d.]+ mm rms .*at most 1 %") as e:
         find_part(t, struts, np.arange(len(t)))
     one_line(e.value)
 

@@ -63,7 +63,7 @@ def test_a_low_pass_of_the_channels_is_found_as_delay_and_smoothing() -> None:
     found = estimate_parameters(replace(clean, forces=slow), CASE)
     assert found.quantities["smoothing_s2"]["value"] == pytest.approx(tau**2 / 2, rel=0.15)
     (note,) = [n for n in found.notes if "a second moment" in n]
-    assert "forces are smoothed against the motion" in note
+    assert "smoothed against the motion" in note
 
 
 def test_a_smooth_motion_cannot_tell_and_is_not_asked() -> None:

@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.simulate import Circumstances
 from planner.comparison.methods import METHODS
-from tests.helpers import few
+from tests.helpers import few, tells
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
 from tests.planner.comparison.excitations import CASE, poses
@@ -71,11 +71,11 @@ def test_recordings_of_a_machine_are_validated_without_knowing_its_truth(tmp_pat
         assert abs(row["relative_deviation"]["m"]) < 5e-3
         assert abs(row["relative_deviation"]["f_q0_3"]) < 1e-3
     runs = ("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "w")
-    assert "holds no folder of that name, but static" in refused(*runs, "--methods", "ptp")
+    assert tells(refused(*runs, "--methods", "ptp"), "no folder", "static")
     for option in (("--weights", "0"), ("--on", "linuxcnc"), ("--plans", tmp_path), ("--undisturbed",)):
-        assert f"{option[0]}: nothing is simulated with --recordings" in refused(*runs, *option)
+        assert tells(refused(*runs, *option), f"{option[0]}: ", "--recordings")
     (tmp_path / "runs" / "static" / "1.csv").unlink()
-    assert "holds runs up to 2, but not 1" in refused(*runs, "--methods", "static")
+    assert tells(refused(*runs, "--methods", "static"), "up to 2", "not 1")
     assert not (tmp_path / "w").exists()
 
 
@@ -91,5 +91,5 @@ def test_what_cannot_be_validated_is_refused(tmp_path: Path):
     (tmp_path / "runs" / "one").mkdir(parents=True)
     write_standstills(CASE, tmp_path / "runs" / "one" / "0.csv", 0)
     said = refused("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "v")
-    assert "a validation needs at least 0 and 1" in said
+    assert "at least 0 and 1" in said
     assert not (tmp_path / "v").exists()

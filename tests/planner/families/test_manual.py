@@ -11,7 +11,7 @@ from identification.limit_proof import prove
 from identification.motion import Standstill
 from identification.trajectories.moves import CircularMove, StraightMove
 from planner.families.manual import manual_motion, sequence_file
-from tests.helpers import one_line
+from tests.helpers import one_line, tells
 from tests.planner.command_line import call, refused
 
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
@@ -118,7 +118,7 @@ def test_a_list_that_holds_no_poses_says_where(text: str, words: str, hexapod_ca
 def test_a_motion_of_hours_is_refused_before_it_is_proven(tmp_path: Path):
     file = written(tmp_path, 'title = "t"\nsteps = [{x_mm = 50.0}, {pause_s = 1e9}]')
     line = refused("plan", "hexapod", "--family", "manual", "--sequence", file, "-o", tmp_path / "plan", "--json")
-    assert "steps.toml: takes 1000000001 s, longer than 600 s; take steps out" in line
+    assert tells(line, "steps.toml: ", "1000000001 s", "600 s", "take steps out")
 
 
 def test_the_command_writes_a_proven_plan_that_loads_again(tmp_path: Path):

@@ -90,7 +90,7 @@ def test_an_upright_pose_has_coordinates_too() -> None:
 def test_no_valid_pose_says_which_limit_and_what_to_do(longest: list[float]) -> None:
     with pytest.raises(
         InfeasiblePlan,
-        match=r"of 480 poses is valid: strut length .* limit 7\d\d, exceeded at 100 %.*workspace\.strut_length_mm",
+        match=r"480 poses.*strut length .* limit 7\d\d, .*100 %.*workspace\.strut_length_mm",
     ):
         grid_candidates(with_workspace(strut_length_mm=longest))
 
@@ -102,7 +102,7 @@ def test_poses_in_a_keep_out_box_are_left_out() -> None:
     for pose in found.poses:
         report = prove_at(Standstill(pose, 0.0), with_workspace(keep_out=[box]), np.zeros(1), in_box=False)
         assert report.kept
-    with pytest.raises(InfeasiblePlan, match=r"distance from rack .* of workspace\.keep_out smaller"):
+    with pytest.raises(InfeasiblePlan, match=r"distance from rack .*workspace\.keep_out"):
         grid_candidates(with_workspace(keep_out=[box | {"x_mm": [-900.0, 900.0]}]))
 
 
@@ -115,7 +115,7 @@ def test_a_grid_of_ten_million_poses_says_what_it_would_need_and_offers_sampling
     fine = with_poses(x_mm=[-300.0, 300.0, 6.0], y_mm=[-300.0, 300.0, 6.0], azimuth_deg=[0.0, 359.0, 2.0])
     assert fine.poses is not None
     assert fine.poses.grid_size > 10_000_000
-    with pytest.raises(HexciteError, match=r"would need about \d.* GB and .* h; .*candidates 20000") as error:
+    with pytest.raises(HexciteError, match=r"about \d.* GB .* h; .*candidates 20000") as error:
         grid_candidates(fine)
     one_line(error.value)
 
@@ -135,5 +135,5 @@ def test_a_case_without_poses_says_which_table_is_missing() -> None:
 
 @pytest.mark.parametrize("steps", [[300.0, -300.0, 100.0], [-300.0, 300.0, 0.0], [-300.0, 300.0, -10.0]])
 def test_ranges_that_never_arrive_are_refused(steps: list[float]) -> None:
-    with pytest.raises(ValueError, match=r"is not a range \[first, last, step\]"):
+    with pytest.raises(ValueError, match=r"range \[first, last, step\]"):
         with_poses(x_mm=steps)

@@ -12,6 +12,7 @@ import pytest
 from cases.loading import built_in_cases
 from identification.motion import Measurement
 from planner.plans import Plan
+from tests.helpers import tells
 from tests.planner.command_line import call, refused
 
 FEW = "8"
@@ -114,7 +115,7 @@ def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, r
 def test_a_plan_of_other_poses_is_refused_with_the_pose_that_differs(folder: Path, quick: Path, recorded: Path) -> None:
     other = call("poses", quick, "--count", FEW, "--criterion", "N", "-o", folder / "other", "--json").json()
     line = refused("identify", recorded, "--poses", other["plan"], "-o", folder / "no")
-    assert re.search(r"standstill (\d+) is at x .*, pose \1 of the program at x ", line)
+    assert re.search(r"standstill (\d+) .* x .*, pose \1 .* x ", line)
     assert not (folder / "no").exists()
 
 
@@ -187,7 +188,7 @@ def test_standstills_are_averaged_wherever_they_are_if_asked_for(folder: Path, r
     answer = call(*words, "--json").json()
     assert answer["standstills"]["count"] in (8, 9, 10)
     assert not answer["standstills"]["matched_to_poses"]
-    assert "averaged standstills, found where the machine stands, by the motion" in call(*words).out
+    assert tells(call(*words).out, "averaged standstills", "by the motion")
 
 
 def test_averaged_rows_are_not_averaged_again(folder: Path, quick: Path) -> None:

@@ -16,6 +16,7 @@ from planner.families.settings import Fourier
 from planner.planning import require_plannable
 from planner.reports.case_figures import leftovers
 from planner.request import Request
+from tests.helpers import tells
 from tests.planner.command_line import call, refused
 
 
@@ -94,7 +95,7 @@ def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_ho
     answer = call("case", "check", mine(tmp_path, *frame))
     assert answer.code == 1
     assert "sensor force" in answer.refusal()
-    assert re.search("look at .*sensor_frame.bars.lower.ring.radius_mm: 0.14.* mm .* metres", answer.out)
+    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm: 0\.14.* mm .*metres", answer.out)
 
 
 def test_case_check_says_once_what_several_commands_miss() -> None:
@@ -112,7 +113,7 @@ def test_case_check_lists_all_problems(tmp_path: Path) -> None:
     answer = call("case", "check", file)
     assert answer.code == 1
     assert len(answer.out.splitlines()) >= 5
-    assert "more problems; hexcite case check lists all" in answer.err
+    assert tells(answer.err, "more problems", "hexcite case check")
     line = refused("case", "check", file, "--json")
     assert all(problem in line for problem in answer.out.splitlines())
 
@@ -141,4 +142,4 @@ def test_decimal_commas_are_told_as_such(new: str, says: str, tmp_path: Path) ->
 
 def test_a_decimal_comma_in_a_list_is_told_as_such(tmp_path: Path) -> None:
     line = refused("case", "check", mine(tmp_path, ("gravity_m_s2 = [0.0, 0.0, -9.8", "gravity_m_s2 = [0, 0, -9,8")))
-    assert "a decimal comma counts as two entries" in line
+    assert "decimal comma" in line

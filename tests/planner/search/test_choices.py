@@ -70,7 +70,7 @@ def test_too_short_a_duration_is_refused_in_one_line(hexapod_case: Case):
 def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
     with pytest.raises(HexciteError, match=f"{what} does nothing with free_{what}"):
         refuse_foreign([f"free_{what}", what], "fourier")
-    with pytest.raises(HexciteError, match=f"free_{what} does nothing with family ptp"):
+    with pytest.raises(HexciteError, match=f"free_{what} .*family ptp"):
         refuse_foreign([f"free_{what}"], "ptp")
 
 
@@ -80,7 +80,7 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     if family in BELONGS[option]:
         refuse_foreign([option], family)
         return
-    with pytest.raises(HexciteError, match=f"{OPTIONS.get(option, option)} does nothing with family {family}") as told:
+    with pytest.raises(HexciteError, match=f"{OPTIONS.get(option, option)} .*family {family}") as told:
         refuse_foreign([option], family)
     assert all(other in one_line(told.value) for other in BELONGS[option])
 

@@ -30,6 +30,7 @@ from planner.study import (
 from planner.study.cluster import TaskEnd
 from planner.study.study_run import Job, cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
+from tests.helpers import tells
 from tests.planner.command_line import PROGRAM, call, refused
 
 
@@ -211,7 +212,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, mo
     monkeypatch.setattr(cluster, "CONNECT", 0.2)
     spec, folder = tmp_path / "small.toml", tmp_path / "study"
     spec.write_text(SMALL)
-    assert "cannot be reached within 0.2 s" in refused(
+    assert "within 0.2 s" in refused(
         "study", "hexapod", "--spec", spec, "--scheduler", "tcp://127.0.0.1:1", "-o", folder
     )
     assert "is not an address" in refused("study", "hexapod", "--spec", spec, "--scheduler", "localhost", "-o", folder)
@@ -220,9 +221,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case, mo
     assert not folder.exists()
     about = {"name": "small", "case": "mill", "case_hash": "other", KEPT: {}}
     open_study(folder, about)
-    assert "holds a study of case mill before" in refused(
-        "study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder
-    )
+    assert "study of case mill" in refused("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder)
 
 
 @pytest.mark.slow
@@ -253,6 +252,7 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None
         os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=300)
     assert process.returncode == 130
-    assert said == f"hexcite: interrupted; what is done is kept in {folder}, the same command goes on\n"
+    assert tells(said, "hexcite: interrupted", f"{folder}, ", "same command")
+    assert said.count("\n") == 1
     assert len(read_rows(folder)) >= 1
     assert not [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]

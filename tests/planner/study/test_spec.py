@@ -49,9 +49,7 @@ def test_periods_moves_and_knots_that_are_not_stated_fit_every_duration() -> Non
 
 def test_ten_million_cells_are_too_many() -> None:
     grid = Grid(seed=list(range(10_000)), order=[2, 3, 4, 5, 6], period_s=[1.0 + 0.01 * k for k in range(200)])
-    with pytest.raises(
-        HexciteError, match=r"10000000 cells, at most 1000000; .* hours of one core: list fewer"
-    ) as caught:
+    with pytest.raises(HexciteError, match=r"10000000 cells, .*1000000; .* hours .*list fewer") as caught:
         next(settings_of(Spec(schema_version=1, name="x", grid=grid)))
     one_line(caught.value)
 
@@ -108,7 +106,7 @@ def test_a_mistake_is_named(text: str, says: str, tmp_path: Path) -> None:
 
 
 def test_a_study_that_is_not_there() -> None:
-    with pytest.raises(FileProblem, match="built-in studies are paper, validation, else name a TOML file"):
+    with pytest.raises(FileProblem, match=r"studies are paper, validation, .*TOML file"):
         load_spec("papr")
 
 

@@ -20,7 +20,7 @@ def test_missing_installation_is_an_error_with_the_remedy(
     write: Callable[[str], Path], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(session, "linuxcnc_missing", lambda: "it is not there; install it")
-    with pytest.raises(ExecutionError, match=r"program\.ngc: cannot be run: it is not there; install it"):
+    with pytest.raises(ExecutionError, match=r"program\.ngc: .*not there; install it"):
         run_text(write(PROGRAM), hexapod_case)
 
 
@@ -57,13 +57,13 @@ def test_reports_of_failure_become_one_line(change: dict[str, Any], said: str, t
 
 def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) -> None:
     (tmp_path / isolation.OUTPUT_FILE).write_text("Starting\nRealtime system did not load\n")
-    with pytest.raises(ExecutionError, match="said last: Realtime system did not load"):
+    with pytest.raises(ExecutionError, match="said last: Realtime system"):
         session.read_report(Path("p.ngc"), tmp_path)
 
 
 def test_lost_cycles_are_a_problem_of_a_run() -> None:
     problem = session.lost_cycles(REPORT | {"samples": 7, "lost": 3}, 20.0)
-    assert re.match(r"3 of 10 cycles were not logged; .* speed-up below 20", problem)
+    assert re.match(r"3 of 10 cycles .*speed-up below 20", problem)
     assert session.lost_cycles(REPORT | {"samples": 7, "lost": 0}, 20.0) is None
 
 
@@ -86,6 +86,6 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
     if losses < 3:
         assert run_text(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]
     else:
-        with pytest.raises(ExecutionError, match=r"1 of 5 cycles were not logged; .* speed-up below 5"):
+        with pytest.raises(ExecutionError, match=r"\b1 of 5 cycles .*speed-up below 5"):
             run_text(program, hexapod_case)
     assert speeds == [20.0, 10.0, 5.0][: losses + 1]

@@ -59,7 +59,7 @@ def test_axes_that_nearly_fit_stay_where_they_are() -> None:
 
 
 def test_a_static_model_has_no_inertia_to_tell(tmp_path: Path) -> None:
-    with pytest.raises(IdentificationError, match=r"model 5 has no inertia, .* identify model 6, 7, 8 or 9") as caught:
+    with pytest.raises(IdentificationError, match=r"model 5 .*no inertia.*model 6, 7, 8 or 9") as caught:
         isg_load(calibration(tmp_path, "hexapod", 5))
     one_line(caught.value)
 
@@ -67,7 +67,7 @@ def test_a_static_model_has_no_inertia_to_tell(tmp_path: Path) -> None:
 @pytest.mark.parametrize("moments", [(1.0, 1.0, 2.5), (1.0, 1.0, -0.1)])
 def test_an_inertia_of_no_body_is_refused(moments: tuple[float, float, float], tmp_path: Path) -> None:
     made = calibration(tmp_path, "hexapod", 9, body(30.0, np.array([0.0, 0.0, 0.1]), np.diag(moments)))
-    with pytest.raises(IdentificationError, match="no body has the principal inertias") as caught:
+    with pytest.raises(IdentificationError, match="principal inertias") as caught:
         isg_load(made)
     one_line(caught.value)
 

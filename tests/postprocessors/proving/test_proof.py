@@ -6,7 +6,7 @@ import pytest
 from cases.errors import ProgramError
 from cases.schema import Case
 from postprocessors.proving.proof import ProgramProof
-from tests.helpers import one_line
+from tests.helpers import one_line, tells
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import proof, small_excitation, there_and_back, timed, typed
 
@@ -102,17 +102,17 @@ def test_what_nobody_enforces_has_to_be_accepted_by_name(hexapod_case: Case):
     result = proof(typed(PATH), hexapod_case)
     assert result.ok
     assert result.relies_on == ("acceleration", "jerk", "strut acceleration", "sensor force")
-    assert result.verdict.startswith("proven; LinuxCNC enforces: velocity, strut velocity; nobody enforces: ")
+    assert tells(result.verdict, "LinuxCNC enforces: velocity, strut velocity;", "nobody enforces: ")
     # on the way home, at 25 times the acceleration of the case
     assert "EXCEEDED" in result.verdict
     for limit in ("acceleration", "jerk", "strut acceleration"):
         assert f"{limit} (more than ten times)" in result.verdict
     result.require_accepted(["jerk", "Strut-Acceleration", "acceleration,sensor-force"])
     with pytest.raises(
-        ProgramError, match=r"LinuxCNC does not enforce jerk, strut acceleration.*accept jerk,strut-acceleration if"
+        ProgramError, match=r"LinuxCNC .*jerk, strut acceleration.*accept jerk,strut-acceleration\b"
     ) as open_:
         result.require_accepted(["acceleration", "sensor force"])
-    assert "jerk (more than ten times), strut acceleration (more than ten times)" in one_line(open_.value)
+    assert tells(one_line(open_.value), "jerk (more than ten times)", "strut acceleration (more than ten times)")
     with pytest.raises(ProgramError) as caught:
         result.require_accepted([])
     one_line(caught.value)
