@@ -79,6 +79,8 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     )
     rows = max((len(values) for values in columns.values()), default=0)
     result = Look(file, rows, shown_columns, settings, (), True)
+    if result.rate is not None and result.rate < 5.0 * settings["filter_cutoff_Hz"]:
+        settings["filter_cutoff_Hz"] = float(f"{0.19 * result.rate:.2g}")  # the low-pass takes a fifth at most
     if result.rate is not None and not 0.99 < result.rate / _USUAL_RATE < 1.01:
         settings["rate_Hz"] = float(f"{result.rate:.4g}")
     elif result.rate is None and rows > _STANDSTILLS:

@@ -48,7 +48,7 @@ def unnamed(
 def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:
     """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
     columns = listed(map(form.file_name, wanted))
-    remedy = "name them so or map them in [recording.columns] of the case"
+    remedy = "name them so or map them in [recording.columns] of the case, which hexcite look proposes"
     return f"none of the columns {columns}; it has {listed(names)}: {remedy}"
 
 

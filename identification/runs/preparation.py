@@ -25,7 +25,7 @@ HELD = 0.98  # of the changes, that must follow the rhythm
 LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
 MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
 STANDING = 0.5e-3  # [m or rad] of struts or joints with the trigger on; below, a run was recorded at standstills
-MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
+MOST_RATE = 2e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
 MOST_LEFT_OUT = 0.5  # share of the motion lost to damage and the filter's reach around it
 # Bad samples in a row that a straight line replaces; behind the filter the difference is negligible.
 MOST_BRIDGED = MOST_PUT_BACK

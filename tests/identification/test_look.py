@@ -15,6 +15,7 @@ from cases.schema import Case
 from identification.formats.look import look
 from identification.hexapod import Hexapod
 from identification.recording import read
+from identification.runs.preparation import checked_filter
 
 ROWS = 1200
 KEYS = ("t", *(f"l{k}" for k in range(1, 7)), *(f"f{k}" for k in range(1, 7)), "trigger")
@@ -218,3 +219,13 @@ def test_what_is_not_a_table_is_refused_in_a_line(content: bytes, fact: str, tmp
         look(file)
     assert str(file) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_slow_recording_gets_a_low_pass_that_its_rate_carries(hexapod_case: Case, tmp_path: Path) -> None:
+    """At most a fifth of 50 Hz; the case has 40 Hz. At 50 Hz nobody takes seconds for milliseconds."""
+    file = RECORDERS[0].write(run(hexapod_case)[::20], tmp_path)
+    recording = read(file, hexapod_case)
+    with pytest.raises(RecordingError, match=r"too high for 50 samples a second; at most 10$"):
+        checked_filter(recording, hexapod_case)
+    form = RecordingFormat(filter_cutoff_Hz=look(file, hexapod_case).settings["filter_cutoff_Hz"])
+    assert checked_filter(recording, hexapod_case.model_copy(update={"recording": form})).cutoff > 5.0
