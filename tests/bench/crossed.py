@@ -20,11 +20,12 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))  # started as a script: tests is not an installed package
 
 PACKAGES = ("cases", "identification", "planner", "postprocessors")
+COLUMNS = ("command", "files", "at most", "functions")
 WANTED = {"identify": 45, "identify from Python": 30, "plan, then post": 60}
 
 
-def crossed() -> list[list[str]]:
-    """Rows of the table."""
+def crossed(listed: bool = False) -> list[list[str]]:
+    """Rows of the table; `listed`: prints the names of the files, too."""
     with TemporaryDirectory() as name:
         plan, program, run, result = (f"{name}/{part}" for part in ("plan", "program.ngc", "run", "result"))
         accept = ("--accept", "jerk,acceleration,strut-velocity,strut-acceleration,sensor-force")
@@ -37,7 +38,7 @@ def crossed() -> list[list[str]]:
             "identify from Python": _traced("python", run),
             "plan, then post": planned | written,
         }
-    for what, places in found.items():
+    for what, places in found.items() if listed else ():
         print(what, *sorted({file for file, _ in places}), sep="\n  ")
     return [
         [what, f"{len({file for file, _ in places})}", f"{WANTED[what]}", f"{len(places)}"]
@@ -93,4 +94,4 @@ if __name__ == "__main__":
     else:
         from planner.cli.console import print_table
 
-        print_table("Files that a command runs through", ("command", "files", "at most", "functions"), crossed())
+        print_table("Files that a command runs through", COLUMNS, crossed(listed=True))

@@ -24,6 +24,7 @@ from tests.bench.anytime import anytime
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
 from tests.bench.criteria import criteria_table
+from tests.bench.crossed import COLUMNS, crossed
 from tests.bench.damaged import damaged_rows
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
@@ -135,6 +136,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
 def main() -> None:
     """Prints all figures, each table as soon as it is measured."""
     sizes()
+    print_table("Files that a command runs through", COLUMNS, crossed())
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
         anytime(Path(name), command, picture=Path("bench-anytime.png"))
