@@ -30,7 +30,7 @@ from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
-from identification.parameters import MASS, RIGID
+from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
@@ -223,7 +223,7 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     moves = recording.t is not None and case.setup != "1a"
     if not moves and (conditioning.periodic or conditioning.flexible):
         raise RecordingError("is not a moving run; --period and --flexible are for moving runs")
-    if not moves and model.needs_motion and not set(method.known) >= _inertia(model) | set(method.dropped):
+    if not moves and {p.name for p in INERTIA.parameters} & {*method.selection(model).names}:
         raise IdentificationError(
             recording.source,
             f"model {model.number} contains inertia, which standstills cannot excite; choose a "
@@ -298,7 +298,3 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         good = ~scanned.bad
         bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
     return estimate_of(fitted, recording.source, case, noise, bias, tuple(findings))
-
-
-def _inertia(model: Model) -> set[str]:
-    return {name for name in model.names if name[0] == "I"}

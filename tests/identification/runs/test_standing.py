@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.errors import RecordingError
+from cases.errors import IdentificationError, RecordingError
 from cases.loading import load_case
+from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Joined, Standstill, Trajectory
+from identification.parameters import INERTIA
 from identification.recording import Recording
 from identification.runs.preparation import stands_only
 from identification.runs.standstills import average, find_standstills, match
@@ -88,6 +90,19 @@ def test_identification_of_averages_is_within_its_error_bars_and_says_how_noisy_
         value = estimate.physical[name]
         assert abs(value.value - truth) < 4.5 * value.std
     assert estimate.fit.s0 == pytest.approx(1.0 / np.sqrt(300), rel=0.3)
+
+
+def test_inertia_that_is_known_or_left_out_is_not_asked_of_standstills() -> None:
+    """At rest its columns are zero: with model 9 the rest comes out as with model 5."""
+    many, inertia = measured(poses(20)), [p.name for p in INERTIA.parameters]
+    averages = average(many, find_standstills(many, SETTLE))
+    plain = estimate_parameters(averages, CASE, 5, method(dropped=["k2"]))
+    for how in (method(dropped=[*inertia, "k2"]), method(known=dict.fromkeys(inertia, 1.0), dropped=["k2"])):
+        found = estimate_parameters(averages, CASE, 9, how)
+        for name in ("m", "zC", "k0", "k3"):
+            assert found.physical[name].value == pytest.approx(plain.physical[name].value)
+    with pytest.raises(IdentificationError, match="contains inertia, which standstills cannot excite"):
+        estimate_parameters(averages, CASE, 9, method(dropped=inertia[1:]))
 
 
 def test_a_restless_standstill_counts_less() -> None:
