@@ -1,26 +1,24 @@
-"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), tare, and payloads.
+"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), tare, and another run.
 
-With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}. A
-payload is the rigid body that was added from one identification to another.
+With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}.
 """
 
-from dataclasses import replace
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import chdtri
 
-from cases.basis import KEPT
 from cases.errors import IdentificationError
-from cases.recording_format import WRENCH
+from cases.files import atomic_file, check_file
+from cases.recording_format import CLOCK, WRENCH
 from cases.units import Array, as_html
 from identification.estimation.biases import drifted_since, shifted_all_along
-from identification.finding import FINDINGS, Finding, Kind, Severity, sentences, warning
+from identification.finding import FINDINGS, Finding, Kind, Severity, changed_cases, sentences
 from identification.model import Model
 from identification.outcome import Result
-from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block, offset_columns
+from identification.parameters import offset_columns
 from identification.recording import Recording
-from identification.result import Value, physical_values
+from identification.result import physical_values
 from identification.runs.preparation import moving_run, on_one_clock
 from identification.runs.sample_checks import unmeasured
 from identification.runs.standstills import standstills
@@ -48,6 +46,22 @@ class ExternalForce(NamedTuple):
     def peak(self) -> Array:
         """Largest magnitude of each component, shape (6,) [N, N m]."""
         return np.asarray(np.abs(self.wrench).max(axis=0))
+
+    def save(self, file: Path | str, overwrite: bool = False) -> None:
+        """Writes a CSV file of time and components, after a comment for each change of the case since.
+
+        Raises:
+            FileProblem: it is there, or cannot be written.
+        """
+        import pyarrow as pa
+        import pyarrow.csv as pacsv
+
+        place = Path(file)
+        check_file(place, [".csv"], overwrite=overwrite)
+        table = {CLOCK: self.t} | {name: np.ascontiguousarray(self.wrench[:, k]) for k, name in enumerate(WRENCH)}
+        with atomic_file(place) as part, part.open("wb") as out:
+            out.writelines(f"# {f.sentence}\n".encode() for f in self.findings if f.kind is Kind.CASE)
+            pacsv.write_csv(pa.table(table), out, pacsv.WriteOptions(quoting_style="none"))
 
     def __repr__(self) -> str:
         """How long it is, and rms and peak of each component."""
@@ -88,7 +102,7 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
         poses = None if model.struts is None else run.kinematics(result.delay).pose
     residuals = forces - matrices @ result.values
     variance = np.diag(result.covariance_robust)[offset_columns(model)]
-    findings += tuple(shifted_all_along(residuals, variance, case))
+    findings += (*shifted_all_along(residuals, variance, case), *changed_cases(recording.remarks + result.remarks))
     return ExternalForce(t, -model.wrenches(residuals, poses), residuals, findings)
 
 
@@ -129,6 +143,7 @@ def tare(recording: Recording, result: Result) -> Result:
         square[offsets, :] = square[:, offsets] = 0.0
         square[offsets, offsets] = variance
     physical, freedom = physical_values(model, values, covariance, robust), result.record["degrees_of_freedom"]
+    stale = recording.remarks + result.remarks
     record = dict(result.record) | {
         "parameters": {name: value._asdict() for name, value in physical.items()},
         "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
@@ -136,124 +151,58 @@ def tare(recording: Recording, result: Result) -> Result:
         "covariance": covariance.tolist(),
         "covariance_robust": robust.tolist(),
         "notes": [*result.notes, *sentences(drift, Severity.NOTE)],
-        "findings": FINDINGS.dump_python((*result.findings, *drift), mode="json"),
-        "tared_with": recording.source,
+        "warnings": [*result.warnings, *stale],
+        "findings": FINDINGS.dump_python((*result.findings, *drift, *changed_cases(stale)), mode="json"),
+        "tared_with": str(recording.paths[0]) if recording.paths else recording.source,
+        **({"stale": list(stale)} if stale else {}),
     }
     return Result(case, record)
 
 
-LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
-UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
+class Verification(NamedTuple):
+    """How well parameters predict a run that they are not from: forces that nothing outside should have caused."""
+
+    recording: str  # where the run is from
+    samples: int
+    force_3s: Array  # three standard deviations of the residual force, shape (3,) [N]
+    moment_3s: Array  # of the residual moment, shape (3,) [N m]
+    mean_force: Array  # shape (3,) [N]
+    mean_moment: Array  # shape (3,) [N m]
+    channel_rms: Array  # rms of each sensor's residuals, shape (6,) [N, or N and N m]
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs."""
+        return {
+            "recording": self.recording,
+            "samples": self.samples,
+            "force_3s_N": self.force_3s.tolist(),
+            "moment_3s_Nm": self.moment_3s.tolist(),
+            "mean_force_N": self.mean_force.tolist(),
+            "mean_moment_Nm": self.mean_moment.tolist(),
+            "channel_rms": self.channel_rms.tolist(),
+        }
+
+    def __repr__(self) -> str:
+        """One line: residual force and moment."""
+        force, moment = (", ".join(f"{v:.3g}" for v in values) for values in (self.force_3s, self.moment_3s))
+        return f"verified on {self.recording}: residual force +- {force} N (3 s), residual moment +- {moment} N m (3 s)"
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
 
 
-class Payload(NamedTuple):
-    """The payload between two results."""
+def verify(recording: Recording, result: Result) -> Verification:
+    """How well parameters predict a second run of the same machine, whose excitation nothing touches.
 
-    parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
-    findings: tuple[Finding, ...]
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences that people should act on."""
-        return sentences(self.findings, Severity.WARNING)
-
-
-def payload_on_table(before: Result, after: Result) -> Payload:
-    """The payload that was put on a frame that does not move, from the offsets without and with it (setup 1a).
-
-    Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
-    all of xC, yC, zC that have a share in it; the warnings name them.
-
-    Both models are of offsets only.
-
-    Raises:
-        IdentificationError: the difference in mass is not significant.
-    """
-    body = replace(after.model, blocks=(MASS, FIRST_MOMENT))
-    still = np.zeros((1, 6))
-    matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
-    white = np.diag(before.covariance + after.covariance)
-    robust = np.diag(before.covariance_robust + after.covariance_robust)
-    variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
-    root = 1.0 / np.sqrt(variance)
-    along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
-    # The unknown direction stays free, so that the others do not take over its share.
-    spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
-    u = spread @ (after.values - before.values)
-    of_u = (spread * variance) @ spread.T
-    std = float(np.sqrt(of_u[0, 0]))
-    if not abs(u[0]) > 3.0 * std:
-        raise _no_payload(before, after, float(u[0]), std)
-    residuals = (after.values - before.values - matrix @ u) * root
-    findings = _about(before, after, float(u[0]))
-    if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
-        sentence = "the change of the forces is not a weight alone: something pushes, or a sensor has drifted"
-        findings.append(warning(Kind.MODEL, sentence))
-    names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
-    sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
-    findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
-    physical = physical_values(body, u, of_u, of_u)
-    return Payload({name: value for name, value in physical.items() if name not in names}, tuple(findings))
-
-
-def require_two(before: Result, after: Result) -> None:
-    """Refuses one recording as both.
+        result = hx.identify(hx.Recording.load("first"))
+        print(hx.verify(hx.Recording.load("second"), result))
 
     Raises:
-        IdentificationError: both results are of the same files.
+        FileProblem: parameters of another case.
+        RecordingError, IdentificationError: the recording cannot be evaluated.
     """
-    if before.source == after.source:
-        raise IdentificationError(after.source, "is named twice; name the result without the payload, then with it")
-    if before.recordings and before.recordings == after.recordings:
-        raise IdentificationError(
-            after.source,
-            f"is of the same recording as {before.source}; name the result of a run without the "
-            "payload, then of one with it",
-        )
-
-
-def _no_payload(before: Result, after: Result, mass: float, std: float) -> IdentificationError:
-    return IdentificationError(
-        after.source,
-        f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
-        "results without and with payload, in this order",
-    )
-
-
-def _about(before: Result, after: Result, mass: float) -> list[Finding]:
-    findings = []
-    if before.model.number != after.model.number:
-        numbers = f"{before.model.number} and {after.model.number}"
-        findings.append(warning(Kind.MODEL, f"models {numbers} differ: masses of different models do not compare"))
-    if before.record.get(KEPT) != after.record.get(KEPT):
-        findings.append(warning(Kind.CASE, "the case was changed between the two identifications"))
-    if mass < 0.0:
-        sentence = "the mass became smaller: this is what was taken off, as a negative payload"
-        findings.append(warning(Kind.MODEL, sentence))
-    return findings
-
-
-def payload_between(before: Result, after: Result) -> Payload:
-    """The body that has to be added to `before` to get `after`; the two runs are independent.
-
-    Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
-    payload, and covariances add. What two different models blame on mass differs (section 5): then a warning says so.
-
-    Raises:
-        IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.
-    """
-    model_before, model_after = before.model, after.model
-    shared: tuple[Block, ...] = (MASS, FIRST_MOMENT)
-    if INERTIA in model_before.blocks and INERTIA in model_after.blocks:
-        shared = (*shared, INERTIA)
-    body = Model(model_after.number, shared, model_after.structure, model_after.gravity)
-    old = [model_before.names.index(name) for name in body.names]
-    new = [model_after.names.index(name) for name in body.names]
-    difference = after.values[new] - before.values[old]
-    covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
-    robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
-    std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
-    if not abs(difference[0]) > 3.0 * std:
-        raise _no_payload(before, after, float(difference[0]), std)
-    findings = _about(before, after, float(difference[0]))
-    return Payload(physical_values(body, difference, covariance, robust), tuple(findings))
+    over_run = force(recording, result, whole=False)
+    spread, mean = 3 * over_run.wrench.std(axis=0), over_run.wrench.mean(axis=0)
+    rms = np.asarray((over_run.residuals**2).mean(axis=0) ** 0.5)
+    source = str(recording.paths[0]) if recording.paths else recording.source
+    return Verification(source, len(over_run.t), spread[:3], spread[3:], mean[:3], mean[3:], rms)

@@ -62,6 +62,11 @@ def warning(kind: Kind, sentence: str, place: str = "", **quantity: Any) -> Find
     return Finding(kind, Severity.WARNING, f"{place}: {sentence}" if place else sentence, place, quantity)
 
 
+def changed_cases(remarks: Iterable[str]) -> tuple[Finding, ...]:
+    """Findings of remarks on a case that has changed since."""
+    return tuple(warning(Kind.CASE, remark) for remark in remarks)
+
+
 def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
     """A finding that is good to know."""
     return Finding(kind, Severity.NOTE, sentence, quantity=quantity)

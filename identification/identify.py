@@ -21,7 +21,7 @@ from cases.units import Array
 from identification.estimation.biases import Biases, accelerometer_bias, drift_findings, mass_finding
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
-from identification.finding import Kind, note, warning
+from identification.finding import Kind, changed_cases, note, warning
 from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.wiring import fitting_case, other_wiring
@@ -99,7 +99,7 @@ def identify(
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     stale = recording.remarks + (() if method.biases is None else method.biases.stale)
-    changed = [warning(Kind.CASE, sentence) for sentence in stale]
+    changed = [*changed_cases(stale)]
     differences = Artefact(Path(recording.source), recording.record, "").changes(recording_basis(case), case.hash)
     if own not in (None, case.name) and differences:
         sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"

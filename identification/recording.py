@@ -8,7 +8,7 @@ names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cases.basis import KEPT, Artefact, recording_basis
 from cases.errors import RecordingError
-from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
+from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
 from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
@@ -83,21 +83,30 @@ class Recording(Stream):
             (part / "recording.json").write_text(json_text(dict(record)), encoding="utf-8")
 
     @classmethod
-    def load(cls, folder: Path | str) -> "Recording":
-        """The recording of a folder, with the case that it names.
+    def load(
+        cls, paths: Path | str | Sequence[Path | str], case: Case | None = None, stale: bool = False
+    ) -> "Recording":
+        """The recording of a folder, with the case that it names, or of files of one run, with a case that is given.
+
+        Args:
+            case: instead of the one that the folder names, as it is today.
+            stale: read it although its case has changed since.
 
         Raises:
             RecordingError: it does not say which machine it is from, or cannot be used.
-            FileProblem: its case has changed since.
+            FileProblem: its case has changed, and `stale` is not set.
         """
-        place = Path(folder)
+        place = Path(paths) if isinstance(paths, Path | str) else Path(paths[0])
+        require_recording(place)
+        if case is not None:
+            return read(paths, case)
         record = record_of(place)
         if not record:
-            raise RecordingError(place, "does not say which machine it is from", "read it with its case")
+            raise RecordingError(place, "does not say which machine it is from", "name it with --case")
         artefact = Artefact(place / "recording.json", record, "run the program again")
-        case = artefact.case()
-        artefact.require_unchanged(recording_basis(case), case, stale=False)
-        return read(place, case)
+        own = artefact.case()
+        remarks = artefact.require_unchanged(recording_basis(own), own, stale)
+        return replace(read(paths, own), remarks=remarks)
 
     def __repr__(self) -> str:
         """A few lines: where it is from, how long, which channels."""
@@ -151,6 +160,13 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     record = record_of(places[0]) if len(places) == 1 else {}
     own: dict[str, Any] = {part.name: getattr(main, part.name) for part in fields(main)}
     return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
+
+
+def require_recording(path: Path) -> None:
+    """Refuses a folder of another kind; raises RecordingError."""
+    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
+    if not recorded and (other := another_kind(path, "recording.json")):
+        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
 
 
 def record_of(path: Path) -> Mapping[str, Any]:

@@ -4,11 +4,13 @@ Averaged standstills are such samples. `Conditioning` is what is done to a run b
 """
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Protocol, Self
+from math import inf
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import HexciteError
 from cases.units import Array
 from identification.estimation.channel_weights import independent_poses
 from identification.estimation.compressed import inverse_root, joint_triangle, long_run_covariance, scores
@@ -139,7 +141,8 @@ class Standstills:
         )
 
 
-class Conditioning(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Conditioning:
     """What a user asks to be done to a run; all but the last to a moving one."""
 
     periodic: bool = False  # evaluation by Fourier series of a repeating run instead of the low-pass
@@ -148,6 +151,17 @@ class Conditioning(NamedTuple):
     # estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency
     flexible: bool = False
     standstills: bool = False  # average the run's standstills, wherever they are
+
+    def __post_init__(self) -> None:
+        if self.harmonics is not None and not self.periodic:
+            remedy = "is for periodic runs; add --period auto or --period SECONDS"
+            raise HexciteError(f"--harmonics {self.harmonics}", remedy)
+        if self.harmonics is not None and self.harmonics < 1:
+            raise HexciteError(f"--harmonics {self.harmonics}", "is not a number of harmonics; give 1 or more")
+        if self.flexible and self.periodic:
+            raise HexciteError("--flexible", "lowers the low-pass, which --period does without; leave one of them out")
+        if self.period is not None and not 0.0 < self.period < inf:
+            raise HexciteError(f"--period {self.period:g}", "is not a period; give auto or seconds, as --period 3")
 
 
 USUAL = Conditioning()

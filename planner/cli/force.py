@@ -1,6 +1,5 @@
 """`hexcite force`, `tare`, `payload` and `export`: identified parameters in use."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -67,23 +66,21 @@ def force(
     json: Json = False,
 ) -> None:
     """Compute external force and moment over a recording."""
-    from cases.files import atomic_file, check_file, output_place
+    from cases.files import check_file, output_place
     from cases.recording_format import WRENCH
     from identification.external import force as over_recording
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
-    run, saved, remarks = _read(recording, parameters, case, stale)
-    result = over_recording(run, saved)
-    with atomic_file(file) as part:
-        _write(part, result, remarks)
+    result = over_recording(*_read(recording, parameters, case, stale))
+    result.save(file, overwrite)
     answer: dict[str, Any] = {
         "force": str(file),
         "samples": len(result.t),
         "rms": {name: float(v) for name, v in zip(WRENCH, result.rms, strict=True)},
         "peak": {name: float(v) for name, v in zip(WRENCH, result.peak, strict=True)},
-        "warnings": [*result.warnings, *remarks],
+        "warnings": list(result.warnings),
     }
     if answered(answer, json):
         return
@@ -96,31 +93,18 @@ def force(
     print(f"written: {file} ({len(result.t)} samples, behind the filter of the case)")
 
 
-def _read(
-    recording: Path, parameters: Path, case: str | None, stale: bool
-) -> "tuple[Recording, Result, tuple[str, ...]]":
-    """The run, the result whose parameters are used, and the changes of the case since."""
-    from identification.outcome import Result
-    from identification.recording import read
-    from planner.cli.identification import case_of
+def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[Recording, Result]":
+    """The run, and the result whose parameters are used; its case stands in where no other is named."""
+    from cases.loading import load_case
+    from identification.outcome import Result, case_of_result
+    from identification.recording import Recording, record_of, require_recording
 
-    loaded, remarks = case_of(recording, case, stale, parameters)
-    saved = Result.load(parameters, loaded, stale)
-    return read(recording, loaded), saved, remarks + saved.remarks
-
-
-def _write(file: Path, result: Any, remarks: Sequence[str]) -> None:
-    """Writes the columns after a comment for each remark on a case that has changed since."""
-    import numpy as np
-    import pyarrow as pa
-    import pyarrow.csv as pacsv
-
-    from cases.recording_format import WRENCH
-
-    table = {"t_s": result.t} | {name: np.ascontiguousarray(result.wrench[:, k]) for k, name in enumerate(WRENCH)}
-    with file.open("wb") as out:
-        out.writelines(f"# {remark}\n".encode() for remark in remarks)
-        pacsv.write_csv(pa.table(table), out, pacsv.WriteOptions(quoting_style="none"))
+    require_recording(recording)
+    named = None if case is None else load_case(case)
+    if named is None and not record_of(recording):
+        named = case_of_result(parameters)
+    run = Recording.load(recording, named, stale)
+    return run, Result.load(parameters, run.case, stale)
 
 
 def tare(
@@ -136,23 +120,16 @@ def tare(
 
     All other parameters stay as they are.
     """
-    from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
+    from cases.files import RESULT, check_folder, output_place
     from identification.external import tare as with_new_offsets
-    from identification.finding import FINDINGS, Kind, warning
     from identification.parameters import offset_columns
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
-    run, saved, remarks = _read(recording, parameters, case, stale)
+    run, saved = _read(recording, parameters, case, stale)
     tared = with_new_offsets(run, saved)
-    content = dict(tared.record) | {"tared_with": str(recording)}
-    if remarks:
-        changed = FINDINGS.dump_python(tuple(warning(Kind.CASE, remark) for remark in remarks), mode="json")
-        content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
-        content["findings"] = [*content["findings"], *changed]
-    with atomic_folder(folder, RESULT, overwrite) as part:
-        (part / "result.json").write_text(json_text(content), encoding="utf-8")
-    if answered({"result": str(folder)} | content, json):
+    tared.save(folder, overwrite)
+    if answered({"result": str(folder), **tared.record}, json):
         return
     rows = [
         [
@@ -162,7 +139,7 @@ def tare(
         ]
         for k, place in enumerate(offset_columns(saved.model), 1)
     ]
-    for remark in (*remarks, *tared.notes[len(saved.notes) :]):
+    for remark in (*run.remarks, *saved.remarks, *tared.notes[len(saved.notes) :]):
         print(f"warning: {remark}")
     print_table("Offsets", ("offset", "change", "std"), rows)
     print(f"result written: {folder}")
@@ -180,17 +157,15 @@ def payload(
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
     from cases.loading import load_case
-    from identification.external import payload_between, payload_on_table, require_two
     from identification.outcome import Result
+    from identification.payloads import payload as between
     from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows
 
     old = Result.load(before, None if case is None else load_case(case), stale)
-    new = Result.load(after, old.case, stale)
-    require_two(old, new)
-    found = (payload_on_table if old.case.setup == "1a" else payload_between)(old, new)
+    found = between(old, Result.load(after, old.case, stale))
     answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
-        "warnings": [*found.warnings, *old.remarks, *new.remarks],
+        "warnings": list(found.warnings),
     }
     if answered(answer, json):
         return

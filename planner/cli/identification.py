@@ -1,23 +1,16 @@
 """Options of identify, and a result as text for people and as JSON."""
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.basis import Artefact, recording_basis
-from cases.errors import HexciteError, RecordingError
-from cases.files import another_kind
-from cases.loading import load_case
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.estimation.estimators import Method, method
 from identification.estimation.priors import Prior
-from identification.external import force as over_recording
 from identification.model import Model
-from identification.outcome import Result, biases_of, case_of_result
+from identification.outcome import Result, biases_of
 from identification.parameters import physical_form, symmetric_platform
-from identification.recording import read
-from identification.recording import record_of as about_recording
 from identification.result import Value
 from identification.samples import Conditioning
 from planner.cli.console import print_table
@@ -27,65 +20,17 @@ from planner.request import read_value
 AUTO = "auto"
 
 
-def case_of(
-    path: Path, case: str | None, stale: bool = False, result: Path | None = None
-) -> tuple[Case, tuple[str, ...]]:
-    """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
-
-    Args:
-        case: named case, in its present state; None for the case of the folder.
-        result: folder of a result, whose case is used where the recording names none.
-
-    Raises:
-        RecordingError: there is no recording, or its machine is unknown.
-        FileProblem: its case has changed, and `stale` is not set.
-        CaseError: the case cannot be read.
-    """
-    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
-    if not recorded and (other := another_kind(path, "recording.json")):
-        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
-    if case is not None:
-        return load_case(case), ()
-    about = about_recording(path)
-    if not about:
-        if result is not None:
-            return case_of_result(result), ()
-        raise RecordingError(path, "does not say which machine it is from", "name it with --case")
-    artefact = Artefact(path / "recording.json", about, "run the program again")
-    loaded = artefact.case()
-    return loaded, artefact.require_unchanged(recording_basis(loaded), loaded, stale)
-
-
 def read_conditioning(
     period: str | None, harmonics: int | None, flexible: bool = False, standstills: bool = False
 ) -> Conditioning:
-    """The conditioning that options ask for.
-
-    Args:
-        period: `auto` or seconds, as typed.
-
-    Raises:
-        HexciteError: the period is not understood, or options exclude each other.
-    """
-    if harmonics is not None and period is None:
-        raise HexciteError(f"--harmonics {harmonics}", "is for periodic runs; add --period auto or --period SECONDS")
-    if harmonics is not None and harmonics < 1:
-        raise HexciteError(f"--harmonics {harmonics}", "is not a number of harmonics; give 1 or more")
-    if flexible and period is not None:
-        raise HexciteError("--flexible", "lowers the low-pass, which --period does without; leave one of them out")
-    if period is None:
-        return Conditioning(flexible=flexible, standstills=standstills)
-    return Conditioning(True, None if period == AUTO else _seconds(period), harmonics, standstills=standstills)
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text.removesuffix("s"))
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise HexciteError(f"--period {text}", "is not a period; give auto or seconds, as --period 3")
-    return value
+    """The conditioning that options ask for; `period` is `auto` or seconds, as typed."""
+    seconds = None
+    if period not in (None, AUTO):
+        try:
+            seconds = float(str(period).removesuffix("s"))
+        except ValueError:
+            raise HexciteError(f"--period {period}", "is not a period; give auto or seconds, as --period 3") from None
+    return Conditioning(period is not None, seconds, harmonics, flexible, standstills)
 
 
 def read_values(texts: Sequence[str], units: Mapping[str, str], model: int) -> dict[str, float]:
@@ -147,28 +92,6 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record}
     strongest = () if result.identifiability is None else result.identifiability.strongest()
     return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
-
-
-def verify_result(path: Path, result: Result, quiet: bool) -> dict[str, Any]:
-    """Answer on how well the parameters predict another run: residual force and moment, and rms of each channel."""
-    forces = over_recording(read(path, result.case), result, whole=False)
-    deviation = forces.wrench.std(axis=0)
-    answer = {
-        "recording": str(path),
-        "samples": len(forces.t),
-        "force_3s_N": (3 * deviation[:3]).tolist(),
-        "moment_3s_Nm": (3 * deviation[3:]).tolist(),
-        "mean_force_N": forces.wrench[:, :3].mean(axis=0).tolist(),
-        "mean_moment_Nm": forces.wrench[:, 3:].mean(axis=0).tolist(),
-        "channel_rms": ((forces.residuals**2).mean(axis=0) ** 0.5).tolist(),
-    }
-    if not quiet:
-        force, moment = (
-            ", ".join(f"{v:.3g}" for v in answer["force_3s_N"]),
-            ", ".join(f"{v:.3g}" for v in answer["moment_3s_Nm"]),
-        )
-        print(f"verified on {path}: residual force +- {force} N (3 s), residual moment +- {moment} N m (3 s)")
-    return answer
 
 
 def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:

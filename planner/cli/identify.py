@@ -73,42 +73,34 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
-    from dataclasses import replace
-
     from cases.errors import HexciteError
     from cases.files import RESULT, check_folder, output_place
+    from cases.loading import load_case
+    from identification.external import verify as verified
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from identification.identify import identify as find_parameters
-    from identification.recording import read
-    from planner.cli.identification import (
-        answer_of_result,
-        case_of,
-        method_of,
-        read_conditioning,
-        show_result,
-        verify_result,
-    )
+    from identification.recording import Recording, read
+    from planner.cli.identification import answer_of_result, method_of, read_conditioning, show_result
     from planner.plans import Plan
 
     conditioning = read_conditioning(period, harmonics, flexible, standstills)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
-    loaded, changed = case_of(recordings[0], case, stale)
-    words = tuple(t.strip() for t in terms.split(",")) if terms else ()
-    plan = None
-    if poses is not None:
-        plan = Plan.load(poses, loaded, stale=True)  # of a plan of poses only these are wanted
-        if not len(plan.poses):
-            raise HexciteError(poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses")
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
+    words = tuple(t.strip() for t in terms.split(",")) if terms else ()
     with console.status("identifying", json):
+        run = Recording.load(recordings, None if case is None else load_case(case), stale)
+        plan = None
+        if poses is not None:
+            plan = Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+            if not len(plan.poses):
+                raise HexciteError(poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses")
         result = find_parameters(
-            replace(read(recordings, loaded), remarks=changed),
-            loaded,
-            model,
-            how=lambda model: method_of(model, loaded, estimator, fix, drop, symmetric, prior, weights, biases, stale),
+            run,
+            model=model,
+            how=lambda m: method_of(m, run.case, estimator, fix, drop, symmetric, prior, weights, biases, stale),
             terms=words,
             conditioning=conditioning,
             poses=plan,
@@ -118,7 +110,10 @@ def identify(
     if not json:
         show_result(answer)
     if verify is not None:
-        answer["verify"] = verify_result(verify, result, quiet=json)
+        prediction = verified(read(verify, result.case), result)
+        answer["verify"] = prediction.to_json()
+        if not json:
+            print(prediction)
     console.answered(answer, json)
 
 

@@ -14,12 +14,13 @@ from cases.basis import KEPT, result_basis
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text, provenance
 from cases.loading import load_case
-from identification.external import force, payload_between, require_two, tare
+from identification.external import force, tare
 from identification.finding import Kind, Severity
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Standstill
 from identification.outcome import Result
+from identification.payloads import payload_between, require_two
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.simulate import simulate_recording

@@ -1,0 +1,155 @@
+"""The payload: the rigid body that was added from one identification to another."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtri
+
+from cases.basis import KEPT
+from cases.errors import IdentificationError
+from cases.units import as_html
+from identification.finding import Finding, Kind, Severity, changed_cases, sentences, warning
+from identification.model import Model
+from identification.outcome import Result
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block
+from identification.result import Value, physical_values
+
+LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
+UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
+
+
+class Payload(NamedTuple):
+    """The payload between two results."""
+
+    parameters: dict[str, Value]  # mass, centre of gravity in {P} and inertia about it (where both results have it)
+    findings: tuple[Finding, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences that people should act on."""
+        return sentences(self.findings, Severity.WARNING)
+
+    def __repr__(self) -> str:
+        """A line for each parameter, and warnings."""
+        lines = [f"{name} = {p.value:.6g} +- {p.reported:.2g} {p.unit}" for name, p in self.parameters.items()]
+        return "\n".join(["Payload", *lines, *(f"warning: {warning}" for warning in self.warnings)])
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+
+def payload(before: Result, after: Result) -> Payload:
+    """The body that was mounted from one identification to another: mass, centre of gravity, inertia.
+
+        empty, loaded = hx.Result.load("empty"), hx.Result.load("loaded")
+        hx.payload(empty, loaded).parameters["m"].value
+
+    Raises:
+        IdentificationError: both are of the same recording, or the difference in mass is not significant.
+        FileProblem: parameters of another case.
+    """
+    require_two(before, after)
+    found = (payload_on_table if before.case.setup == "1a" else payload_between)(before, after)
+    return found._replace(findings=(*found.findings, *changed_cases(before.remarks + after.remarks)))
+
+
+def payload_on_table(before: Result, after: Result) -> Payload:
+    """The payload that was put on a frame that does not move, from the offsets without and with it (setup 1a).
+
+    Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
+    all of xC, yC, zC that have a share in it; the warnings name them.
+
+    Both models are of offsets only.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant.
+    """
+    body = replace(after.model, blocks=(MASS, FIRST_MOMENT))
+    still = np.zeros((1, 6))
+    matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
+    white = np.diag(before.covariance + after.covariance)
+    robust = np.diag(before.covariance_robust + after.covariance_robust)
+    variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
+    root = 1.0 / np.sqrt(variance)
+    along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
+    # The unknown direction stays free, so that the others do not take over its share.
+    spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
+    u = spread @ (after.values - before.values)
+    of_u = (spread * variance) @ spread.T
+    std = float(np.sqrt(of_u[0, 0]))
+    if not abs(u[0]) > 3.0 * std:
+        raise _no_payload(before, after, float(u[0]), std)
+    residuals = (after.values - before.values - matrix @ u) * root
+    findings = _about(before, after, float(u[0]))
+    if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
+        sentence = "the change of the forces is not a weight alone: something pushes, or a sensor has drifted"
+        findings.append(warning(Kind.MODEL, sentence))
+    names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
+    sentence = f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the "
+    findings.append(warning(Kind.MODEL, f"{sentence}payload in another orientation"))
+    physical = physical_values(body, u, of_u, of_u)
+    return Payload({name: value for name, value in physical.items() if name not in names}, tuple(findings))
+
+
+def require_two(before: Result, after: Result) -> None:
+    """Refuses one recording as both.
+
+    Raises:
+        IdentificationError: both results are of the same files.
+    """
+    if before.source == after.source:
+        raise IdentificationError(after.source, "is named twice; name the result without the payload, then with it")
+    if before.recordings and before.recordings == after.recordings:
+        raise IdentificationError(
+            after.source,
+            f"is of the same recording as {before.source}; name the result of a run without the "
+            "payload, then of one with it",
+        )
+
+
+def _no_payload(before: Result, after: Result, mass: float, std: float) -> IdentificationError:
+    return IdentificationError(
+        after.source,
+        f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
+        "results without and with payload, in this order",
+    )
+
+
+def _about(before: Result, after: Result, mass: float) -> list[Finding]:
+    findings = []
+    if before.model.number != after.model.number:
+        numbers = f"{before.model.number} and {after.model.number}"
+        findings.append(warning(Kind.MODEL, f"models {numbers} differ: masses of different models do not compare"))
+    if before.record.get(KEPT) != after.record.get(KEPT):
+        findings.append(warning(Kind.CASE, "the case was changed between the two identifications"))
+    if mass < 0.0:
+        sentence = "the mass became smaller: this is what was taken off, as a negative payload"
+        findings.append(warning(Kind.MODEL, sentence))
+    return findings
+
+
+def payload_between(before: Result, after: Result) -> Payload:
+    """The body that has to be added to `before` to get `after`; the two runs are independent.
+
+    Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
+    payload, and covariances add. What two different models blame on mass differs (section 5): then a warning says so.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.
+    """
+    model_before, model_after = before.model, after.model
+    shared: tuple[Block, ...] = (MASS, FIRST_MOMENT)
+    if INERTIA in model_before.blocks and INERTIA in model_after.blocks:
+        shared = (*shared, INERTIA)
+    body = Model(model_after.number, shared, model_after.structure, model_after.gravity)
+    old = [model_before.names.index(name) for name in body.names]
+    new = [model_after.names.index(name) for name in body.names]
+    difference = after.values[new] - before.values[old]
+    covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
+    robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
+    std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
+    if not abs(difference[0]) > 3.0 * std:
+        raise _no_payload(before, after, float(difference[0]), std)
+    findings = _about(before, after, float(difference[0]))
+    return Payload(physical_values(body, difference, covariance, robust), tuple(findings))
