@@ -14,7 +14,6 @@ from cases.recording_format import CLOCK, WRENCH
 from cases.units import Array, as_html
 from identification.estimation.biases import drifted_since, shifted_all_along
 from identification.finding import FINDINGS, Finding, Kind, Severity, changed_cases, sentences
-from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording

@@ -92,15 +92,16 @@ def identify(
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
     with console.status("identifying", json):
         run = Recording.load(recordings, None if case is None else load_case(case), stale)
-        plan = None
+        assert run.case is not None  # it was read with one
+        own, plan = run.case, None
         if poses is not None:
-            plan = Plan.load(poses, run.case, stale=True)  # of a plan of poses only these are wanted
+            plan = Plan.load(poses, own, stale=True)  # of a plan of poses only these are wanted
             if not len(plan.poses):
                 raise HexciteError(poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses")
         result = find_parameters(
             run,
             model=model,
-            how=lambda m: method_of(m, run.case, estimator, fix, drop, symmetric, prior, weights, biases, stale),
+            how=lambda m: method_of(m, own, estimator, fix, drop, symmetric, prior, weights, biases, stale),
             terms=words,
             conditioning=conditioning,
             poses=plan,
