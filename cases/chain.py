@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Tag, field_validator, model_validator
+from pydantic import field_validator, model_validator
 
 from cases.machine import KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of
 from cases.machine import Number as Real
@@ -312,12 +312,6 @@ class JointMotionLimits(Part):
         return JointMotionLimits.model_construct(joints=tuple(free))
 
 
-AnyMotion = Annotated[
-    Annotated[MotionLimits, Tag("<MotionLimits>")] | Annotated[JointMotionLimits, Tag("<JointMotionLimits>")],
-    kind_of(JointMotionLimits, MotionLimits),
-]
-
-
 Box = MotionLimits | JointMotionLimits
 """Limits of the coordinates of a machine: of a case, from home, all in SI."""
 
@@ -325,7 +319,7 @@ Box = MotionLimits | JointMotionLimits
 class Limits(Part):
     """The limits of a case, by kind of excitation."""
 
-    motion: AnyMotion
+    motion: Annotated[Box, kind_of(JointMotionLimits, MotionLimits)]
     """Limits of moving excitations."""
 
 

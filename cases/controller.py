@@ -3,7 +3,7 @@
 import re
 from typing import Annotated, ClassVar, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, Tag, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from cases.machine import Part, Positive, kind_of
 from cases.units import DEG, MINUTE, MM, MS
@@ -224,16 +224,6 @@ class TwinCat(TwinCatAxes):
     """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
 
 
-AnySinumerik = Annotated[
-    Annotated[Sinumerik, Tag("<Sinumerik>")] | Annotated[SinumerikAxes, Tag("<SinumerikAxes>")],
-    kind_of(Sinumerik, SinumerikAxes),
-]
-AnyTwinCat = Annotated[
-    Annotated[TwinCat, Tag("<TwinCat>")] | Annotated[TwinCatAxes, Tag("<TwinCatAxes>")],
-    kind_of(TwinCat, TwinCatAxes),
-]
-
-
 class LinuxCnc(Part):
     """Settings of the LinuxCNC configuration that is generated from the case."""
 
@@ -267,9 +257,9 @@ class Controller(Part):
     linuxcnc: LinuxCnc | None = None
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they run in their own time, and only the program's proof ensures the limits."""
-    sinumerik: AnySinumerik | None = None
+    sinumerik: Annotated[Sinumerik | SinumerikAxes, kind_of(Sinumerik, SinumerikAxes)] | None = None
     """Settings of SINUMERIK programs."""
-    twincat: AnyTwinCat | None = None
+    twincat: Annotated[TwinCat | TwinCatAxes, kind_of(TwinCat, TwinCatAxes)] | None = None
     """Settings of TwinCAT CNC (TF5200) and ISG programs."""
     setpoints: Setpoints | None = None
     """Settings of tables of set points."""

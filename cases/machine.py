@@ -10,7 +10,16 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetPydanticSchema,
+    model_validator,
+)  # fmt: skip
+from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
 from cases.units import DEG, MM, Array
 
@@ -34,7 +43,7 @@ class Part(BaseModel):
         return copy
 
 
-def kind_of(one: type[Part], other: type[Part]) -> Discriminator:
+def kind_of(one: type[Part], other: type[Part]) -> GetPydanticSchema:
     """The rule that distinguishes a table of one kind, by its own keys, from one of another.
 
     Tags in angle brackets name the class that a table was read as; messages leave them out.
@@ -45,7 +54,10 @@ def kind_of(one: type[Part], other: type[Part]) -> Discriminator:
         own = not distinctive.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
         return f"<{(one if own else other).__name__}>"
 
-    return Discriminator(tag)
+    def schema(_: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return tagged_union_schema({f"<{kind.__name__}>": handler(kind) for kind in (one, other)}, tag)
+
+    return GetPydanticSchema(schema)
 
 
 LARGEST = 1e15  # beyond any machine, in any unit; sixth powers of it are still numbers

@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import accumulate
 from typing import Annotated, Literal, NoReturn
 
-from pydantic import Field, PrivateAttr, Tag, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, Settings, Sinumerik, TwinCat
@@ -30,16 +30,6 @@ LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
 def fingerprint(content: object) -> str:
     """Sixteen digits that differ where `content`, JSON, differs."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
-
-
-AnyMachine = Annotated[
-    Annotated[HexapodMachine, Tag("<HexapodMachine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
-    kind_of(SerialMachine, HexapodMachine),
-]
-AnyPoses = Annotated[
-    Annotated[Poses, Tag("<Poses>")] | Annotated[JointPoses, Tag("<JointPoses>")],
-    kind_of(Poses, JointPoses),
-]
 
 
 class Heading(Part):
@@ -67,13 +57,13 @@ class Case(Heading):
     """What the sensors measure, and how well."""
     recording: RecordingFormat
     """How recordings are written down."""
-    machine: AnyMachine | None = None
+    machine: Annotated[HexapodMachine | SerialMachine, kind_of(SerialMachine, HexapodMachine)] | None = None
     """A hexapod's joints and home, or a chain of joints."""
     workspace: Workspace | None = None
     """What a hexapod can reach."""
     limits: Limits | None = None
     """What an excitation may use."""
-    poses: AnyPoses | None = None
+    poses: Annotated[Poses | JointPoses, kind_of(Poses, JointPoses)] | None = None
     """Candidates for measuring at standstills."""
     controller: Controller | None = None
     """How the controller is set up."""

@@ -78,8 +78,7 @@ class ControllerLog:
 TIME_TOLERANCE = 0.005
 """Share of a path's duration by which it may be late; measured on an idle computer 0.002 with 10 ms blocks."""
 
-CYCLES = 30
-"""Further cycles by which it may be late, for starting and stopping: blending ends some blocks late."""
+CYCLES = 30  # further cycles by which it may be late, for starting and stopping: blending ends some blocks late
 
 
 def path_words(line: int, planned: float, taken: float) -> str:

@@ -17,8 +17,7 @@ from identification.outcome import Result
 from identification.symbolic import rotation, twist, twist_rate
 from postprocessors.export.calibration import number, rendered
 
-RING = 256
-"""Cycles in the memory of the signal chain: 40 ms of delay and as much window at 4 kHz."""
+RING = 256  # cycles in the memory of the signal chain: 40 ms of delay and as much window at 4 kHz
 
 _MATH = {ca.OP_SQRT: "sqrt({0})", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_ATAN2: "atan2({0}, {1})"}
 

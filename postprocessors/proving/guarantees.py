@@ -103,8 +103,7 @@ class Judge:
         return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
 
 
-SHORTEST_POINTS = 1e-3
-"""Least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks."""
+SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
 
 LONGEST_POINTS = 0.25
 """Largest distance of points of a path [s]: the curve between distant points may leave the assumed one."""

@@ -26,8 +26,7 @@ INI_FILE = "machine.ini"
 HAL_FILE = "machine.hal"
 DISPLAY_FILE = "driver.py"
 
-SERVO_PERIOD = 1e-3
-"""Cycle of the motion controller [s]: LinuxCNC's usual one, and the rate of the recordings."""
+SERVO_PERIOD = 1e-3  # cycle of the motion controller [s]: LinuxCNC's usual one, and the rate of the recordings
 
 ROUNDING = 1e-6
 """Pose limits are widened by the last digit of a program's numbers [mm, deg], so that the limit itself is allowed."""
@@ -35,11 +34,9 @@ ROUNDING = 1e-6
 UNBOUND = 1e6
 """LinuxCNC does not enforce strut velocity and acceleration on a path; any large number is valid [mm/s, mm/s^2]."""
 
-WIDEST = np.pi / 2
-"""Angles of the axes where only the struts limit them [rad]."""
+WIDEST = np.pi / 2  # angles of the axes where only the struts limit them [rad]
 
-TURNS = 1e6
-"""Position limits of a joint that turns without end [degrees]."""
+TURNS = 1e6  # position limits of a joint that turns without end [degrees]
 
 
 class AxisLayout(NamedTuple):

@@ -24,23 +24,18 @@ from cases.errors import ExecutionError
 SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
 """Search path of LinuxCNC and its Python; a session gets nothing of the user's environment."""
 
-NOBODY = 65534
-"""User of LinuxCNC's realtime process where hexcite runs as root: that process refuses to run as root."""
+NOBODY = 65534  # user of LinuxCNC's realtime process where hexcite runs as root: that process refuses to run as root
 
-OUTPUT_FILE = "linuxcnc.out"
-"""File with the output of LinuxCNC."""
+OUTPUT_FILE = "linuxcnc.out"  # file with the output of LinuxCNC
 
-GRACE = 20.0
-"""Time for LinuxCNC to end in an orderly manner [s]; it takes about one."""
+GRACE = 20.0  # time for LinuxCNC to end in an orderly manner [s]; it takes about one
 
-POLL = 0.005
-"""Time between two checks of the processes that are being killed [s]."""
+POLL = 0.005  # time between two checks of the processes that are being killed [s]
 
 MARK = "HEXCITE_SESSION"
 """Environment variable that all processes of a session carry, by which what remains of them is recognised."""
 
-PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}
-"""Processes of which one means that a LinuxCNC is running."""
+PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}  # processes of which one means that a LinuxCNC is running
 
 _log = logging.getLogger(__name__)
 _ENTER = 'mount --bind "$0" /tmp && cd /tmp && exec "$@"'

@@ -58,8 +58,7 @@ def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: floa
 
 
 NOTICEABLE = 1.01
-CUT = 2e-3
-"""Largest distance from the path of longer blocks that a message names as a remedy [m]."""
+CUT = 2e-3  # largest distance from the path of longer blocks that a message names as a remedy [m]
 
 LONGER = 1.1
 MOST_HEADROOM = 1e6

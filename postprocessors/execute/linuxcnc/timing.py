@@ -30,8 +30,7 @@ BLOCK = 1e-3
 """Shortest block of a session [s of wall-clock time]. Down to half of it motion is the same at every speed-up, also
 with four other busy processes on two cores; at a quarter of it blocks are sometimes late."""
 
-FEWEST_CYCLES = 10
-"""Cycles that a standstill has at least: switches take LinuxCNC some cycles in real time too."""
+FEWEST_CYCLES = 10  # cycles that a standstill has at least: switches take LinuxCNC some cycles in real time too
 
 _DWELL = re.compile(r"G4 P[0-9]+(\.[0-9]+)?\s*")
 
