@@ -125,18 +125,18 @@ class Joint(ChainFrame):
     @property
     def position(self) -> tuple[float, float]:
         """Lower and upper end [rad or m]; infinite of a continuous joint."""
-        ends = self.position_deg if self.turns else self.position_mm
+        ends = self.position_deg or self.position_mm
         return (-math.inf, math.inf) if ends is None else (ends[0] * self.unit, ends[1] * self.unit)
 
     @property
     def home(self) -> float:
         """Where programs begin and end [rad or m]."""
-        return (self.home_deg if self.turns else self.home_mm) * self.unit  # type: ignore[operator] # one is required
+        return (self.home_deg or self.home_mm or 0.0) * self.unit
 
     @property
     def effort(self) -> float:
         """Largest torque or force of its drive [N m or N]; infinite where the case states none."""
-        return (self.torque_Nm if self.turns else self.force_N) or math.inf
+        return self.torque_Nm or self.force_N or math.inf
 
 
 class Chain(Part):
@@ -280,14 +280,14 @@ class JointMotionLimits(Part):
     @cached_property
     def pose(self) -> Array:
         """Lower and upper limit relative to home, shape (2, n) [rad or m]."""
-        return frozen(
-            [[v * DEG for v in j.position_deg or ()] or [v * MM for v in j.position_mm or ()] for j in self.joints]
-        ).T
+        ends = [j.position_deg or j.position_mm for j in self.joints]
+        return frozen(np.array(ends).T * np.where(self.turns, DEG, MM))
 
     @cached_property
     def rate(self) -> Array:
         """Largest rate of each coordinate, shape (n,) [rad/s or m/s]."""
-        return frozen([(j.velocity_deg_s or 0.0) * DEG + (j.velocity_mm_s or 0.0) * MM for j in self.joints])
+        most = [j.velocity_deg_s or j.velocity_mm_s for j in self.joints]
+        return frozen(np.array(most) * np.where(self.turns, DEG, MM))
 
     @cached_property
     def acceleration(self) -> Array:
