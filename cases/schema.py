@@ -226,17 +226,14 @@ class Case(Heading):
         `[controller]` says of programs has a fingerprint of its own, but for `cycle_ms`. Artefacts are checked against
         what they were computed from (`cases.basis`), not against this.
         """
-        return fingerprint(self._of_the_machine())
+        content = self.model_dump(mode="json", exclude_defaults=True)
+        cycle = {k: v for k, v in content.pop("controller", {}).items() if k == "cycle_ms"}
+        return fingerprint(content | {f"controller.{key}": value for key, value in cycle.items()})
 
     @cached_property
     def controller_hash(self) -> str:
         """Fingerprint of `[controller]`, on which programs and runs depend."""
         return fingerprint(self.model_dump(mode="json", exclude_defaults=True).get("controller"))
-
-    def _of_the_machine(self) -> dict[str, object]:
-        content = self.model_dump(mode="json", exclude_defaults=True)
-        controller = content.pop("controller", {})
-        return content | ({"controller.cycle_ms": controller["cycle_ms"]} if "cycle_ms" in controller else {})
 
     def missing(self, part: str, purpose: str) -> NoReturn:
         """Raises CaseError: `part` of the case is needed for `purpose`."""

@@ -215,7 +215,8 @@ class _Tree:
             axis = self._vector(element, "xyz", f"axis of joint {name}")
             if np.linalg.norm(axis) < LEAST_AXIS:
                 self._refuse(element, f"the axis of joint {name} has no direction; give one, such as 0 0 1")
-        bodies = list(self._bodies(self._child(name), flange))
+        child = next(link for link, parent in self.parent_joint.items() if parent == name)
+        bodies = list(self._bodies(child, flange))
         body = reduce(together, bodies) if bodies else None
         numbers = self._limits(name, joint, kind)
         return UrdfJoint(name, kind, place, axis / np.linalg.norm(axis), *numbers, body)
@@ -242,9 +243,6 @@ class _Tree:
                 limit, f"joint {name} has lower = {lower:g}, not below upper = {upper:g}; swap or correct them"
             )
         return (lower, upper), velocity, effort or None
-
-    def _child(self, joint: str) -> str:
-        return next(link for link, parent in self.parent_joint.items() if parent == joint)
 
     def _bodies(self, first: str, flange: str) -> Iterator[RigidBody]:
         """Inertias of a link and of what is fixed to it, but for what stands behind the flange."""

@@ -54,7 +54,12 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     trigger: list[tuple[float, float]] = []
     clock, on, at_poses = REST, False, reading.measures_at_poses
     for stretch, motion in motions(reading, case, own):
-        part = _followed(motion, case, reading.file) if isinstance(motion, TimedPoints) else motion
+        part = motion
+        if isinstance(motion, TimedPoints) and not keeps_pace(motion, case):
+            try:
+                part = retime(motion, case)
+            except UntimedMotion as error:
+                raise ExecutionError(reading.file, str(error), "look at hexcite check") from error
         on = on and stretch.trigger
         if at_poses and stretch.trigger:
             trigger.append((clock, clock + part.duration))
@@ -67,13 +72,6 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
         clock += part.duration
     parts.append(Standstill(parts[-1].at([parts[-1].duration]).pose[0], REST))
     return Joined(tuple(parts)), np.array(trigger).reshape(-1, 2)
-
-
-def _followed(path: TimedPoints, case: Case, file: str) -> Trajectory:
-    try:
-        return path if keeps_pace(path, case) else retime(path, case)
-    except UntimedMotion as error:
-        raise ExecutionError(file, str(error), "look at hexcite check") from error
 
 
 def by_ruckig(law: Law) -> Law:

@@ -144,7 +144,9 @@ def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
     rate[:3] = np.minimum(rate[:3], feed)
     k = int(np.argmax(rate[3:] / limits.rate[3:])) + 3
     yield _row(LimitKind.ANGULAR_VELOCITY, float(rate[k]), float(limits.rate[k]), clock, by)
-    peaks = _peak_accelerations(rate, by)
+    # peaks by the controller's own law over a long way [m/s^2, rad/s^2]
+    laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
+    peaks = np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
     yield _largest(LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION, peaks, limits.acceleration, clock, by)
     cycle = by.guarantees.jerk_time
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
@@ -153,13 +155,6 @@ def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
         # rates of the drives follow from those of the pose, and so are enforced with these
         follows = kind is LimitKind.STRUT_VELOCITY and worst <= most and LimitKind.VELOCITY in by.guarantees.enforced
         yield _row(kind, worst, most, clock, by, Status.ENFORCED if follows else None)
-
-
-def _peak_accelerations(rate: Array, by: Judge) -> Array:
-    """Peak acceleration of each coordinate by the controller's own law over a long way, shape (6,) [m/s^2, rad/s^2]."""
-    limits = by.limits
-    laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
-    return np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
 
 
 def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Judge) -> LimitCheck:

@@ -14,13 +14,9 @@ from identification.motion import Array
 from identification.overload import Loads
 from postprocessors.proving.guarantees import Guarantees, Judge
 from postprocessors.proving.judging import judge
-from postprocessors.reading import Reading, Still, Stretch, Timed, Untimed
+from postprocessors.reading import Reading, Still, Timed, Untimed
 
 MOST_TIMES = 10.0  # multiple of a limit above which the number itself does not matter
-
-
-def _times(ratio: float) -> str:
-    return f"{100 * ratio:.0f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +67,11 @@ class ProgramProof:
         """Limits that nobody enforces and the motion is predicted to exceed, each with its share in words."""
         nobodys = [c for c in self.limits.checks if c.status is Status.NOT_ENFORCED]
         worst = {kind: max(c.ratio for c in nobodys if c.kind.family is kind) for kind in self.relies_on}
-        return {kind: f"{kind} ({_times(ratio)})" for kind, ratio in worst.items() if ratio > 1.0}
+        return {
+            kind: f"{kind} ({f'{100 * ratio:.0f} %' if ratio <= MOST_TIMES else 'more than ten times'})"
+            for kind, ratio in worst.items()
+            if ratio > 1.0
+        }
 
     def require_accepted(self, accepted: Collection[str]) -> None:
         """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
@@ -133,7 +133,9 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     for part in reading.stretches:
         report, duration = judge(part, by, clock)
         reports.append(report)
-        violations += [replace(v, line=_line(part, v.time - clock)) for v in report.violations]
+        for check in report.violations:
+            line = part.line_at(check.time - clock) if isinstance(part, Timed) else part.line
+            violations.append(replace(check, line=line))
         clock += duration
         excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
     worst_first = tuple(sorted(violations, key=lambda v: -v.ratio))
@@ -147,10 +149,6 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
         worst_first,
         tuple(remarks(reading, case)),
     )
-
-
-def _line(part: Stretch, time: float) -> int:
-    return part.line_at(time) if isinstance(part, Timed) else part.line
 
 
 AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program

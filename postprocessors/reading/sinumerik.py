@@ -75,7 +75,10 @@ class _SinumerikInterpreter(ModalState):
         elif name in (*self.axes, "F") or (name in ("PL=", "I", "J", "K") and not self.own_axes):
             self.require_number(word)
         elif name == "%":
-            self._program_name(word)
+            program = (word.arguments or ("",))[0]
+            if re.match(SINUMERIK_NAME, program) is None:
+                problem = "is not taken; at most 24 letters, digits and _, two letters first"
+                self.fail(word, f"program name {program!r} {problem}")
         elif name == "FGROUP":
             self.feed_axes = word.arguments or ()
         elif name == "DO":
@@ -83,8 +86,11 @@ class _SinumerikInterpreter(ModalState):
         elif self.of_pose is None:
             self._of_own_axes(name, word)
         elif name in ("CTOL=", "OTOL="):
-            s, short = self.of_pose, name == "CTOL="
-            self._tolerance(name[:-1], word, s.contour_tolerance_mm if short else s.orientation_tolerance_deg)
+            s = self.of_pose
+            limit = s.contour_tolerance_mm if name == "CTOL=" else s.orientation_tolerance_deg
+            if word.value is None or not 0.0 < word.value <= limit:
+                problem = f"is not above 0 and at most {limit:g}, the tolerance of the case; correct it"
+                self.fail(word, f"{name[:-1]} {problem}")
         elif self._called(word) in (self.of_pose.transformation, self.of_pose.transformation_off):
             self.require_alone(word, block)
             self.transformed = self._called(word) == self.of_pose.transformation
@@ -119,15 +125,6 @@ class _SinumerikInterpreter(ModalState):
     @staticmethod
     def _called(word: Word) -> str:
         return word.name if word.arguments is None else f"{word.name}({','.join(word.arguments)})"
-
-    def _program_name(self, word: Word) -> None:
-        name = (word.arguments or ("",))[0]
-        if re.match(SINUMERIK_NAME, name) is None:
-            self.fail(word, f"program name {name!r} is not taken; at most 24 letters, digits and _, two letters first")
-
-    def _tolerance(self, name: str, word: Word, limit: float) -> None:
-        if word.value is None or not 0.0 < word.value <= limit:
-            self.fail(word, f"{name} is not above 0 and at most {limit:g}, the tolerance of the case; correct it")
 
     def _action(self, word: Word) -> None:
         """Reads a non-modal synchronised action, which acts with the next executable block."""
