@@ -69,7 +69,8 @@ def layout_of(file: Path) -> TextLayout:
     head = [[cell.strip() for cell in dialect.split(line)] for line in lines[:first]]
     names_row = max(k for k, row in enumerate(head, 1) if row[:1] == ["Name"]) if scope else _names_row(head, count)
     names = tuple(head[names_row - 1]) if names_row else tuple(f"column {k}" for k in range(1, count + 1))
-    units = next((tuple(row) for row in head[names_row:] if len(row) == count and _are_units(row)), ())
+    below = (row for row in head[names_row:] if len(row) == count and any(row))
+    units = next((tuple(row) for row in below if all(map(_UNIT.fullmatch, row))), ())
     blank_at_end = dialect.delimiter == " " and not first and lines[0].endswith(" ")
     trailing, cut_off = _below(file, dialect, numeric)
     form: Literal["csv", "halsampler", "twincat-scope"] = (
@@ -128,10 +129,6 @@ def _names_row(head: Sequence[Sequence[str]], count: int) -> int:
     """The line of the header that names most columns differently, counted from 1; 0 where there is none."""
     distinct = [len(set(row)) if len(row) == count else 0 for row in head]
     return distinct.index(max(distinct)) + 1 if any(distinct) else 0
-
-
-def _are_units(row: Sequence[str]) -> bool:
-    return any(row) and all(_UNIT.fullmatch(cell) for cell in row)
 
 
 def _below(file: Path, dialect: TextFormat, numeric: Sequence[bool]) -> tuple[int, bool]:

@@ -18,7 +18,7 @@ from cases.recording_format import ROTATION, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
-from identification.formats.table import ColumnTable, Rows, Stream, require_file, unreadable
+from identification.formats.table import ColumnTable, Stream, require_file, unreadable
 from identification.formats.text_errors import without
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
@@ -41,7 +41,11 @@ def read_tables(file: Path, form: RecordingFormat, in_memory: int = 0) -> tuple[
     Raises:
         RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
     """
-    reader = _reader(file, form)
+    reader = _READERS[form.format]
+    if is_bag(file):
+        reader = binary.bag_tables
+    elif is_parquet(file):
+        reader = binary.parquet_tables
     most = free_memory() // (2 * BYTES)
     batches: dict[tuple[str, ...], list[ColumnTable]] = {}
     numbers = in_memory
@@ -59,12 +63,6 @@ def read_tables(file: Path, form: RecordingFormat, in_memory: int = 0) -> tuple[
                 "free memory",
             )
     return tuple(whole(parts) for parts in batches.values())
-
-
-def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
-    if is_bag(file):
-        return binary.bag_tables
-    return binary.parquet_tables if is_parquet(file) else _READERS[form.format]
 
 
 def is_parquet(file: Path) -> bool:
@@ -202,7 +200,8 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
             result.append(stream)
         else:
             more: dict[Any, Any] = {**stream.channels}
-            missing = _either(result[same].missing, stream.missing)
+            masks = [s.missing for s in (result[same], stream) if s.missing is not None]
+            missing = np.any(masks, axis=0) if masks else None
             names = (*result[same].missing_in, *stream.missing_in)
             result[same] = replace(result[same], missing=missing, missing_in=names, **more)
     return result
@@ -245,10 +244,3 @@ def _with_kinematics(stream: Stream, poses: np.ndarray, case: Case) -> Stream:
     from scipy.spatial.transform import Rotation
 
     return replace(stream, rotations=Rotation.from_euler("xyz", poses[:, 3:]).as_matrix())
-
-
-def _either(one: Rows | None, other: Rows | None) -> Rows | None:
-    """Rows that are marked in one of two, None standing for no rows at all."""
-    if one is None or other is None:
-        return other if one is None else one
-    return one | other

@@ -14,7 +14,7 @@ from cases.errors import RecordingError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM, Array
-from identification.finding import Finding, Kind, Severity, sentences, warning
+from identification.finding import Finding, Kind, warning
 from identification.formats.assembly import spread
 from identification.formats.table import GAP, HOST_GAP, Lines, Stream, lost_samples
 from identification.recording import Recording
@@ -48,11 +48,6 @@ class Scan(NamedTuple):
 
     findings: tuple[Finding, ...]
     bad: Rows  # samples that no estimate may use, shape (n,)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences of its warnings."""
-        return sentences(self.findings, Severity.WARNING)
 
 
 def places(lines: Lines, rows: Rows) -> str:
