@@ -54,7 +54,9 @@ class SerialChain:
     @classmethod
     def of(cls, case: Case) -> "SerialChain":
         """The chain of a case; raises CaseError where its machine is not a chain."""
-        return cls(case.need_chain("the kinematics")[0])
+        if case.chain is None:
+            case.missing("machine.chain", "the kinematics")
+        return cls(case.chain)
 
     def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B}."""

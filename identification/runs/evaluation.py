@@ -17,6 +17,7 @@ f = A u - w^-2 d^2(A u)/dt^2: that smoothing with a negative sign. The series ho
 the low-pass is set to half of it.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -26,7 +27,7 @@ from numpy.typing import NDArray
 
 from cases.units import Array
 from identification.estimation.coloured_noise import coloured_covariance, turned
-from identification.estimation.compressed import inverse_root, joint_triangle
+from identification.estimation.compressed import joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust, Uncertain
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
@@ -233,8 +234,10 @@ def mode_finding(smoothing: Uncertain, cutoff: float) -> Finding:
 def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
 
-    That is where the run determines b more closely than sampling can make it; elsewhere neglecting b biases parameters
-    by less than estimating it would widen them. The choice does not use the value of b, so that it adds no bias.
+    That is where the run determines b more closely than sampling can make it, or where a low-pass of the forces is
+    clear; elsewhere neglecting b biases parameters by less than estimating it would widen them. Noise of the struts
+    looks like smoothing, for it disturbs A u and, the other way, its second derivative: where it biases b by more than
+    a standard deviation and makes up a third of b, b is left out.
 
     Args:
         fit: fit of it; its values begin with u.
@@ -252,12 +255,34 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
         return run
     slope = (expected[inner + 1] - expected[inner - 1]) / (2.0 * run.step)
     bend = (expected[inner + 1] - 2.0 * expected[inner] + expected[inner - 1]) / run.step**2
-    rows = np.linalg.cholesky(w).T @ np.dstack([matrices[inner] @ basis, slope, bend])
-    triangle = np.asarray(np.linalg.qr(rows.reshape(-1, free + 2), mode="r"))
+    root, residuals = np.linalg.cholesky(w).T, (part.forces - expected)[inner]
+    rows = root @ np.dstack([matrices[inner] @ basis, slope, bend, residuals])
+    triangle = np.asarray(np.linalg.qr(rows.reshape(-1, free + 3), mode="r"))[:-1]
+    information = float(triangle[-1, -2]) ** 2  # on b
     if np.abs(np.diag(triangle)).min() == 0.0:  # nothing bends, as in a standstill
         return run
-    std = fit.s0 * np.sqrt(share / run.filter.stride) * float(np.linalg.norm(inverse_root(triangle)[-1]))
-    return replace(run, smoothing=True) if std < SAMPLED * run.filter.step**2 else run
+    std = fit.s0 * np.sqrt(share / (run.filter.stride * information))
+    smoothing = float(triangle[-1, -1] / triangle[-1, -2])
+    if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
+        return run
+    assert part.recording.struts is not None
+    noise = strut_noise(part) * np.random.default_rng(0).standard_normal(part.recording.struts.shape)
+    noisy = replace(part, recording=replace(part.recording, struts=part.recording.struts + noise))
+    error = (noisy.regressors(delay) @ fit.values[:size] - expected) @ root.T
+    bias = float(np.sum(error[inner] * (2.0 * error[inner] - error[inner + 1] - error[inner - 1]))) / run.step**2
+    return replace(run, smoothing=True) if bias < max(std, smoothing / CLEAR) * information else run
+
+
+DIFFERENCES = 8  # repeated differences of the struts, which leave nothing of a motion far below the sampling rate
+NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
+
+
+def strut_noise(run: Run) -> Array:
+    """Standard deviation of white noise of each recorded strut, shape (struts,) [m]; few leaps do not count."""
+    assert run.recording.struts is not None
+    moving = run.recording.struts[run.filter.margin + run.rows[0] : run.filter.margin + run.rows[-1]]
+    changes = np.median(np.abs(np.diff(moving, DIFFERENCES, axis=0)), axis=0)
+    return np.asarray(changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES))))
 
 
 def smoothing_of(run: Run, fit: Fit) -> Uncertain:

@@ -6,6 +6,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain
+from cases.errors import CaseError
+from cases.loading import load_case
 from cases.sensors import RigidBody
 from identification.limited_chain import chain_frames, joint_efforts
 from identification.model import WRENCH_OFFSETS, Model
@@ -27,6 +29,14 @@ LOAD = RigidBody(
 def states(of: Chain, count: int = 50, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     q, rates, accelerations = np.random.default_rng(seed).normal(0.0, 1.5, (3, count, len(of.joints)))
     return q, rates, accelerations
+
+
+def test_kinematics_need_no_limits_of_motion() -> None:
+    """A recording can be evaluated before anyone plans."""
+    case = load_case("ur10_wrist")
+    assert SerialChain.of(case.model_copy(update={"limits": None})).chain == case.chain
+    with pytest.raises(CaseError, match=r"machine\.chain: is missing; the kinematics"):
+        SerialChain.of(load_case("hexapod"))
 
 
 def test_two_links_in_a_plane_end_where_the_textbook_says() -> None:

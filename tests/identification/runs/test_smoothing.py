@@ -15,7 +15,7 @@ from identification.result import Estimate
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, simulated
 from tests.identification.leaping import CASE, moves_without_jerk_limit
-from tests.simulated_machine import PoseExecution
+from tests.simulated_machine import PoseExecution, true_forces
 
 MODEL = identification_model(CASE, 9)
 TRUTH = physical_form(MODEL).of(linear_parameters(MODEL, CASE.simulation.parameters), np.eye(20))[0]
@@ -64,6 +64,31 @@ def test_a_low_pass_of_the_channels_is_found_as_delay_and_smoothing() -> None:
     assert found.quantities["smoothing_s2"]["value"] == pytest.approx(tau**2 / 2, rel=0.15)
     (note,) = [n for n in found.notes if "a second moment" in n]
     assert "smoothed against the motion" in note
+
+
+def test_a_low_pass_of_the_forces_is_found_in_a_smooth_motion_too() -> None:
+    """Left out, it would bias the mass by many deviations, which nothing would show."""
+    tau, fine = 1 / (2.0 * np.pi * 20.0), 10
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=2.0))
+    record = simulate_recording(CASE, execution, np.array([[0.2, 1.8]]), 0)
+    t = np.arange(-2.0, record.t[-1] + STEP, STEP / fine)
+    keep = np.exp(-STEP / fine / tau)
+    slow = lfilter([1 - keep], [1, -keep], true_forces(CASE, execution, t), axis=0)
+    noise = np.random.default_rng(0).normal(0.0, 0.2, record.forces.shape)
+    forces = np.array([np.interp(record.t, t, channel) for channel in slow.T]).T + noise
+    found = estimate_parameters(replace(record, forces=forces), CASE)
+    assert found.quantities["smoothing_s2"]["value"] == pytest.approx(tau**2 / 2, rel=0.15)
+    assert np.abs(errors(found)).max() < 4.5
+
+
+def test_noise_of_the_struts_is_not_taken_for_smoothing() -> None:
+    """It disturbs forces by its second derivative and their bend by its fourth, which are opposite to each other."""
+    noise = np.random.default_rng(0).normal(0.0, 2e-6, (len(run(0.5, 1.0).forces), 6))
+    record = run(0.5, 1.0)
+    assert record.struts is not None
+    found = estimate_parameters(replace(record, struts=record.struts + noise), CASE)
+    assert "smoothing_s2" not in found.quantities
+    assert np.abs(errors(found)).max() < 4.5
 
 
 def test_a_smooth_motion_cannot_tell_and_is_not_asked() -> None:
