@@ -10,21 +10,37 @@ that stay identifiable where parameters are not.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from enum import StrEnum
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from cases.errors import IdentificationError
+from cases.errors import HexciteError, IdentificationError
 from cases.schema import Case
 from cases.units import Array
 from identification.model import Model
 from identification.symbolic import over_samples
 
+
+class Criterion(StrEnum):
+    """Criteria of Table 4, by their letters."""
+
+    A = "A"
+    D = "D"
+    K = "K"
+    N = "N"
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        """Refuses what is not a letter of Table 4."""
+        raise HexciteError(f"criterion {value!r} is unknown; choose {', '.join(cls)}")
+
+
 CRITERIA: dict[str, Callable[[Array], float]] = {
-    "A": lambda mu: -float(np.sum(mu**-2.0)),  # average variance, -trace F^-1 (30)
-    "D": lambda mu: 2.0 * float(np.log(mu).sum()),  # volume of the confidence ellipsoid, log det F (31)
-    "K": lambda mu: -float(mu[0] / mu[-1]),  # condition, -mu_1 / mu_u (32)
-    "N": lambda mu: float(mu[-1] ** 2 / mu[0]),  # noise amplification, mu_u^2 / mu_1 (33)
+    Criterion.A: lambda mu: -float(np.sum(mu**-2.0)),  # average variance, -trace F^-1 (30)
+    Criterion.D: lambda mu: 2.0 * float(np.log(mu).sum()),  # volume of the confidence ellipsoid, log det F (31)
+    Criterion.K: lambda mu: -float(mu[0] / mu[-1]),  # condition, -mu_1 / mu_u (32)
+    Criterion.N: lambda mu: float(mu[-1] ** 2 / mu[0]),  # noise amplification, mu_u^2 / mu_1 (33)
 }
 """Singular values, shape (u,), descending -> a value that is better the larger it is."""
 

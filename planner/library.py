@@ -95,7 +95,8 @@ def plan(
     """
     settings.setdefault("model", full_model(case))
     free = family is None
-    request = Request(PointToPoint() if family is None else family, duration, may_be_smooth=free, **settings)
+    family = PointToPoint() if family is None else family
+    request = Request(family, duration, may_be_smooth=free, **settings)  # type: ignore[arg-type]  # a letter will do
     return planned(request, case, progress)
 
 
@@ -125,8 +126,9 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
     settings.setdefault("model", static_model(case))
+    request = PoseRequest(**settings)  # type: ignore[arg-type]  # a letter will do
     with threadpool_limits(limits=1, user_api="blas"):
-        return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
+        return poses_planned(request, case, progress or (lambda _: None))
 
 
 ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises

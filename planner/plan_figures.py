@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from cases.schema import Case
-from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
 from identification.estimation.fit import field_covariance
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
@@ -217,7 +217,7 @@ def worst_std(
 
 
 def figures_of(
-    case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: str
+    case: Case, model: Model, motion: Trajectory, payloads: Sequence[int], criterion: Criterion
 ) -> tuple[dict[str, float], ExpectedNoise, dict[str, tuple[float, int]]]:
     """Figures of a motion with the most payloads mounted: entries of `plan.json`, the noise and `worst_std`.
 
@@ -235,8 +235,8 @@ def figures_of(
         left = information_of(seen_through(model, noise.whitening), scaling, motion, errors)
         weighted = singular_values(left, model.names)
     figures = {
-        "logdet": CRITERIA["D"](mu),
-        "condition": -CRITERIA["K"](mu),
+        "logdet": CRITERIA[Criterion.D](mu),
+        "condition": -CRITERIA[Criterion.K](mu),
         "criterion_value": CRITERIA[criterion](weighted),
         "assumed_noise_N": noise.sensors,
     }

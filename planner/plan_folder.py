@@ -17,7 +17,7 @@ from cases.files import DAMAGED, json_text, read_json
 from cases.machine import LARGEST
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import reference_scaling, singular_values
+from identification.criteria import Criterion, reference_scaling, singular_values
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Standstill, Trajectory
@@ -157,7 +157,7 @@ def _require_own_figures(file: Path, data: dict[str, Any], plan: "Plan") -> None
     stated = data | {f"predicted_std.{name}": std for name, std in data["predicted_std"].items()}
     for key, value in figures.items():
         entry = stated[key]
-        of_logdet = key == "logdet" or (key == "criterion_value" and plan.request.criterion == "D")
+        of_logdet = key == "logdet" or (key == "criterion_value" and plan.request.criterion == Criterion.D)
         within, digits = ALIKE * (size if of_logdet else abs(value)), 6
         if key == "duration_s":
             within, digits = CLOCK, 9

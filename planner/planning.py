@@ -12,6 +12,7 @@ import numpy as np
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan, Interrupted
 from cases.schema import Case
+from identification.criteria import Criterion
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
 from identification.motion import Array, Trajectory
@@ -82,7 +83,7 @@ def require_plannable(request: Request, case: Case) -> None:
 
 def _rival(request: Request, case: Case) -> list[Task]:
     """One short start of another family for comparison; empty where nothing is to be compared."""
-    if request.starts == 1 or request.criterion != "D":  # one start was requested, or another criterion than D
+    if request.starts == 1 or request.criterion != Criterion.D:  # one start was requested, or another criterion than D
         return []
     rival = request.family.rival
     try:
@@ -91,7 +92,7 @@ def _rival(request: Request, case: Case) -> list[Task]:
         return []
     (family,) = rival.families(case, request.duration)
     begin = shipped_start(family, case)
-    return [Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, begin)]
+    return [Task(case, request.model, family, Criterion.D, request.seed, request.payload, Step.GLANCE, begin)]
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> PlannedMotion:
@@ -131,7 +132,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         family = request.family.families(controlled.case, request.duration)[0]
         family = family if family.settings == best.family.settings else best.family
         plain = without_pose_errors(controlled.case)
-        task = Task(plain, request.model, family, "D", best.record.seed, request.payload,
+        task = Task(plain, request.model, family, Criterion.D, best.record.seed, request.payload,
                     begin=shipped_start(family, case))  # fmt: skip
         answer, interrupted = run([task], lambda _: listener(None), until)
         white = next(_starts(answer), None)

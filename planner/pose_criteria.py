@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from identification.criteria import Criterion
 from identification.model import Model
 from identification.motion import Array
 from identification.symbolic import over_samples
@@ -82,7 +83,7 @@ exact values, shape (rows,), of some poses at an information; most bounds do not
 class PoseCriterion:
     """A criterion of pose sets."""
 
-    letter: str  # letter in Table 4
+    letter: Criterion  # of Table 4
     value: Callable[[Array], Array]  # of one or more informations, shape (..., u, u) -> (...); -inf where singular
     # information and regressors, shape (k, 6, u) -> value without each pose, F - A_j^T A_j, shape (k,)
     after_removal: Callable[[Array, Array], Array]
@@ -163,7 +164,7 @@ def _minus_trace_screen(regressors: Array, information: Array) -> Screen:
     return upper, _forgets
 
 
-def _of_extremes(letter: str, of: Callable[[Array, Array], Array]) -> PoseCriterion:
+def _of_extremes(letter: Criterion, of: Callable[[Array, Array], Array]) -> PoseCriterion:
     """The criterion of the smallest and the largest eigenvalue of F, `of` both."""
 
     def value(information: Array) -> Array:
@@ -205,12 +206,12 @@ def _noise_amplification(smallest: Array, largest: Array) -> Array:
         return np.where(smallest > 0.0, smallest / np.sqrt(largest), -np.inf)
 
 
-POSE_CRITERIA = {
+POSE_CRITERIA: dict[str, PoseCriterion] = {
     c.letter: c
     for c in (
-        PoseCriterion("A", _minus_trace, _minus_trace_after, _minus_trace_screen),
-        PoseCriterion("D", _log_det, _log_det_after, _log_det_screen),
-        _of_extremes("K", _minus_condition),
-        _of_extremes("N", _noise_amplification),
+        PoseCriterion(Criterion.A, _minus_trace, _minus_trace_after, _minus_trace_screen),
+        PoseCriterion(Criterion.D, _log_det, _log_det_after, _log_det_screen),
+        _of_extremes(Criterion.K, _minus_condition),
+        _of_extremes(Criterion.N, _noise_amplification),
     )
 }

@@ -97,16 +97,3 @@ def parameter_words(name: str, rods: bool = False) -> str:
     elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):
         words = f"deformation: channel {factor[1]} by {factor[2]}"
     return name if words is None else f"{words} ({name})"
-
-
-def solver_text(status: object) -> str:
-    """A solver's return status as people are shown it: to stop at the iterations that a stage has is not a failure."""
-    plain = str(status).replace("_", " ").lower()
-    return _SHOWN.get(plain, plain)
-
-
-_SHOWN = {
-    "maximum iterations exceeded": "at its iteration limit",
-    "user requested stop": "stopped by the time limit or by Ctrl-C",
-    "solve succeeded": "converged",
-}

@@ -13,11 +13,10 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.sensors import payload_words
 from cases.units import MM, UM
-from identification.criteria import CRITERIA
+from identification.criteria import Criterion
 from identification.model import identification_model
 from identification.parameters import physical_form
 from planner.families.settings import FamilySettings, PointToPoint, family_class
-from planner.pose_criteria import POSE_CRITERIA
 
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 MOST_SECONDS = 86_400.0  # [s] longest search
@@ -29,7 +28,7 @@ class Request:
 
     family: FamilySettings = field(default_factory=PointToPoint)  # family of motions, with its settings
     duration: float = 12.0  # duration of the excitation [s]
-    criterion: str = "D"  # letter of Table 4
+    criterion: Criterion = Criterion.D  # of Table 4; its letter will do
     model: int = 9  # number in Table 2
     payload: int = 0  # number of the case's payloads that are mounted, at most
     # fewest payloads; None for just as many. Predicted standard deviations are the largest of the range
@@ -44,8 +43,7 @@ class Request:
     workers: int | None = field(default=None, compare=False)  # processes that search; None for one a core
 
     def __post_init__(self) -> None:
-        if self.criterion not in CRITERIA:
-            raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(CRITERIA)}")
+        object.__setattr__(self, "criterion", Criterion(self.criterion))
         if np.isnan(self.duration) or self.duration == -np.inf:
             raise HexciteError(f"duration {self.duration:g} s is not a duration; choose about 12 s")
         if not self.duration <= LONGEST:
@@ -103,7 +101,7 @@ class Request:
         return cls(
             kind(**entries["family"]),
             float(entries["duration_s"]),
-            str(data["criterion"]),
+            Criterion(data["criterion"]),
             int(data["model"]),
             int(data["payload"]),
             _fewest(data),
@@ -223,7 +221,7 @@ CHOOSING = [method for method in PoseMethod if method is not PoseMethod.GIVEN]  
 class PoseRequest:
     """What to plan."""
 
-    criterion: str = "D"  # letter of Table 4
+    criterion: Criterion = Criterion.D  # of Table 4; its letter will do
     count: int | None = None  # poses; None: 30
     method: str = PoseMethod.REFINE  # one of METHODS
     model: int = 5  # number in Table 2, 0 to 5
@@ -245,13 +243,12 @@ class PoseRequest:
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
         seed = data["seed"] if "seed" in data else data["settings"]["seed"]
         return cls(
-            str(data["criterion"]), method=str(data["method"]), model=int(data["model"]), seed=int(seed),
+            Criterion(data["criterion"]), method=str(data["method"]), model=int(data["model"]), seed=int(seed),
             **data.get("asked", {}),
         )  # fmt: skip
 
     def __post_init__(self) -> None:
-        if self.criterion not in POSE_CRITERIA:
-            raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(POSE_CRITERIA)}")
+        object.__setattr__(self, "criterion", Criterion(self.criterion))
         if self.method not in set(PoseMethod):
             raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(CHOOSING)}")
         if self.method in (PoseMethod.ALL, PoseMethod.GIVEN) and self.count is not None:

@@ -84,6 +84,7 @@ def plan(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import load_case
+    from identification.criteria import Criterion
     from identification.model import full_model
     from planner.families.settings import family_class
     from planner.library import planned
@@ -100,7 +101,7 @@ def plan(
     request = Request(
         kind(**{option: options[option] for option, owners in BELONGS.items() if owners == (family,)}),
         duration=duration,
-        criterion=criterion,
+        criterion=Criterion(criterion),
         model=full_model(loaded) if model is None else model,
         payload=most,
         payload_from=fewest,

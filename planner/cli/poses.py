@@ -35,6 +35,7 @@ def poses(
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
     from cases.poses import Poses, load_poses
+    from identification.criteria import Criterion
     from identification.model import static_model
     from planner.poses.candidates import JOINT_CANDIDATES
     from planner.poses.planned_poses import poses_planned
@@ -42,7 +43,8 @@ def poses(
 
     loaded = load_case(case)
     number = static_model(loaded) if model is None else model
-    request = PoseRequest(criterion, count, method if at is None else PoseMethod.GIVEN, number, candidates, seed, noise)
+    letter, chosen = Criterion(criterion), method if at is None else PoseMethod.GIVEN
+    request = PoseRequest(letter, count, chosen, number, candidates, seed, noise)
     own = None if at is None else load_poses(at, loaded.need_motion("a plan of poses")[1].columns)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)

@@ -12,6 +12,7 @@ from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
 from cases.sensors import Disturbances
+from identification.criteria import Criterion
 from planner.comparison.trials import Excitation, Trial, trials
 from planner.execution import carried_out
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
@@ -28,9 +29,9 @@ from postprocessors.execute import stood
 ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 REQUESTS: Mapping[str, Request | PoseRequest] = {
     "Q5M": PoseRequest(method=PoseMethod.ALL),
-    "Q5N": PoseRequest(criterion="N", count=30, method=PoseMethod.BACKWARD),
+    "Q5N": PoseRequest(criterion=Criterion.N, count=30, method=PoseMethod.BACKWARD),
     "D9M": Request(Manual()),
-    "D9N": Request(Fourier(order=3, period=4.0), criterion="N"),
+    "D9N": Request(Fourier(order=3, period=4.0), criterion=Criterion.N),
     "ptp": Request(PointToPoint(controller="virtual")),
     "ptp-steps": Request(PointToPoint(controller="linuxcnc")),
     "spline": Request(Spline()),

@@ -10,7 +10,7 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
-from identification.criteria import box_middle
+from identification.criteria import Criterion, box_middle
 from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
 from planner.families.fourier import FourierFamily
@@ -63,17 +63,17 @@ class FamilySettings:
         """The motion and the file that it is from, where nothing is optimised."""
         return None
 
-    def refinements(self, criterion: str) -> int:
+    def refinements(self, criterion: Criterion) -> int:
         """Number of explored starts that are refined; 0 where every start is refined at once."""
         return 2
 
-    def idle(self, criterion: str) -> int:
+    def idle(self, criterion: Criterion) -> int:
         """Number of starts in a row without a gain after which more are not worth their time.
 
         For criterion D one start without a gain is enough: on twelve machines, waiting for another gained 3 % at most,
         and took half of the time again.
         """
-        return 1 if criterion == "D" else 2
+        return 1 if criterion == Criterion.D else 2
 
     def lasting(self, share: float) -> Self:
         """The same settings for a duration of `share` times the former one, with as many moves or knots a second."""
@@ -209,12 +209,12 @@ class Fourier(FamilySettings):
             )
         return tuple(choices)
 
-    def refinements(self, criterion: str) -> int:
+    def refinements(self, criterion: Criterion) -> int:
         """One for criterion D: of nine machines, the second best was better in the end on one, by 0.5 %.
 
         Two where a setting is free, and four for the other criteria, which have more local optima.
         """
-        if criterion != "D":
+        if criterion != Criterion.D:
             return 4
         return 2 if self.free_order or self.free_period else 1
 
@@ -296,11 +296,11 @@ class PointToPoint(FamilySettings):
         """One."""
         return (ptp.PointToPointFamily.of(case, self.count(case, duration), duration),)
 
-    def refinements(self, criterion: str) -> int:
+    def refinements(self, criterion: Criterion) -> int:
         """0: annealed walks are refined at once."""
         return 0
 
-    def idle(self, criterion: str) -> int:
+    def idle(self, criterion: Criterion) -> int:
         """One for any criterion: for K and N six starts gave nothing better than two, in three times the time."""
         return 1
 
@@ -351,7 +351,7 @@ class Spline(FamilySettings):
         """One."""
         return (spline.SplineFamily.of(case, self.intervals(duration), duration),)
 
-    def idle(self, criterion: str) -> int:
+    def idle(self, criterion: Criterion) -> int:
         """Number of starts without a gain: starts of splines differ more than those of other families."""
         return 2
 

@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.criteria import Criterion
 from identification.model import Model
 from identification.motion import Array
 from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import JointSpace, PoseSpace, space_of, valid_poses
-from planner.precision import solver_text
+from planner.search import SolverStatus
 from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
 
@@ -185,7 +186,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     }
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective(triangle), "g": margins}, options)
     solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
-    status = solver_text(solver.stats()["return_status"])
+    status = SolverStatus(solver.stats()["return_status"]).words
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):
@@ -212,7 +213,7 @@ def _pose_functions(
     )
 
 
-def _objective(letter: str, size: int) -> NumpyFunction:
+def _objective(letter: Criterion, size: int) -> NumpyFunction:
     """Objective as a function of the lower triangle of the mean information, smooth and of the order of 1."""
     lower = ca.Sparsity.lower(size)
     rows, columns = np.array(lower.row()), np.array(lower.get_col())

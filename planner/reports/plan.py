@@ -19,11 +19,12 @@ from planner.plans import Plan
 from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
 from planner.poses.space import places
-from planner.precision import legible, parameter_words, solver_text, std_text
+from planner.precision import legible, parameter_words, std_text
 from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
 from planner.reports.page import Chart, answers, note, page, plain, section, table, tiles
 from planner.request import PoseRequest
+from planner.search import SolverStatus
 
 DRAWN_RATE = 500.0  # [1/s]
 
@@ -194,7 +195,7 @@ def starts_blocks(plan: dict[str, Any]) -> tuple[Markup, ...]:
     rows = []
     for s in plan["starts"]:
         begin = "singular" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}"
-        end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", solver_text(s["solver"]))
+        end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", SolverStatus(s["solver"]).words)
         rows.append((str(s["seed"]), "refined" if s["refined"] else "explored", begin, *end))
     failed = (note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
     return (table(columns, rows, left=2), *failed, note(words))

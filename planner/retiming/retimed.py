@@ -15,7 +15,7 @@ import numpy as np
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
 from identification.limit import LimitReport
 from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
@@ -101,7 +101,7 @@ def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceR
     information = mean_information(model, reference_scaling(case, model), motion)
     mu = singular_values(information, model.names)
     criteria = {letter: criterion(mu) for letter, criterion in CRITERIA.items()}
-    return PaceRating(motion.duration, criteria, bound.efficiency(criteria["D"]), prove(motion, case))
+    return PaceRating(motion.duration, criteria, bound.efficiency(criteria[Criterion.D]), prove(motion, case))
 
 
 SLOWINGS = 5  # times at most that a move whose struts are too fast is slowed

@@ -11,7 +11,7 @@ import numpy as np
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import CRITERIA, box_middle, singular_values, uniform_states
+from identification.criteria import CRITERIA, Criterion, box_middle, singular_values, uniform_states
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
 from identification.model import Model, machine_of
@@ -26,7 +26,12 @@ SMALLEST = 1e-6  # share of all distances below which nothing moves
 
 
 def rate(
-    model: Model, scaling: Array, family: Family, unknowns: Array, criterion: str, errors: PoseErrors | None = None
+    model: Model,
+    scaling: Array,
+    family: Family,
+    unknowns: Array,
+    criterion: Criterion,
+    errors: PoseErrors | None = None,
 ) -> float:
     """Value of a criterion for a motion, to be maximised, in reference scaling and from its samples at 1 kHz.
 

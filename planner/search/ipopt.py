@@ -16,6 +16,7 @@ import numpy as np
 from cases.units import Array, Indices
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import LinearStates
+from planner.search import SolverStatus
 from planner.search.program import NonlinearProgram
 
 
@@ -24,7 +25,7 @@ class Solution:
     """Result of a solver."""
 
     unknowns: Array  # shape (n,)
-    status: str  # return status of the solver, in words
+    status: SolverStatus  # how the solver ended
     converged: bool  # whether it converged, or its gain fell below `GAIN`
     iterations: int  # number of iterations
 
@@ -34,7 +35,6 @@ Watch = Callable[[float], bool]
 
 INSIDE = 1e-4  # share of a limit by which an iterate may exceed it and still count
 GAIN, PATIENCE = 2e-4, 8  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time
-SETTLED = "no more gained"
 
 
 class NumpyFunction(ca.Callback):  # type: ignore[misc]
@@ -163,8 +163,8 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
     stats, last = solver.stats(), answer["x"].full()[:own, 0]
     iterations = int(stats["iter_count"])
     if iterates.settled:
-        return Solution(iterates.best_unknowns[:own], SETTLED, True, iterations)
-    status = str(stats["return_status"]).replace("_", " ").lower()
+        return Solution(iterates.best_unknowns[:own], SolverStatus.SETTLED, True, iterations)
+    status = SolverStatus(stats["return_status"])
     better = iterates.best < float(answer["f"]) or not stats["success"]
     inside = iterates.best_unknowns[:own] if np.isfinite(iterates.best) and better else last
     return Solution(inside, status, bool(stats["success"]), iterations)

@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 
 from cases.units import Array, Indices
+from identification.criteria import Criterion
 from identification.estimation.fit import squared_distances
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.noise import PoseErrors
@@ -56,11 +57,10 @@ class Local(NamedTuple):
         return np.where(equal, own, (self.first[:, None] - self.first) / np.where(equal, 1.0, difference))
 
 
-def criterion_at(letter: str, information: Array, halvings: int = 0) -> Local:
+def criterion_at(letter: Criterion, information: Array, halvings: int = 0) -> Local:
     """The criterion and its derivatives.
 
     Args:
-        letter: A, D, K or N.
         information: F, shape (u, u).
         halvings: exponent of the p-norms of K and N, p = 2^(halvings + 1).
     """
@@ -71,14 +71,14 @@ def criterion_at(letter: str, information: Array, halvings: int = 0) -> Local:
     eigenvalues, vectors = np.linalg.eigh(information)
     if eigenvalues[0] <= 0.0:
         return Local(np.nan, eigenvalues, vectors, nothing[0], nothing)
-    if letter == "D":
+    if letter == Criterion.D:
         value = -float(np.log(eigenvalues).mean())
         return Local(value, eigenvalues, vectors, -1 / eigenvalues / size, np.diag(1 / eigenvalues**2) / size)
-    if letter == "A":
+    if letter == Criterion.A:
         inverse = _log_norm(eigenvalues, vectors, -1.0)
         return inverse._replace(value=-inverse.value - np.log(size), first=-inverse.first, second=-inverse.second)
     largest, smallest = (_log_norm(eigenvalues, vectors, sign * 2.0 ** (halvings + 1)) for sign in (1, -1))
-    share = 0.5 if letter == "K" else 1.0
+    share = 0.5 if letter == Criterion.K else 1.0
     return largest._replace(
         value=largest.value / 2 - share * smallest.value,
         first=largest.first / 2 - share * smallest.first,

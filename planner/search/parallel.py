@@ -22,6 +22,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from cases.errors import Interrupted
+from identification.criteria import Criterion
 from planner.request import Request
 from planner.search import Failed
 from planner.search.solving import Start, Task, run_safely
@@ -60,7 +61,7 @@ def enough(results: Sequence[Start | Failed], request: Request, parameters: int)
     return without_gain(results, request.criterion, parameters) >= idle
 
 
-def without_gain(results: Sequence[Start | Failed], criterion: str, parameters: int) -> int:
+def without_gain(results: Sequence[Start | Failed], criterion: Criterion, parameters: int) -> int:
     """How many of the last starts did not raise the best by `WORTHWHILE`; small gains add up."""
     best, since = -math.inf, 0
     for result in results:
@@ -70,11 +71,11 @@ def without_gain(results: Sequence[Start | Failed], criterion: str, parameters: 
     return since
 
 
-def gain(criterion: str, parameters: int, old: float, new: float) -> float:
+def gain(criterion: Criterion, parameters: int, old: float, new: float) -> float:
     """By which share a criterion is better, as an efficiency (D) or as the ratio of the variances it stands for."""
     if old == -math.inf or new == -math.inf:
         return math.inf if new > old else 0.0
-    if criterion == "D":
+    if criterion == Criterion.D:
         return math.expm1((new - old) / parameters)
     return abs(old / new) - 1.0 if new < 0.0 else new / old - 1.0
 

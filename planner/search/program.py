@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from cases.units import Array, Indices
+from identification.criteria import Criterion
 from identification.model import Model
 from planner.families.rows import LinearRows, Rows, StateRows, pulled_back
 from planner.families.states import SHARE, Kernel, States, state_size
@@ -42,7 +43,7 @@ class NonlinearProgram:
     rows: tuple[Rows, ...]  # rows of the limits; those of non-linear limits that can bind are the last, one for each
     lower: Array  # lower limit of each unknown, shape (n,)
     upper: Array  # upper limit of each unknown, shape (n,)
-    letter: str = "D"  # letter of the criterion, Table 4
+    letter: Criterion = Criterion.D  # of Table 4
     halvings: int = 0  # see `planner.search.objective`
     # whether second derivatives omit the curvature of the information itself. That part is negative nearly everywhere:
     # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
@@ -195,7 +196,7 @@ class NonlinearProgram:
             total += factor * curvature_through_information(self.states, unknowns, local, point, size)
             if self.errors is not None:  # where field and motion change together this part is flat, and steps too long
                 white = InformationOfStates.white(point.states, point.regressors, point.changes, self.size)
-                local = criterion_at("D", white.information)
+                local = criterion_at(Criterion.D, white.information)
                 total += factor * curvature_through_information(self.states, unknowns, local, white, size)
             elif not self.convex:
                 blocks.append((self.states.index, factor * self._curvature_at_states(unknowns, local, point)))

@@ -15,12 +15,12 @@ import numpy as np
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import reference_scaling
+from identification.criteria import Criterion, reference_scaling
 from identification.model import identification_model
 from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
-from planner.search import Failed, StartRecord
+from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve
@@ -66,7 +66,7 @@ class Task:
     case: Case  # machine and limits
     model: int  # number of the identification model
     family: Family  # the motions to choose from
-    criterion: str  # letter of Table 4
+    criterion: Criterion  # of Table 4
     seed: int  # seed of the random start
     payload: int = 0  # number of the case's payloads that are mounted, for the noise
     step: Step = Step.EXPLORE  # what to do
@@ -82,7 +82,7 @@ class Task:
 class _Stage(NamedTuple):
     """One run of the solver."""
 
-    letter: str  # letter of the criterion
+    letter: Criterion  # of Table 4
     halvings: int  # see `planner.search.objective`
     convex: bool  # see `planner.search.program.NonlinearProgram`
     iterations: int  # largest number of iterations
@@ -103,22 +103,22 @@ def _stages(task: Task, close: bool) -> Iterator[_Stage]:
     `close`: whether the start is a good motion within the limits, which is refined at once.
     """
     afar = _FAR if task.begin is None and not task.moves else _NEAR
-    at_hand = _Stage("D", 0, False, REFINE, _AT_HAND)
+    at_hand = _Stage(Criterion.D, 0, False, REFINE, _AT_HAND)
     if task.step is Step.GLANCE:
         if not close and not task.moves:
-            yield _Stage("D", 0, True, GLANCE, afar)
+            yield _Stage(Criterion.D, 0, True, GLANCE, afar)
         return
     if close:
         yield at_hand._replace(iterations=task.family.iterations)
     elif task.step is Step.EXPLORE:
-        yield _Stage("D", 0, not task.moves, task.family.iterations, afar)
+        yield _Stage(Criterion.D, 0, not task.moves, task.family.iterations, afar)
         if not task.moves:
             return
-    if task.criterion == "D" and task.step is Step.REFINE:
+    if task.criterion == Criterion.D and task.step is Step.REFINE:
         yield at_hand
-    elif task.criterion == "A":
-        yield _Stage("A", 0, not task.moves, OTHERWISE, afar)
-    elif task.criterion in "KN":
+    elif task.criterion == Criterion.A:
+        yield _Stage(Criterion.A, 0, not task.moves, OTHERWISE, afar)
+    elif task.criterion in (Criterion.K, Criterion.N):
         for halvings in SHARPER:
             yield _Stage(task.criterion, halvings, not task.moves, OTHERWISE, afar)
 
@@ -132,7 +132,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     start = time.perf_counter()
     run = _Run(task, watch)
     unknowns = run.begun = run.begin()
-    before = run.rate(unknowns, "D")
+    before = run.rate(unknowns, Criterion.D)
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
     best: tuple[float, Feasible] | None = None
     if run.close or (task.step is Step.GLANCE and task.moves):  # the annealed walk is enough to compare with
@@ -162,7 +162,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         seed=task.seed,
         refined=not exploring,
         start_logdet=before if np.isfinite(before) else None,
-        logdet=after if task.criterion == "D" else run.rate(feasible.unknowns, "D"),
+        logdet=after if task.criterion == Criterion.D else run.rate(feasible.unknowns, Criterion.D),
         criterion_value=after,
         solver=run.status,
         converged=run.converged,
@@ -183,7 +183,8 @@ class _Run:
         noise = expected_noise(task.case, model, task.payload)
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
         self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
-        self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
+        self.iterations, self.status = 0, SolverStatus.NOT_RUN
+        self.converged, self.stopped, self.close = False, False, False
         self.begun = np.zeros(0)  # where the solver began
 
     def stops(self, objective: float) -> bool:
@@ -191,7 +192,7 @@ class _Run:
         self.stopped = self.watch(objective) or self.stopped
         return self.stopped
 
-    def rate(self, unknowns: Array, letter: str | None = None) -> float:
+    def rate(self, unknowns: Array, letter: Criterion | None = None) -> float:
         """Value of the requested criterion, or of another; see `planner.search.feasibility.rate`."""
         return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
 

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from cases.errors import HexciteError
 from cases.schema import Case
+from identification.criteria import Criterion
 from planner.families.settings import USUAL_PERIOD, Fourier, PointToPoint, family_class
-from planner.request import Request
+from planner.request import PoseRequest, Request
 from tests.helpers import one_line
 
 
@@ -120,3 +121,8 @@ def test_a_spline_and_its_duration_must_fit(settings: dict[str, float], words: s
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
         requested("spline", settings)
     one_line(caught.value)
+
+
+@pytest.mark.parametrize("request_of", [Request, PoseRequest])
+def test_a_letter_will_do_for_a_criterion(request_of: type[Request] | type[PoseRequest]):
+    assert all(request_of(criterion=str(letter)).criterion is letter for letter in Criterion)

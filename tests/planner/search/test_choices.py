@@ -12,7 +12,7 @@ from planner.cli.plan import BELONGS, OPTIONS, refuse_foreign
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import Request
-from planner.search import StartRecord
+from planner.search import SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, silent
 from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line
@@ -91,7 +91,7 @@ def _made_up(task: Task) -> Start:
     refined = task.step is Step.REFINE
     score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
     unknowns = np.full(18, 0.01)
-    tried = StartRecord(task.seed, refined, 0.0, 0.0, score, "done", True, 1, 0.0)
+    tried = StartRecord(task.seed, refined, 0.0, 0.0, score, SolverStatus.SETTLED, True, 1, 0.0)
     return Start(tried, unknowns, task.family, 1.0, unknowns, promise)
 
 

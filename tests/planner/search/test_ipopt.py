@@ -8,6 +8,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from planner.families.rows import LinearRows
+from planner.search import SolverStatus
 from planner.search.ipopt import INSIDE, Solution, solve
 from planner.search.program import NonlinearProgram
 from tests.helpers import few
@@ -121,3 +122,22 @@ def test_it_ends_where_no_more_is_gained(small: Small):
     assert reached.converged
     assert reached.iterations < 400
     assert program.value(reached.unknowns) < program.value(at) - 0.2
+
+
+@pytest.mark.parametrize("status", SolverStatus)
+def test_a_status_is_found_by_its_text_and_as_ipopt_writes_it(status: SolverStatus):
+    assert SolverStatus(str(status)) is status
+    assert SolverStatus(str(status).title().replace(" ", "_")) is status
+
+
+def test_a_stage_that_used_its_iterations_is_no_failure():
+    assert SolverStatus("Maximum_Iterations_Exceeded").words == "at its iteration limit"
+    assert SolverStatus("Solve_Succeeded").words == "converged"
+
+
+def test_a_search_that_ran_out_of_time_was_not_stopped_by_its_user_alone():
+    assert "time limit" in SolverStatus.STOPPED.words
+
+
+def test_a_status_of_another_solver_is_unknown():
+    assert SolverStatus("Something_New") is SolverStatus.UNKNOWN

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
-from planner.search import Failed, StartRecord
+from planner.search import Failed, SolverStatus, StartRecord
 from planner.search.parallel import (
     ENDLESS,
     EXPLORING,
@@ -32,7 +32,7 @@ STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
 
 
 def start(promise: float, seed: int = 0) -> Start:
-    tried = StartRecord(seed, False, 0.0, promise, promise, "done", True, 1, 0.0)
+    tried = StartRecord(seed, False, 0.0, promise, promise, SolverStatus.SETTLED, True, 1, 0.0)
     return Start(tried, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise)
 
 
