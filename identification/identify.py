@@ -5,7 +5,7 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 (`wiring`, `contact`).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -14,7 +14,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
-from cases.errors import FileProblem, IdentificationError, NegativeMass, RecordingError
+from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array
@@ -31,7 +31,7 @@ from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, MASS, RIGID
-from identification.recording import Recording
+from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import MOST_DELAY, Run, mode_finding, smoothed, smoothing_finding, smoothing_of
@@ -164,26 +164,6 @@ def standing_of(
         "restless": [k for k, weight in enumerate(averages.weights, 1) if weight * RESTLESS < 1.0],
     }
     return averages, entries
-
-
-def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
-    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
-
-    Raises:
-        FileProblem: the entry is damaged.
-    """
-    entry = record.get("poses_m_rad")
-    if not entry:
-        return None
-    try:
-        poses = np.array(entry, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise FileProblem("recording.json: poses_m_rad", f"{error}; run the program again") from error
-    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
-        raise FileProblem(
-            "recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again"
-        )
-    return poses
 
 
 def estimate_parameters(

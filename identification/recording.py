@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.basis import KEPT, Artefact, recording_basis
-from cases.errors import RecordingError
+from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
 from cases.recording_format import (
     ACCELEROMETER,
@@ -182,6 +182,26 @@ def record_of(path: Path) -> Mapping[str, Any]:
         raise unreadable(path, error) from error
     file = path / "recording.json"
     return read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
+
+
+def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
+    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
+
+    Raises:
+        FileProblem: the entry is damaged.
+    """
+    entry = record.get("poses_m_rad")
+    if not entry:
+        return None
+    try:
+        poses = np.array(entry, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise FileProblem("recording.json: poses_m_rad", f"{error}; run the program again") from error
+    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
+        raise FileProblem(
+            "recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again"
+        )
+    return poses
 
 
 def about_case(case: Case) -> dict[str, Any]:
