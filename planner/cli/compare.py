@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from planner.cli import console
 from planner.cli.console import argument, option, out
+from planner.comparison import METHOD_TABLES
 
 if TYPE_CHECKING:
     from planner.comparison.comparison import Comparison
@@ -61,7 +62,7 @@ def _show(answer: dict[str, Any], comparison: "Comparison") -> None:
 def validate(
     case: Annotated[str, argument("Built-in name, folder or case file, with payloads.")],
     methods: Annotated[
-        str | None, option("Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, ptp-steps, spline.")
+        str | None, option(f"Methods, separated by commas, by default all: {', '.join(METHOD_TABLES)}.")
     ] = None,
     recordings: Annotated[
         Path | None, option("Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted.")
@@ -93,7 +94,7 @@ def validate(
     from cases.loading import load_case
     from identification.model import full_model
     from identification.parameters import RIGID
-    from planner.comparison.methods import METHODS, ValidationSettings, require_methods, unfinished
+    from planner.comparison.methods import ValidationSettings, require_methods, unfinished
     from planner.comparison.trials import mounted_weights
     from planner.comparison.validation import disturbances_of, validate_recordings
     from planner.comparison.validation import validate as carried_out
@@ -112,7 +113,7 @@ def validate(
         for option in (name for name, value in simulating.items() if value):
             raise HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
-    selection = METHODS if names is None else names
+    selection = tuple(METHOD_TABLES) if names is None else names
     if recordings is None:
         require_methods(selection)
     if loaded.payloads is None:

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.comparison.error_budget import BODY, SUSPICIOUS, cause_of
+from planner.comparison.methods import METHODS
 from planner.comparison.trials import Trial
 
-OURS, MOVING, STANDING = ("ptp", "ptp-trials", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
 
 
@@ -29,14 +29,18 @@ def claims_of(trials: Sequence[Trial]) -> list[Claim]:
     bare = {s.method: s for s in trials if s.weights == 0}
     claims = [
         claim
-        for ours in OURS
-        for theirs in (*MOVING, *STANDING)
+        for ours in _of_role("ours")
+        for theirs in (*_of_role("moving"), *_of_role("standing"))
         if ours in bare and theirs in bare
         for claim in _smaller(bare[ours], bare[theirs])
     ]
     if any(s.truth for s in trials):
         claims.append(_inside(trials))
     return claims
+
+
+def _of_role(role: str) -> list[str]:
+    return [name for name, method in METHODS.items() if method.role == role]
 
 
 def _smaller(ours: Trial, theirs: Trial) -> list[Claim]:
@@ -50,7 +54,7 @@ def _smaller(ours: Trial, theirs: Trial) -> list[Claim]:
     pairs = [(n, ours.estimate.physical[n], theirs.estimate.physical[n]) for n in shared]
     claim = f"{ours.method} reports smaller standard deviations of all {len(shared)} parameters than {theirs.method}"
     times = f"{_seconds(ours)} against {_seconds(theirs)}"
-    if theirs.method in STANDING:
+    if METHODS[theirs.method].role == "standing":
         share = 1.0
         if ours.duration and theirs.duration:
             share = float(np.sqrt(ours.duration / theirs.duration))

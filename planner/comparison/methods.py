@@ -1,43 +1,56 @@
 """The methods of a validation, carried out: planned, written as a proven program, executed and identified."""
 
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
+from cases.machine import Part
 from cases.schema import Case
 from cases.sensors import Disturbances
 from identification.criteria import Criterion
+from planner.comparison import METHOD_TABLES
 from planner.comparison.trials import Excitation, Trial, trials
 from planner.execution import carried_out
-from planner.families.settings import Fourier, Manual, PointToPoint, Spline
+from planner.families.settings import family_class
 from planner.library import planned
 from planner.plan_program import write
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
-from planner.request import PoseMethod, PoseRequest, Request
+from planner.request import PoseRequest, Request
 from postprocessors.dialects import Program
 from postprocessors.execute import stood
 
-# LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
-# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
+# LinuxCNC has no limits for these, and no metal moves: the machine is simulated.
 ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
-REQUESTS: Mapping[str, Request | PoseRequest] = {
-    "Q5M": PoseRequest(method=PoseMethod.ALL),
-    "Q5N": PoseRequest(criterion=Criterion.N, count=30, method=PoseMethod.BACKWARD),
-    "D9M": Request(Manual()),
-    "D9N": Request(Fourier(order=3, period=4.0), criterion=Criterion.N),
-    "ptp": Request(PointToPoint(controller="virtual")),
-    "ptp-steps": Request(PointToPoint(controller="linuxcnc")),
-    "spline": Request(Spline()),
-}
 
-METHODS = tuple(REQUESTS)
+
+class Method(Part):
+    """A method, as a table of `cases/hexapod/validation.toml` states it."""
+
+    label: str
+    family: str
+    criterion: Criterion = Criterion.D
+    settings: dict[str, Any] = Field(default_factory=dict)
+    program: Literal["sinumerik", "linuxcnc"] = "sinumerik"
+    role: Literal["ours", "moving", "standing"] | None = None
+
+    @property
+    def request(self) -> Request | PoseRequest:
+        """What is planned."""
+        if self.family == PoseRequest.name:
+            return PoseRequest(self.criterion, **self.settings)
+        return Request(family_class(self.family)(**self.settings), criterion=self.criterion)
+
+
+METHODS = {name: Method.model_validate(entries) for name, entries in METHOD_TABLES.items()}
 
 Count = Callable[[str, int], None]
 """Function that is called with the present step in words and the number of steps that it ends."""
@@ -170,8 +183,8 @@ def carry_out(
 
 
 def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:
-    smooth = settings.on == "virtual" and method != "ptp-steps"
-    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if smooth else ("linuxcnc", "ngc", ACCEPTED)
+    dialect = METHODS[method].program if settings.on == "virtual" else "linuxcnc"
+    suffix, accepted = ("ngc", ACCEPTED) if dialect == "linuxcnc" else ("mpf", ())
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)
@@ -200,7 +213,7 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
         with atomic_folder(place, PLAN) as part:
             shutil.copytree(source, part, dirs_exist_ok=True)
         return Plan.load(place)
-    request = REQUESTS[method]
+    request = METHODS[method].request
     if isinstance(request, PoseRequest):
         plan = poses_planned(request, case)
     else:

@@ -81,7 +81,7 @@ class Validation:
 
 def validate(
     case: Case,
-    methods: Sequence[str] = METHODS,
+    methods: Sequence[str] = tuple(METHODS),
     mounted: Sequence[int] | None = None,
     settings: ValidationSettings = USUAL,
     *,

@@ -9,6 +9,7 @@ from markupsafe import Markup
 from cases.files import provenance
 from planner.comparison.claims import OFF_COLUMNS, off_rows
 from planner.comparison.error_budget import SUSPICIOUS
+from planner.comparison.methods import METHODS
 from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
 from planner.precision import legible, parameter_words
@@ -50,7 +51,8 @@ def validation_page(validation: Validation) -> str:
     tables: list[Block] = []
     for method in _methods(trials):
         own = [s for s in trials if s.method == method]
-        text = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
+        text = f" ({METHODS[method].label})" if method in METHODS else ""
+        text += "" if own[0].duration is None else f", {own[0].duration:.1f} s"
         tables += [note(f"{method}{text}, model {own[0].estimate.model.number}"), table(TABLE_7, table_7(own))]
     sections = [
         section("What it comes to", answers(*((f.holds, f.claim, f.figures) for f in validation.claims))),

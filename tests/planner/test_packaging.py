@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("cases", "identification", "planner", "postprocessors")
 DATA = (
     "cases/hexapod/case.toml",
+    "cases/hexapod/validation.toml",
     "cases/ft_wrist/case.toml",
     "cases/py.typed",
     "planner/py.typed",

@@ -1,0 +1,44 @@
+"""Methods of a validation are data: what the file states is what is planned, and a table more is a method more."""
+
+import pytest
+from pydantic import ValidationError
+
+from cases.errors import HexciteError
+from identification.criteria import Criterion
+from planner.comparison.methods import METHODS, Method, require_methods
+from planner.families.settings import Fourier, Manual, PointToPoint, Spline
+from planner.request import PoseMethod, PoseRequest, Request
+
+
+def test_the_papers_methods_and_ours_are_what_the_paper_and_we_say():
+    assert {name: method.request for name, method in METHODS.items()} == {
+        "Q5M": PoseRequest(method=PoseMethod.ALL),
+        "Q5N": PoseRequest(criterion=Criterion.N, count=30, method=PoseMethod.BACKWARD),
+        "D9M": Request(Manual()),
+        "D9N": Request(Fourier(order=3, period=4.0), criterion=Criterion.N),
+        "ptp": Request(PointToPoint(controller="virtual")),
+        "ptp-steps": Request(PointToPoint(controller="linuxcnc")),
+        "spline": Request(Spline()),
+    }
+
+
+def test_a_table_more_is_a_method_more(monkeypatch: pytest.MonkeyPatch):
+    entries = {"label": "few moves", "family": "ptp", "settings": {"moves": 12}}
+    with pytest.raises(HexciteError, match=r"method 'few' .*choose Q5M, "):
+        require_methods(["few"])
+    monkeypatch.setitem(METHODS, "few", Method.model_validate(entries))
+    require_methods(["few"])
+    assert METHODS["few"].request == Request(PointToPoint(moves=12))
+
+
+@pytest.mark.parametrize(
+    ("entries", "words"),
+    [
+        ({"family": "ptp"}, "label"),
+        ({"label": "a", "family": "ptp", "colour": "red"}, "colour"),
+        ({"label": "a", "family": "ptp", "program": "fanuc"}, "program"),
+    ],
+)
+def test_a_table_that_says_something_else_is_refused_with_its_key(entries: dict[str, object], words: str):
+    with pytest.raises(ValidationError, match=words):
+        Method.model_validate(entries)
