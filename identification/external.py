@@ -13,7 +13,7 @@ from cases.files import atomic_file, check_file
 from cases.recording_format import CLOCK, WRENCH
 from cases.units import Array, as_html
 from identification.estimation.biases import drifted_since, shifted_all_along
-from identification.finding import FINDINGS, Finding, Kind, Severity, changed_cases, sentences
+from identification.finding import Finding, Kind, Severity, changed_cases, sentences
 from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording
@@ -21,6 +21,7 @@ from identification.result import physical_values
 from identification.runs.preparation import moving_run, on_one_clock
 from identification.runs.sample_checks import unmeasured
 from identification.runs.standstills import standstills
+from identification.saved_result import entries_of_parameters
 
 
 class ExternalForce(NamedTuple):
@@ -141,20 +142,14 @@ def tare(recording: Recording, result: Result) -> Result:
     for square in (covariance, robust):
         square[offsets, :] = square[:, offsets] = 0.0
         square[offsets, offsets] = variance
-    physical, freedom = physical_values(model, values, covariance, robust), result.record["degrees_of_freedom"]
-    stale = recording.remarks + result.remarks
-    record = dict(result.record) | {
-        "parameters": {name: value._asdict() for name, value in physical.items()},
-        "intervals_95": {name: list(value.interval(freedom)) for name, value in physical.items()},
-        "linear": {"names": model.names, "values": values.tolist()},
-        "covariance": covariance.tolist(),
-        "covariance_robust": robust.tolist(),
-        "notes": [*result.notes, *sentences(drift, Severity.NOTE)],
-        "warnings": [*result.warnings, *stale],
-        "findings": FINDINGS.dump_python((*result.findings, *drift, *changed_cases(stale)), mode="json"),
-        "tared_with": str(recording.paths[0]) if recording.paths else recording.source,
-        **({"stale": list(stale)} if stale else {}),
-    }
+    physical, stale = physical_values(model, values, covariance, robust), recording.remarks + result.remarks
+    parameters = entries_of_parameters(physical, result.record.degrees_of_freedom, values, covariance, robust)
+    record = result.record.replaced(
+        **parameters,
+        findings=(*result.findings, *drift, *changed_cases(stale)),
+        tared_with=str(recording.paths[0]) if recording.paths else recording.source,
+        **({"stale": stale} if stale else {}),
+    )
     return Result(case, record)
 
 

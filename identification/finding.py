@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from types import MappingProxyType
+from typing import Annotated, Any
 
-from pydantic import TypeAdapter
+from pydantic import AfterValidator, WrapSerializer
 
 from cases.units import as_html
 
@@ -24,6 +25,24 @@ class Kind(StrEnum):
     OFFSETS = "offsets"  # biases that were taken from another result
     CASE = "case"  # what has changed, or contradicts the case
     UNSAID = "unsaid"  # of a result of version 0.1, which has sentences only
+
+
+def frozen(value: Any) -> Any:
+    """The same objects and lists, which nobody can change."""
+    if isinstance(value, Mapping):
+        return MappingProxyType({key: frozen(entry) for key, entry in value.items()})
+    return tuple(map(frozen, value)) if type(value) in (list, tuple) else value
+
+
+def _thawed(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _thawed(entry) for key, entry in value.items()}
+    return tuple(map(_thawed, value)) if type(value) is tuple else value
+
+
+FROZEN = AfterValidator(frozen)
+AS_OBJECT = WrapSerializer(lambda value, plain: plain(_thawed(value)))
+Entries = Annotated[Mapping[str, Any], FROZEN, AS_OBJECT]  # an object of a JSON file
 
 
 class Severity(StrEnum):
@@ -49,7 +68,10 @@ class Finding:
     severity: Severity
     sentence: str
     place: str = ""
-    quantity: Mapping[str, Any] = field(default_factory=dict)
+    quantity: Entries = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "quantity", frozen(self.quantity))
 
     def __str__(self) -> str:
         return self.sentence
@@ -75,9 +97,6 @@ def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
 def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
     """Sentences for people, of one severity."""
     return tuple(f.sentence for f in findings if f.severity is severity and f.sentence)
-
-
-FINDINGS = TypeAdapter(tuple[Finding, ...])  # as `result.json` has them
 
 
 def quantities_of(findings: Iterable[Finding]) -> dict[str, Any]:

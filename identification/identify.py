@@ -13,9 +13,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cases.basis import KEPT, Artefact, recording_basis, result_basis
+from cases.basis import Artefact, recording_basis, result_basis
 from cases.errors import IdentificationError, NegativeMass, RecordingError
-from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import Biases, accelerometer_bias, drift_findings, mass_finding
@@ -109,18 +108,17 @@ def identify(
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    record = {
-        **estimate.to_json(),
-        KEPT: result_basis(case),
-        **({"stale": list(stale)} if stale else {}),
-        **provenance(files_of(run.paths)),
-        "case_file": case.origin,
-        "plan_hash": run.record.get("plan_hash"),
-        "measuring_s": seconds,
+    return Result.of(
+        estimate,
+        files_of(run.paths),
+        computed_from=result_basis(case),
+        case_file=case.origin,
+        plan_hash=run.record.get("plan_hash"),
+        measuring_s=seconds,
+        **({"stale": stale} if stale else {}),
         **({"run": {k: run.record[k] for k in ("simulated", *RUN_ENTRIES) if k in run.record}} if run.record else {}),
         **({} if standing is None else {"standstills": standing}),
-    }
-    return Result(case, record, estimate)
+    )
 
 
 def default_model(recording: Recording, case: Case) -> int:

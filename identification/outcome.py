@@ -1,6 +1,6 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,16 +10,16 @@ import numpy as np
 
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, HexciteError
-from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
+from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, provenance, read_json
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
-from identification.estimation.biases import AccelerometerBias, Biases
-from identification.finding import FINDINGS, Finding, Severity, sentences
+from identification.estimation.biases import Biases
+from identification.finding import Finding, Severity, sentences
 from identification.model import Model, identification_model
 from identification.parameters import offset_columns
 from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
-from identification.saved_result import AGAIN, read_record, require_agreement
+from identification.saved_result import AGAIN, ResultEntries, entries_of, read_entries, require_agreement
 
 # Entries of recording.json that a result takes over.
 RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
@@ -33,7 +33,7 @@ class Result:
 
     Args:
         case: case of the recording.
-        record: what result.json says.
+        record: entries of result.json.
         estimate: estimate with everything that is not saved; None where it was loaded.
         determined: what the run determined, as loaded; None where no file says it.
         file: file that it was loaded from.
@@ -41,20 +41,39 @@ class Result:
     """
 
     case: Case
-    record: Mapping[str, Any]
+    record: ResultEntries
     estimate: Estimate | None = None
     determined: Identifiability | None = None
     file: Path | None = None
     remarks: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, estimate: Estimate, files: Sequence[Path] = (), **origin: Any) -> "Result":
+        """The result of an estimate from some files; `origin`: further entries, by field of `Origin`."""
+        about = provenance(files)
+        inputs = tuple(about["inputs"])
+        return cls(estimate.case, entries_of(estimate, inputs=inputs, versions=about["versions"], **origin), estimate)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both say the same: entries, what the run determined, and the case."""
+        return isinstance(other, Result) and self._data == other._data
+
+    def __hash__(self) -> int:
+        return hash((self.record.case_hash, self.record.values))
+
+    @property
+    def _data(self) -> tuple[str, ResultEntries, dict[str, Any] | None]:
+        determined = self.identifiability
+        return self.case.hash, self.record, None if determined is None else determined.to_json()
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
         return self.parameters[name]
 
     @property
-    def parameters(self) -> dict[str, Value]:
+    def parameters(self) -> Mapping[str, Value]:
         """Physical parameters by name [SI]."""
-        return {name: Value(**entry) for name, entry in self.record["parameters"].items()}
+        return self.record.parameters
 
     @cached_property
     def identifiability(self) -> Identifiability | None:
@@ -69,7 +88,7 @@ class Result:
     @property
     def findings(self) -> tuple[Finding, ...]:
         """What speaks against it, and what is good to know."""
-        return FINDINGS.validate_python(self.record["findings"])
+        return self.record.findings
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -84,12 +103,12 @@ class Result:
     @property
     def source(self) -> str:
         """Its name in messages: its file, or the recording that it is from."""
-        return str(self.record["recording"] if self.file is None else self.file)
+        return str(self.record.recording if self.file is None else self.file)
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Forms of the error compensation other than the model's."""
-        return tuple(self.record["error_terms"])
+        return self.record.error_terms
 
     @property
     def model(self) -> Model:
@@ -98,44 +117,43 @@ class Result:
         Raises:
             FileProblem: they belong to another case, or no model of it has that number and these terms.
         """
-        name = self.record["case"]
+        name = self.record.case
         if self.case.name != name:
             problem = f"parameters of case {name}, not {self.case.name}"
             raise FileProblem(self.source, problem, f"identify them for {self.case.name}")
         try:
-            return identification_model(self.case, self.record["model"], self.terms)
+            return identification_model(self.case, self.record.model, self.terms)
         except HexciteError as error:
             raise FileProblem(self.source, error.typed, AGAIN) from error
 
     @property
     def values(self) -> Array:
         """The linear parameters u, shape (u,) [SI]."""
-        return np.array(self.record["linear"]["values"], dtype=float)
+        return np.array(self.record.values, dtype=float)
 
     @property
     def covariance(self) -> Array:
         """Covariance of u by (28), shape (u, u)."""
-        return np.array(self.record["covariance"], dtype=float)
+        return np.array(self.record.covariance, dtype=float)
 
     @property
     def covariance_robust(self) -> Array:
         """Covariance of u that allows for noise with memory, shape (u, u)."""
-        return np.array(self.record["covariance_robust"], dtype=float)
+        return np.array(self.record.covariance_robust, dtype=float)
 
     @property
     def delay(self) -> float:
         """Delay of the forces [s]; 0 where none was estimated."""
-        delay = self.record["delay_s"]
-        return 0.0 if delay is None else float(delay["value"])
+        return 0.0 if self.record.delay_s is None else self.record.delay_s.value
 
     @property
     def recordings(self) -> frozenset[str]:
         """SHA-256 of the files that it was made of; empty where it does not say."""
-        return frozenset(entry["sha256"] for entry in self.record.get("inputs", ()))
+        return frozenset(entry["sha256"] for entry in self.record.inputs)
 
     def write(self, folder: Path) -> None:
         """Writes result.json and identifiability.json into a folder that is there."""
-        (folder / "result.json").write_text(json_text(dict(self.record)), encoding="utf-8")
+        (folder / "result.json").write_text(json_text(self.record.to_json()), encoding="utf-8")
         if self.identifiability is not None:
             text = json_text(self.identifiability.to_json())
             (folder / "identifiability.json").write_text(text, encoding="utf-8")
@@ -162,8 +180,8 @@ class Result:
         Raises:
             FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
-        file, record = read_record(Path(folder))
-        artefact = Artefact(file, record, AGAIN)
+        file, record = read_entries(Path(folder))
+        artefact = Artefact(file, record.to_json(), AGAIN)
         own = artefact.case() if case is None else case
         result = cls(own, record, file=file)
         result.require_agreement()
@@ -187,13 +205,13 @@ class Result:
     def __repr__(self) -> str:
         """A few lines: model, the body, s0, and warnings."""
         record, parameters = self.record, self.parameters
-        lines = [f"Result for {self.case.name}: model {record['model']}, {record['samples']} samples"]
+        lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} samples"]
         names = [name for name in PROMINENT if name in parameters] or list(parameters)[:4]
         lines += [
             f"{name} = {parameters[name].value:.6g} +- {parameters[name].reported:.2g} {parameters[name].unit}"
             for name in names
         ]
-        lines.append(f"{len(parameters)} parameters, s0 {record['s0']:.3g}, condition {record['condition']:.3g}")
+        lines.append(f"{len(parameters)} parameters, s0 {record.s0:.3g}, condition {record.condition:.3g}")
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 
     _repr_html_ = as_html
@@ -206,7 +224,8 @@ def case_of_result(path: Path) -> Case:
         FileProblem: no such result, or it names no case.
         CaseError: its case cannot be read.
     """
-    return Artefact(*read_record(path), AGAIN).case()
+    file, record = read_entries(path)
+    return Artefact(file, record.to_json(), AGAIN).case()
 
 
 def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
@@ -220,11 +239,11 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     Raises:
         FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
     """
-    file, record = read_record(path)
-    now, then = recording_basis(case), record.get(KEPT)
-    about = dict(record)
-    if isinstance(then, Mapping):
-        about[KEPT] = {key: value for key, value in then.items() if key in now or not key.startswith(_OF_A_RECORDING)}
+    file, record = read_entries(path)
+    now, about = recording_basis(case), record.to_json()
+    if about.get(KEPT):
+        kept = about[KEPT].items()
+        about[KEPT] = {key: value for key, value in kept if key in now or not key.startswith(_OF_A_RECORDING)}
     remarks = Artefact(file, about, "identify the standstills again").require_unchanged(now, case, stale)
     result = Result(case, record, file=file)
     result.require_agreement()
@@ -233,6 +252,5 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     std = np.sqrt(np.diag(white))
     larger = np.maximum(std, np.sqrt(np.diag(robust)))
     growth = larger / np.where(std > 0.0, std, 1.0)
-    bias = record["accelerometer"]
-    bias = None if bias is None else AccelerometerBias.model_validate(bias)
+    bias = record.accelerometer
     return Biases(str(path), result.values[offsets], white * np.outer(growth, growth), bias, remarks)

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from cases.basis import KEPT
 from cases.errors import IdentificationError
 from cases.units import as_html
 from identification.finding import Finding, Kind, Severity, changed_cases, sentences, warning
@@ -121,7 +120,7 @@ def _about(before: Result, after: Result, mass: float) -> list[Finding]:
     if before.model.number != after.model.number:
         numbers = f"{before.model.number} and {after.model.number}"
         findings.append(warning(Kind.MODEL, f"models {numbers} differ: masses of different models do not compare"))
-    if before.record.get(KEPT) != after.record.get(KEPT):
+    if before.record.computed_from != after.record.computed_from:
         findings.append(warning(Kind.CASE, "the case was changed between the two identifications"))
     if mass < 0.0:
         sentence = "the mass became smaller: this is what was taken off, as a negative payload"

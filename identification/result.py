@@ -13,17 +13,15 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
-from identification.finding import FINDINGS, Finding, Severity, quantities_of, sentences
+from identification.finding import Finding, Severity, quantities_of, sentences
 from identification.fitting import Fitted, excerpt
-from identification.model import Model, expected_forces, identification_model
-from identification.parameters import ERROR_TERMS, physical_form
+from identification.model import Model, expected_forces
+from identification.parameters import physical_form
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 from identification.runs.noise_sources import NoiseSources, attenuation_of
 from identification.runs.wrist import WristRun
 from identification.samples import Samples, Standstills
-
-SCHEMA_VERSION = 1
 
 
 class Value(NamedTuple):
@@ -103,47 +101,6 @@ class Estimate:
     def quantities(self) -> dict[str, Any]:
         """Entries of the findings for programs, by their keys in result files."""
         return quantities_of(self.findings)
-
-    def to_json(self) -> dict[str, Any]:
-        """Everything but the residuals, SI units."""
-        fit, how = self.fit, self.how
-        standard = identification_model(self.case, self.model.number).names == self.model.names
-        terms = () if standard else tuple(n for n, b in ERROR_TERMS.items() if b in self.model.blocks)
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "case": self.case.name,
-            "case_hash": self.case.hash,
-            "recording": self.source,
-            "model": self.model.number,
-            "error_terms": list(terms),
-            "estimator": how.name,
-            "known": dict(how.known),
-            "dropped": list(how.dropped),
-            "biases": None if how.biases is None else how.biases.to_json(),
-            "accelerometer": None if self.accelerometer is None else self.accelerometer.model_dump(),
-            "priors": {p.name: {"value": p.value, "std": p.std} for p in how.priors},
-            "s0": fit.s0,
-            "s0_N": self.s0_N,
-            "residual_rms": self.residual_rms.tolist(),
-            "samples": self.evaluated.samples,
-            "degrees_of_freedom": fit.freedom,
-            "rank": fit.rank,
-            "condition": fit.condition,
-            "weights": how.weights or self.case.sensors.weights,
-            "w_diagonal": fit.weights.tolist(),
-            "noise_sources": None if self.noise is None else self.noise.to_json(),
-            "attenuation": self.attenuation,
-            "delay_s": None if self.delay is None else self.delay._asdict(),
-            "parameters": {name: value._asdict() for name, value in self.physical.items()},
-            "intervals_95": {name: list(value.interval(fit.freedom)) for name, value in self.physical.items()},
-            "linear": {"names": list(self.model.names), "values": fit.values.tolist()},
-            "covariance": fit.covariance.tolist(),
-            "covariance_robust": fit.covariance_robust.tolist(),
-            "notes": list(self.notes),
-            "warnings": list(self.warnings),
-            "findings": FINDINGS.dump_python(self.findings, mode="json"),
-            **self.quantities,
-        }
 
 
 def physical_values(model: Model, u: Array, covariance: Array, robust: Array) -> dict[str, Value]:

@@ -129,7 +129,7 @@ def tare(
     run, saved = _read(recording, parameters, case, stale)
     tared = with_new_offsets(run, saved)
     tared.save(folder, overwrite)
-    if answered({"result": str(folder), **tared.record}, json):
+    if answered({"result": str(folder), **tared.record.to_json()}, json):
         return
     rows = [
         [

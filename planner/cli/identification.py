@@ -89,7 +89,7 @@ PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit
 
 def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     """The JSON answer of a result that was written."""
-    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record}
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record.to_json()}
     strongest = () if result.identifiability is None else result.identifiability.strongest()
     return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
 

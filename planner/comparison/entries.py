@@ -222,11 +222,11 @@ def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Ar
 def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     saved = Result.load(path, user_case, stale)
     case, model, data = saved.case, saved.model, saved.record
-    samples, s0, seconds = data["samples"], data["s0"], data.get("measuring_s")
+    samples, s0, seconds = data.samples, data.s0, data.measuring_s
     deviations = {n: Deviation(v.value, v.reported, v.unit) for n, v in saved.parameters.items()}
-    conditions = Conditions(case, recordings=saved.recordings, plan=data.get("plan_hash"))
+    conditions = Conditions(case, recordings=saved.recordings, plan=data.plan_hash)
     criteria: dict[str, float] = {}
-    if data["weights"] == "equal":
+    if data.weights == "equal":
         try:  # (28) solved for the information of the run
             mean = s0**2 * np.linalg.inv(saved.covariance) / samples
             scaling = reference_scaling(case, model)
@@ -235,6 +235,6 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
             pass
     return Entry(
         str(path), Level.IDENTIFIED, conditions, model.number,
-        data["estimator"], seconds, samples, criteria, deviations, data["s0_N"], {},
+        data.estimator, seconds, samples, criteria, deviations, data.s0_N, {},
         tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
     )  # fmt: skip

@@ -39,7 +39,7 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
     return page(
         case.title,
         f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
-        f"{result.record['model']}. Sensors and encoders are simulated, with the imperfections that the case states "
+        f"{result.record.model}. Sensors and encoders are simulated, with the imperfections that the case states "
         f"({source}).",
         (
             ("case", f"{case.name} (hash {case.hash})"),

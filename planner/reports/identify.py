@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from cases.schema import Case
 from identification.outcome import RUN_ENTRIES, Result
-from identification.result import Residuals
+from identification.result import Residuals, Value
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
 from planner.reports.page import Block, Chart, answers, note, page, plain, section, table, tiles
@@ -20,12 +20,12 @@ ALIKE = 1.3  # largest ratio of robust deviations to those by (28) where noise i
 def identify_page(result: Result) -> str:
     """The page of a result; residuals are shown where it was not loaded from a folder."""
     case, record, residuals = result.case, result.record, result.residuals
-    samples = "averaged standstills" if record["delay_s"] is None else "samples"
-    source = record["recording"]
-    run = record.get("run")
+    samples = "averaged standstills" if record.delay_s is None else "samples"
+    source = record.recording
+    run = record.run
     origin = run_inputs(run) if run else (("origin", "recorded on a machine: nothing says that it was simulated"),)
-    origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record["inputs"])
-    origin += tuple(record["versions"].items())
+    origin += tuple((i["file"], f"SHA-256 {i['sha256']}") for i in record.inputs)
+    origin += tuple(record.versions.items())
     sections = [
         section("Parameters with standard deviations", _headline(result), _verdicts(result), *parameter_blocks(result))
     ]
@@ -35,7 +35,7 @@ def identify_page(result: Result) -> str:
         sections.append(section("Forces and residuals", *residual_blocks(case, residuals)))
     return page(
         f"Identification: {case.title}",
-        f"Model {record['model']} identified from {record['samples']} {samples} of {source}.",
+        f"Model {record.model} identified from {record.samples} {samples} of {source}.",
         (("case", f"{case.name} (hash {case.hash})"), ("recording", source), *origin),
         result.warnings,
         *sections,
@@ -50,7 +50,7 @@ def _headline(result: Result) -> Markup:
         for name, scale, unit, text in body
         if name in parameters  # a frame that does not move determines offsets alone
     ]
-    condition, rank = result.record["condition"], result.record["rank"]
+    condition, rank = result.record.condition, result.record.rank
     figures += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
     return tiles(*figures)
 
@@ -59,10 +59,10 @@ def _verdicts(result: Result) -> Markup:
     """Answers whether the parameters are determined, and which deviation counts."""
     record, parameters = result.record, [p for p in result.parameters.values() if p.std > 0.0]
     ratio = max((p.std_robust / p.std for p in parameters), default=1.0)
-    rank, count = record["rank"], len(record["parameters"])
+    rank, count = record.rank, len(record.parameters)
     warnings = len(result.warnings)
     return answers(
-        (rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record['condition']:.3g}"),
+        (rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record.condition:.3g}"),
         (
             ratio <= ALIKE,
             "The residuals look like white noise.",
@@ -79,16 +79,16 @@ def _verdicts(result: Result) -> Markup:
 def noise_tile(result: Result) -> tuple[str, str]:
     """Value of s0 and its meaning; it does not contain what a filter removes from the recorded forces."""
     record = result.record
-    recorded = f"recorded forces less the model: {record['s0_N']:.3g} N rms"
-    if record["weights"] != "equal":
-        return (f"{record['s0']:.3g}", f"s0, 1 where the weights are right ({recorded})")
-    filtered = "" if record["delay_s"] is None else ", the filter's stop band included"
-    return (f"{record['s0']:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
+    recorded = f"recorded forces less the model: {record.s0_N:.3g} N rms"
+    if record.weights != "equal":
+        return (f"{record.s0:.3g}", f"s0, 1 where the weights are right ({recorded})")
+    filtered = "" if record.delay_s is None else ", the filter's stop band included"
+    return (f"{record.s0:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
 
 
 def parameter_blocks(result: Result) -> tuple[Block, ...]:
     """Figure and table of the parameters."""
-    rows, freedom, rods = [], float(result.record["degrees_of_freedom"]), carries_rods(result.parameters)
+    rows, freedom, rods = [], float(result.record.degrees_of_freedom), carries_rods(result.parameters)
     for name, p in result.parameters.items():
         scale, unit = legible(p.unit)
         low, high = p.interval(freedom)
@@ -100,17 +100,17 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
     return (
         table(PARAMETER_COLUMNS, rows),
         note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
-        parameters_chart(result.record["parameters"]),
+        parameters_chart(result.parameters),
         *map(note, [*([] if delay is None else [delay]), *result.notes]),
     )
 
 
 def delay_words(result: Result) -> str | None:
     """Delay of the forces behind the motion, in words; None where it was not estimated."""
-    delay = result.record["delay_s"]
+    delay = result.record.delay_s
     if delay is None:
         return None
-    lag, std = delay["value"] * 1e3, delay["std"] * 1e3
+    lag, std = delay.value * 1e3, delay.std * 1e3
     return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
 
 
@@ -139,7 +139,7 @@ def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
     known = {key: about[key] for key in RUN_ENTRIES if about.get(key) is not None}
     words = {
-        k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, dict)
+        k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, Mapping)
     }
     return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
 
@@ -219,21 +219,19 @@ def _over_samples(figure: Chart, residuals: Residuals) -> Chart:
     return figure
 
 
-def parameters_chart(parameters: dict[str, dict[str, Any]]) -> Chart:
+def parameters_chart(parameters: Mapping[str, Value]) -> Chart:
     """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
     names = list(parameters)
     largest: dict[str, float] = {}
     for p in parameters.values():
-        largest[p["unit"]] = max(largest.get(p["unit"], 0.0), abs(p["value"]), 1e-300)
+        largest[p.unit] = max(largest.get(p.unit, 0.0), abs(p.value), 1e-300)
     caption = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
     figure = Chart("parameters", caption, y="half width of the 95 % interval [%]", height=360)
-    for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
-        width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
-        text = [
-            f"{value_text(parameters[n]['value'], parameters[n][key])} ± {std_text(1.96 * parameters[n][key])} "
-            f"{parameters[n]['unit']}"
-            for n in names
-        ]
+    for label, colour in (("robust", COLOURS[1]), ("(28)", COLOURS[0])):
+        stds = [p.std_robust if label == "robust" else p.std for p in parameters.values()]
+        deviations = list(zip(parameters.values(), stds, strict=True))
+        width = [1.96 * std / largest[p.unit] * 100 for p, std in deviations]
+        text = [f"{value_text(p.value, std)} ± {std_text(1.96 * std)} {p.unit}" for p, std in deviations]
         figure.add(
             "scatter", x=[plain(n) for n in names], y=width, name=label, mode="markers", hovertext=text,
             marker={"size": 9, "color": colour}, hoverinfo="text+name",

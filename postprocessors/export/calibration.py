@@ -31,14 +31,14 @@ def require_exportable(result: Result, force: bool = False) -> None:
 
 def result_hash(result: Result) -> str:
     """Fingerprint of the file of a result."""
-    content = json_text(dict(result.record)).encode() if result.file is None else result.file.read_bytes()
+    content = json_text(result.record.to_json()).encode() if result.file is None else result.file.read_bytes()
     return hashlib.sha256(content).hexdigest()[:16]
 
 
 def _recording(result: Result) -> str:
     """Names of the recordings from which the parameters were identified and the offsets tared."""
-    tared = f", tared with {result.record['tared_with']}" if "tared_with" in result.record else ""
-    return f"{result.record['recording']}{tared}"
+    tared = f", tared with {result.record.tared_with}" if result.record.tared_with else ""
+    return f"{result.record.recording}{tared}"
 
 
 def json_document(result: Result) -> str:
@@ -67,8 +67,8 @@ def json_document(result: Result) -> str:
                 "result": result.source,
                 "result_sha256": result_hash(result),
                 "recording": _recording(result),
-                "samples": result.record["samples"],
-                "s0": result.record["s0"],
+                "samples": result.record.samples,
+                "s0": result.record.s0,
                 "case": case.name,
                 "case_hash": case.hash,
             },
@@ -139,8 +139,8 @@ def comment_lines(result: Result) -> list[str]:
     lines = []
     for line in (
         f"made by hexcite {version('hexcite')}",
-        f"result {result.source} (sha256 {result_hash(result)}), from {_recording(result)}: {record['samples']} samples"
-        f", s0 {record['s0']:.4g}",
+        f"result {result.source} (sha256 {result_hash(result)}), from {_recording(result)}: {record.samples} samples"
+        f", s0 {record.s0:.4g}",
         f"case {case.name}, hash {case.hash}; model {model.number}{terms} with {len(model.names)} parameters",
         *(f"WARNING: {warning}" for warning in (*result.warnings, *result.remarks)),
     ):

@@ -12,7 +12,7 @@ import pytest
 
 from cases.basis import KEPT, result_basis
 from cases.errors import FileProblem, HexciteError, IdentificationError
-from cases.files import json_text, provenance
+from cases.files import json_text
 from cases.loading import load_case
 from identification.external import force, tare
 from identification.finding import Kind, Severity
@@ -39,7 +39,7 @@ def recorded(seed: int = 0, motion_seed: int = 0) -> Recording:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Result:
     file = tmp_path_factory.mktemp("result") / "result.json"
-    file.write_text(json_text(estimate_parameters(recorded(), CASE).to_json() | provenance([])))
+    file.write_text(json_text(Result.of(estimate_parameters(recorded(), CASE)).record.to_json()))
     return Result.load(file, CASE)
 
 
@@ -60,8 +60,7 @@ def test_without_contact_the_external_force_of_another_motion_is_noise(saved: Re
 
 
 def with_values(result: Result, values: np.ndarray) -> Result:
-    linear = result.record["linear"] | {"values": values.tolist()}
-    return replace(result, record=result.record | {"linear": linear})
+    return replace(result, record=result.record.replaced(values=tuple(values.tolist())))
 
 
 @pytest.mark.parametrize("axis", range(6))
@@ -111,13 +110,13 @@ def test_findings_are_saved_and_loaded(saved: Result, tmp_path: Path) -> None:
     forces[500, 2] += 80.0
     estimate = estimate_parameters(replace(sound, forces=forces), CASE)
     assert {(f.kind, f.severity) for f in estimate.findings} >= {(Kind.DAMAGE, Severity.WARNING)}
-    (tmp_path / "result.json").write_text(json_text(estimate.to_json() | provenance([])))
-    loaded = Result.load(tmp_path, CASE)
+    Result.of(estimate).save(tmp_path / "result")
+    loaded = Result.load(tmp_path / "result", CASE)
     assert loaded.findings == estimate.findings
     assert (loaded.warnings, loaded.notes) == (estimate.warnings, estimate.notes)
     tared = tare(standing(shift=2.5), saved)
     assert [(f.kind, f.sentence) for f in tared.findings[len(saved.findings) :]] == [(Kind.OFFSETS, tared.notes[-1])]
-    read = json.loads((tmp_path / "result.json").read_text())
+    read = json.loads((tmp_path / "result" / "result.json").read_text())
     assert read["warnings"] == [f["sentence"] for f in read["findings"] if f["severity"] == "warning"]
 
 
@@ -156,7 +155,7 @@ def test_one_recording_is_not_taken_for_two(saved: Result) -> None:
         require_two(saved, saved)
     one_line(caught.value)
     first, again, other = (
-        replace(saved, file=Path(name), record=saved.record | {"inputs": [{"file": name, "sha256": content}]})
+        replace(saved, file=Path(name), record=saved.record.replaced(inputs=({"file": name, "sha256": content},)))
         for name, content in (("a", "5e6f"), ("copy/result.json", "5e6f"), ("after", "7a8b"))
     )
     with pytest.raises(IdentificationError, match="same recording as") as caught:
@@ -172,9 +171,9 @@ def test_no_payload_is_no_payload(saved: Result) -> None:
 
 def test_results_of_different_models_are_compared_with_a_warning(saved: Result) -> None:
     body = added(saved, np.r_[5.0, np.zeros(9)])
-    cut = {key: getattr(saved, key)[:18, :18].tolist() for key in ("covariance", "covariance_robust")}
-    linear = {key: entries[:18] for key, entries in saved.record["linear"].items()}
-    static = replace(saved, record=saved.record | cut | {"model": 7, "linear": linear})
+    cut = {key: tuple(map(tuple, getattr(saved, key)[:18, :18])) for key in ("covariance", "covariance_robust")}
+    linear = {key: getattr(saved.record, key)[:18] for key in ("names", "values")}
+    static = replace(saved, record=saved.record.replaced(model=7, **cut, **linear))
     assert any("models 7 and 9 differ" in w for w in payload_between(static, body).warnings)
 
 
@@ -209,7 +208,7 @@ def damaged(saved: Result, folder: Path, place: tuple[str | int, ...], value: ob
         (("parameters", "m"), [30.0, 1.0, 1.0, "kg"], "entry parameters.m is missing or damaged"),
         (("parameters", "m"), GONE, "its parameters are not those of model 9"),
         (("covariance_robust",), GONE, "entry covariance_robust is missing or damaged"),
-        (("intervals_95", "m"), [30.0], "entry intervals_95.m is missing or damaged"),
+        (("intervals_95", "m"), [30.0], "entry intervals_95.m.1 is missing or damaged"),
         (("inputs",), GONE, "entry inputs is missing or damaged"),
         (("s0",), None, "entry s0 is missing or damaged"),
         (("s0",), -1.0, "entry s0 is missing or damaged"),
@@ -261,7 +260,7 @@ def test_a_number_changed_by_hand_is_noticed(
 
 
 def test_warnings_and_findings_belong_together(saved: Result, tmp_path: Path) -> None:
-    with pytest.raises(FileProblem, match=r"its warnings are not those of its findings: changed by hand; identify"):
+    with pytest.raises(FileProblem, match=r"warnings is not what findings say: changed by hand; identify"):
         Result.load(damaged(saved, tmp_path, ("warnings",), ["another"]), CASE)
 
 

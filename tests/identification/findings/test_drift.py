@@ -93,7 +93,7 @@ def test_standstills_drift_in_their_order() -> None:
 
 @pytest.fixture(scope="module")
 def saved() -> Result:
-    return Result(ROBOT, estimate_parameters(recorded(7), ROBOT).to_json())
+    return Result.of(estimate_parameters(recorded(7), ROBOT))
 
 
 def test_readings_that_are_off_all_along_are_named(saved: Result) -> None:

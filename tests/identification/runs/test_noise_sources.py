@@ -145,9 +145,9 @@ def test_attenuation_that_cannot_be_told_is_said_to_be_so() -> None:
 
 
 def test_a_case_that_states_nothing_is_told_nothing() -> None:
-    told = estimate_parameters(run(CASE), CASE).to_json()
-    assert told["noise_sources"] is None
-    assert told["attenuation"] is None
+    found = estimate_parameters(run(CASE), CASE)
+    assert found.noise is None
+    assert found.attenuation is None
 
 
 def test_too_much_stated_noise_is_told() -> None:

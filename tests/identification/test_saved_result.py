@@ -1,0 +1,105 @@
+"""A result that is saved and loaded is the same, and nobody can change it."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from cases.loading import load_case
+from identification.finding import Finding, Kind, Severity, note
+from identification.model import identification_model
+from identification.outcome import Result
+from identification.result import physical_values
+from identification.saved_result import ResultEntries, entries_of_parameters
+
+CASE = load_case("hexapod")
+TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+NUMBER = st.floats(-1e3, 1e3)
+POSITIVE = st.floats(1e-6, 1e3)
+JSON = st.recursive(st.none() | st.booleans() | NUMBER | TEXT, lambda inner: st.lists(inner, max_size=3), max_leaves=4)
+KEYS = TEXT.map(lambda text: f"own_{text}")  # other than those of result.json
+FINDINGS = st.builds(
+    Finding,
+    st.sampled_from(Kind),
+    st.sampled_from(Severity),
+    TEXT,
+    TEXT,
+    st.dictionaries(KEYS, JSON | st.dictionaries(TEXT, JSON, max_size=2), max_size=2),
+)
+
+
+@st.composite
+def results(draw: st.DrawFn) -> Result:
+    model = identification_model(CASE, draw(st.integers(0, 9)))
+    count = len(model.names)
+    u = np.array([draw(st.floats(1.0, 1e3)), *draw(st.lists(NUMBER, min_size=count - 1, max_size=count - 1))])
+    white, robust = (np.diag(draw(st.lists(POSITIVE, min_size=count, max_size=count))) for _ in range(2))
+    rms, freedom = draw(POSITIVE), draw(st.floats(3.0, 1e6))
+    optional: dict[str, Any] = draw(
+        st.fixed_dictionaries(
+            {},
+            optional={
+                "stale": st.lists(TEXT, max_size=2).map(tuple),
+                "run": st.dictionaries(TEXT, JSON, max_size=2),
+                "measuring_s": POSITIVE,
+                "tared_with": TEXT,
+                "w_diagonal": st.just((1.0,) * 6),
+            },
+        )
+    )
+    entries = ResultEntries(
+        case=CASE.name,
+        case_hash=CASE.hash,
+        recording=draw(TEXT),
+        inputs=({"file": draw(TEXT), "sha256": "5e6f"},),
+        versions={"hexcite": draw(TEXT)},
+        model=model.number,
+        error_terms=(),
+        **entries_of_parameters(physical_values(model, u, white, robust), freedom, u, white, robust),
+        names=tuple(model.names),
+        delay_s=draw(st.none() | st.just((2.5e-3, draw(POSITIVE)))),
+        accelerometer=None,
+        estimator="gauss-markov",
+        weights="equal",
+        s0=draw(POSITIVE),
+        s0_N=rms,
+        residual_rms=(rms,) * 6,
+        samples=draw(st.integers(1, 10**6)),
+        degrees_of_freedom=freedom,
+        rank=draw(st.integers(1, count)),
+        condition=draw(POSITIVE),
+        findings=tuple(draw(st.lists(FINDINGS, max_size=4, unique_by=lambda f: str(sorted(f.quantity))))),
+        **optional,
+    )
+    return Result(CASE, entries)
+
+
+@given(results())
+def test_loading_undoes_saving(result: Result) -> None:
+    with TemporaryDirectory() as name:
+        result.save(Path(name) / "result")
+        loaded = Result.load(Path(name) / "result", CASE)
+    assert loaded == result
+    assert hash(loaded) == hash(result)
+    assert loaded.findings == result.findings
+    assert loaded != Result(CASE, result.record.replaced(samples=result.record.samples + 1))
+
+
+@given(results())
+@settings(deadline=None, max_examples=5)
+def test_nobody_can_change_a_result(result: Result) -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        result.record.samples = 1
+    with pytest.raises(TypeError):
+        result.record.parameters["m"] = 1
+    with pytest.raises(TypeError):
+        result.record.covariance[0][0] = 1.0
+    with pytest.raises(TypeError):
+        result.record.inputs[0]["file"] = "another"
+    with pytest.raises(TypeError):
+        note(Kind.CASE, "x", series={"values": [1.0]}).quantity["series"]["values"] = ()
