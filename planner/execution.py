@@ -1,7 +1,7 @@
 """Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -41,9 +41,6 @@ class RunOutcome:
     run: ExecutedRun
     recording: Recording  # simulated measurements
     planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
-    guarantees: Guarantees  # guarantees of the controller that it was written for
-    around: Circumstances
-    peaks: Mapping[LimitKind, float]  # largest share of each kinetic limit, approach and return included
 
 
 def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
@@ -96,10 +93,34 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
         **rating,
         "peak_acceleration_of_limit": max(s for kind, s in peaks.items() if kind.family in _ACCELERATIONS),
         "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
+        "exceeded": list(exceeded(peaks, program.guarantees, run.real)),
         "units": "SI with the unit in each column name",
     }
     recording = replace(recording, case=case, record=record)
-    return RunOutcome(run, recording, planned, program.guarantees, around, peaks)
+    return RunOutcome(run, recording, planned)
+
+
+def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> Iterator[str]:
+    """Sentences on limits that the executing controller exceeded, which may not be the one that the program is for.
+
+    Args:
+        peaks: largest share of each limit, approach and return included.
+        guarantees: what the controller enforces that it is written for.
+        real: whether that one has run it, not the built-in one.
+    """
+    over = {kind for kind, share in peaks.items() if share > 1.01}
+    safe = set() if real else {kind for kind in over if kind.family in guarantees.enforced}
+    if over - safe:
+        yield (
+            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(over - safe))}; know what "
+            "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
+            "estimate)"
+        )
+    if safe:
+        yield (
+            f"exceeded by the built-in controller only: {', '.join(sorted(safe))}; {guarantees.controller} "
+            "keeps it itself, as the case says (controller_keeps), and will take longer there"
+        )
 
 
 def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
@@ -176,6 +197,8 @@ def run(
     disturbed: bool = False,
 ) -> Recording:
     """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
+
+    Its `record` has the figures of the run, such as `path_error_mm`, `d_efficiency`, `peaks_of_limit` and `exceeded`.
 
     Args:
         program: program, or its file.

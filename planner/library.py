@@ -2,20 +2,23 @@
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypedDict, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.errors import InfeasiblePlan, Interrupted
+from cases.poses import load_poses
 from cases.schema import Case
+from cases.units import Array
 from identification.model import full_model, identification_model, static_model
 from planner.bounds.information_limit import information_limit
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
-from planner.request import LONGEST, PoseRequest, Request, TypedValue, parse_targets
+from planner.request import LONGEST, PoseMethod, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
 from planner.search.parallel import silent, without_gain
 from planner.search.solving import Start
@@ -112,10 +115,18 @@ def planned(request: Request, case: Case, progress: Callable[[str], None] | None
         return shortest_plan(request, case, make) if request.targets else make(request)
 
 
-def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Unpack[PoseSettings]) -> Plan:
+def plan_poses(
+    case: Case,
+    at: Path | Array | None = None,
+    *,
+    progress: Callable[[int], None] | None = None,
+    **settings: Unpack[PoseSettings],
+) -> Plan:
     """The most informative poses to stand at, in the fastest order, proven.
 
     Args:
+        at: poses of one's own instead, to see what they are worth beside chosen ones: a CSV file, or coordinates of the
+            machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
         **settings: see `PoseSettings`.
@@ -126,9 +137,12 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
     settings.setdefault("model", static_model(case))
+    if at is not None:
+        settings["method"] = PoseMethod.GIVEN
     request = PoseRequest(**settings)  # type: ignore[arg-type]  # a letter will do
+    own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
-        return poses_planned(request, case, progress or (lambda _: None))
+        return poses_planned(request, case, progress or (lambda _: None), own)
 
 
 ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises

@@ -33,7 +33,7 @@ def write(
     dialect: str | None = None,
     *,
     speed: float = 1.0,
-    accept: Collection[str] = (),
+    accept: Collection[str] | str = (),
     file: Path | str | None = None,
 ) -> Program:
     """The plan as a program for a controller, read back and proven; nothing is written to disk.
@@ -43,7 +43,8 @@ def write(
         dialect: the controller's language: one of `DIALECTS`; by default that of the suffix of
             `file`, else that of the controller that the plan was made for, else the first with settings in the case.
         speed: share of the planned speed; 0.1 for a first try.
-        accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.
+        accept: limits that the controller does not enforce and that the caller answers for, such as
+            `("jerk", "sensor force")`, or one.
         file: name of the program, for messages; its suffix says how a table of set points is written.
 
     Raises:
@@ -67,7 +68,8 @@ def write(
         *plan.stale,
         language.start,
     )
-    program = proven_program(plan.motion, plan.case, language, path, header, speed, accept)
+    accepted = (accept,) if isinstance(accept, str) else accept
+    program = proven_program(plan.motion, plan.case, language, path, header, speed, accepted)
     planned = plan.motion.duration / speed
     if not isinstance(plan.motion, Joined) and program.proof.excitation > LONGER * planned:
         remarks += (
@@ -154,6 +156,32 @@ def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
         return read_program(file, case, dialect)
     except (ProgramError, CaseError) as error:
         raise of_another(error, file, file.read_bytes() if file.is_file() else b"", case) from error
+
+
+def check(
+    program: Path | str, case: Case, dialect: str | None = None, *, accept: Collection[str] | str | None = None
+) -> Program:
+    """A program of a file, read back independently of its writer, with its proof.
+
+        checked = hx.check("run.ngc", hx.load_case("hexapod"))
+        checked.proof.ok, checked.proof.verdict, checked.proof.violations
+
+    Args:
+        dialect: the program's language; by default the one that its suffix names.
+        accept: limits that the controller need not enforce; with them, also none, a program that exceeds a limit or
+            relies on others is refused.
+
+    Raises:
+        ProgramError: it cannot be read or understood; with `accept`, it is not proven.
+        CaseError: the case lacks what its dialect needs.
+    """
+    read = read_for(case, Path(program), dialect)
+    if accept is not None:
+        try:
+            read.proof.require_accepted((accept,) if isinstance(accept, str) else accept)
+        except ProgramError as error:
+            raise of_another(error, read.path, read.content, case) from error
+    return read
 
 
 def of_another(error: HexciteError, file: Path, content: bytes, case: Case) -> HexciteError:

@@ -73,7 +73,7 @@ def demo(
             name, reason = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({reason})")
         elif isinstance(value, RunOutcome):
-            run = answer["run"] = answer_of_run(value, place / "recording")
+            run = answer["run"] = answer_of_run(value.recording, place / "recording")
             line = f"{run['controller']}: {run['duration_s']:.3f} s of {run['planned_s']:.3f} s planned, "
             line += f"{run['path_error_mm']:.3f} mm from the path, D-efficiency {run['d_efficiency']:.3f} as executed"
             say(f"      {line}")

@@ -116,23 +116,18 @@ def retime(
 
     Prints criteria and limits before and after; without -o nothing is written.
     """
-    from cases.errors import HexciteError
     from cases.files import PLAN, check_folder
     from cases.loading import load_case
     from cases.units import DEG, MM
-    from identification.model import identification_model
     from planner.plans import Plan
-    from planner.retiming.retimed import method_of, retimed, retimed_plan
+    from planner.retiming.retimed import repaced, retimed_plan
 
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = Plan.load(source, None if case is None else load_case(case), stale)
-    if len(plan.poses):
-        raise HexciteError(source, "is a plan of poses; its moves are as fast as the limits allow already")
     model = plan.model if model is None else model
-    fitting = method_of(method, plan.motion, fastest)
-    with console.status(f"re-timing with {fitting}", json) as report:
-        result = retimed(plan.motion, plan.case, identification_model(plan.case, model), fitting, fastest, report)
+    with console.status("re-timing", json) as report:
+        result = repaced(plan, method, fastest, model, report)
         if output is not None:
             report("writing")
             console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)

@@ -34,24 +34,29 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from cases.poses import Poses, load_poses
-    from identification.criteria import Criterion
+    from cases.poses import Poses
     from identification.model import static_model
+    from planner.library import plan_poses
     from planner.poses.candidates import JOINT_CANDIDATES
-    from planner.poses.planned_poses import poses_planned
-    from planner.request import PoseMethod, PoseRequest
 
     loaded = load_case(case)
-    number = static_model(loaded) if model is None else model
-    letter, chosen = Criterion(criterion), method if at is None else PoseMethod.GIVEN
-    request = PoseRequest(letter, count, chosen, number, candidates, seed, noise)
-    own = None if at is None else load_poses(at, loaded.need_motion("a plan of poses")[1].columns)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
     grid = loaded.poses if isinstance(loaded.poses, Poses) else None
     steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
     with console.progress("choosing poses", steps, json) as report:
-        plan = poses_planned(request, loaded, lambda rest: report(f"{rest} poses", 1), own)
+        plan = plan_poses(
+            loaded,
+            at,
+            progress=lambda rest: report(f"{rest} poses", 1),
+            criterion=criterion,
+            count=count,
+            method=method,
+            model=static_model(loaded) if model is None else model,
+            candidates=candidates,
+            seed=seed,
+            noise=noise,
+        )
     with console.status("writing", json):
         console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()

@@ -1,7 +1,6 @@
 """`hexcite post`, `hexcite check` and `hexcite run`: programs are written, read back and executed."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,8 +9,7 @@ from planner.cli.console import argument, option, out
 from planner.precision import share_text
 
 if TYPE_CHECKING:
-    from identification.limit import LimitKind
-    from planner.execution import RunOutcome
+    from identification.recording import Recording
     from postprocessors.dialects import Program
 
 Accept = Annotated[
@@ -57,7 +55,13 @@ def post(
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
     with console.status(f"writing and proving {file.name}", json):
-        program = write(loaded, language.name, speed=speed, accept=accept or (), file=file)
+        program = write(
+            loaded,
+            language.name,
+            speed=speed,
+            accept=[name for names in accept or () for name in names.split(",")],
+            file=file,
+        )
     program.save(file, overwrite)
     answer = answer_of_program(program)
     if console.answered(answer, json):
@@ -95,11 +99,12 @@ def check(
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
     from cases.loading import load_case
-    from planner.plan_program import of_another, read_for
+    from planner.plan_program import check as checked
+    from planner.plan_program import of_another
 
     loaded = load_case(case)
     with console.status(f"proving {program.name}", json):
-        read = read_for(loaded, program, dialect)
+        read = checked(program, loaded, dialect)
         answer = answer_of_proof(read)
     if not console.answered(answer, json):
         show_check(answer, read)
@@ -144,7 +149,7 @@ def show_check(answer: dict[str, Any], program: "Program") -> None:
 
 ANSWERED = (
     "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
-    "peak_acceleration_of_limit", "peaks_of_limit", "remark", "payload", "disturbances",
+    "peak_acceleration_of_limit", "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
 )  # fmt: skip
 
 
@@ -167,36 +172,34 @@ def run(
     """
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from identification.simulate import circumstances
-    from planner.execution import execute, require_controller, require_seed
-    from planner.plan_program import read_for
+    from planner.execution import require_controller, require_seed
+    from planner.execution import run as executed
 
     require_seed(seed)
     require_controller(on)
     folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
     check_folder(folder, RUN, [program, find_case(case)], overwrite)
     loaded = load_case(case)
-    around = circumstances(loaded, payload, disturbed)
     with console.status(f"running {program.name} on {on}", json):
-        outcome = execute(read_for(loaded, program), loaded, on, seed, around)
-        outcome.recording.save(folder, overwrite)
-    answer = answer_of_run(outcome, folder)
+        recording = executed(program, loaded, on, seed=seed, payload=payload, disturbed=disturbed)
+        recording.save(folder, overwrite)
+    answer = answer_of_run(recording, folder)
     if not console.answered(answer, json):
-        show_run(answer, outcome)
+        show_run(answer)
 
 
-def answer_of_run(outcome: "RunOutcome", folder: Path) -> dict[str, Any]:
+def answer_of_run(recording: "Recording", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
-    about = outcome.recording.record
+    about = recording.record
     answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
     return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
 
 
-def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
+def show_run(answer: dict[str, Any]) -> None:
     """Prints a run for people."""
-    around = outcome.around
-    mounted = f", {len(around.weights)} weights of {around.load:.4g} kg mounted" if around.weights else ""
-    disturbances = ", with the case's disturbances" if around.disturbances is not None else ""
+    payload = answer["payload"]
+    mounted = f", {payload['weights']} weights of {payload['mass_kg']:.4g} kg mounted" if payload["weights"] else ""
+    disturbances = ", with the case's disturbances" if answer["disturbances"] is not None else ""
     print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
     if answer["poses"]:
         print(
@@ -205,31 +208,13 @@ def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
         )
     else:
         print(_rated(answer))
-    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in outcome.peaks.items())
+    peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in answer["peaks_of_limit"].items())
     print(f"reached of the limits in the whole run: {peaks}")
-    for sentence in exceeded_sentence(outcome.peaks, outcome):
+    for sentence in answer["exceeded"]:
         print(sentence)
     if answer["remark"]:
         print(answer["remark"])
     print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
-
-
-def exceeded_sentence(peaks: Mapping["LimitKind", float], outcome: "RunOutcome") -> Iterator[str]:
-    """Sentences on limits that the executing controller exceeded, which may not be the one that the program is for."""
-    exceeded = {kind for kind, share in peaks.items() if share > 1.01}
-    enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
-    safe = {kind for kind in exceeded if kind.family in enforced}
-    if exceeded - safe:
-        yield (
-            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - safe))}; know what "
-            "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
-            "estimate)"
-        )
-    if safe:
-        yield (
-            f"exceeded by the built-in controller only: {', '.join(sorted(safe))}; {outcome.guarantees.controller} "
-            "keeps it itself, as the case says (controller_keeps), and will take longer there"
-        )
 
 
 def _rated(answer: dict[str, Any]) -> str:

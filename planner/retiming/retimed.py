@@ -155,8 +155,31 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     return replace(part, profile=law)
 
 
+def repaced(
+    plan: Plan,
+    method: str | None = None,
+    fastest: bool = False,
+    model: int | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Retimed:
+    """A plan's motion at another pace, rated beside the planned one, whether it satisfies all limits or not.
+
+    Arguments and errors as of `retime`.
+    """
+    if len(plan.poses):
+        place = plan.name if plan.saved is None else plan.saved.folder
+        raise HexciteError(place, "is a plan of poses; its moves are as fast as the limits allow already")
+    fitting = method_of(method, plan.motion, fastest)
+    number = plan.model if model is None else model
+    return retimed(plan.motion, plan.case, identification_model(plan.case, number), fitting, fastest, progress)
+
+
 def retime(
-    plan: Plan, method: str | None = None, fastest: bool = False, progress: Callable[[str], None] = lambda _: None
+    plan: Plan,
+    method: str | None = None,
+    fastest: bool = False,
+    model: int | None = None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Plan:
     """A plan of the same path at another pace.
 
@@ -165,17 +188,15 @@ def retime(
         method: ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit; by default what
             fits.
         fastest: whether ipopt makes the path as fast as the limits allow, not only as slow as needed.
+        model: number in Table 2, by which it is rated; the plan's own unless given.
         progress: shows a line now and then.
 
     Raises:
         InfeasiblePlan: the motion cannot be re-timed that way.
         HexciteError: a plan of poses, an unknown method, or a method that does not fit.
     """
-    if len(plan.poses):
-        raise HexciteError(plan.name, "is a plan of poses; its moves are as fast as the limits allow already")
-    fitting = method_of(method, plan.motion, fastest)
-    model = identification_model(plan.case, plan.model)
-    return retimed_plan(retimed(plan.motion, plan.case, model, fitting, fastest, progress), plan, plan.model)
+    found = repaced(plan, method, fastest, model, progress)
+    return retimed_plan(found, plan, plan.model if model is None else model)
 
 
 def method_of(name: str | None, motion: Trajectory, fastest: bool) -> str:

@@ -77,10 +77,10 @@ class ProgramProof:
         """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
 
         Args:
-            accepted: families of limits, as in `relies_on`, or several with commas; a hyphen counts as a blank.
+            accepted: families of limits, as in `relies_on`; a hyphen counts as a blank.
         """
         self.require()
-        names = {part.strip().lower().replace("-", " ") for name in accepted for part in name.split(",")}
+        names = {name.strip().lower().replace("-", " ") for name in accepted}
         if unknown := sorted(names - set(KINETIC)):
             raise ProgramError(
                 self.file, 0, 0, f"--accept {unknown[0]!r} names no such limit; choose from {', '.join(KINETIC)}"

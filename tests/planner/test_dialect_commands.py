@@ -1,13 +1,12 @@
 """`check` and `run` take programs of every dialect, told by the ending or by name."""
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from identification.limit import LimitKind
-from planner.cli.programs import exceeded_sentence
+from planner.execution import exceeded
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading
 from postprocessors.setpoints import write_csv, write_parquet
@@ -75,11 +74,11 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
 def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the_machines(real: bool):
     """The case says that a TwinCAT keeps strut accelerations; the built-in controller and LinuxCNC do not."""
     guarantees = twincat_guarantees(Reading("p", (), 0), CASE)
-    outcome = SimpleNamespace(run=SimpleNamespace(real=real), guarantees=guarantees)
-    (sentence,) = exceeded_sentence({LimitKind.ANGULAR_VELOCITY: 1.0, LimitKind.STRUT_ACCELERATION: 1.03}, outcome)
+    peaks = {LimitKind.ANGULAR_VELOCITY: 1.0, LimitKind.STRUT_ACCELERATION: 1.03}
+    (sentence,) = exceeded(peaks, guarantees, real)
     assert tells(sentence, *(("EXCEEDED BY THE CONTROLLER",) if real else ("exceeded by", "built-in", ": strut acc")))
     assert ("TwinCAT keeps it itself" in sentence) is not real
-    assert list(exceeded_sentence({LimitKind.JERK: 1.005}, outcome)) == []
+    assert list(exceeded({LimitKind.JERK: 1.005}, guarantees, real)) == []
 
 
 def test_a_program_is_written_in_the_language_that_its_suffix_names(planned: dict[str, Any], tmp_path: Path):
