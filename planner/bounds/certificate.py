@@ -14,7 +14,6 @@ itself, in closed form.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise, product
 
 import numpy as np
@@ -67,18 +66,6 @@ class BoxDerivative:
     features: Features
     form: Array  # Q of the design
 
-    @cached_property
-    def _error_norms(self) -> tuple[float, float]:
-        """Length in Q of a unit error of the Gibbs vector, and of all products of the angular velocity at once."""
-        gibbs = float(np.sqrt(max(0.0, np.linalg.eigvalsh(self.form[GIBBS, GIBBS])[-1])))
-        return gibbs, float(np.sqrt(np.maximum(np.diag(self.form)[PRODUCTS], 0.0)).sum())
-
-    def error(self, gibbs_error: Array, product_error: Array) -> Array:
-        """Length in Q of the enclosure's error, shape (n,)."""
-        of_gibbs, of_products = self._error_norms
-        with np.errstate(invalid="ignore"):  # 0 * inf: a model without orientation has no such error
-            return np.asarray(np.nan_to_num(of_gibbs * gibbs_error, posinf=np.inf) + of_products * product_error)
-
     def __call__(self, low: Array, high: Array) -> Bounds:
         """Bounds over cells, shapes (n, 6) [rad, rad/s]."""
         control = enclose(self.features, low, high)
@@ -86,7 +73,7 @@ class BoxDerivative:
         count = len(low)
         place = values.reshape(count, -1).argmax(axis=1)
         control_point, corner = np.divmod(place, values.shape[2])
-        error = self.error(control.gibbs_error, control.product_error)
+        error = _error(self.form, control)
         largest = values[np.arange(count), control_point, corner]
         upper = (np.sqrt(np.maximum(largest, 0.0)) + error) ** 2
         grid = values.reshape(count, *[3] * 6, -1)
@@ -118,6 +105,15 @@ class BoxDerivative:
         shares[:, CORNER_COORDINATES] = _SIGNS[:, corner].T
         shares[:, _ANGLES_AND_RATES] = _shares(self.features, np.where(upper_end == 1, high, low))
         return np.clip(shares, -1.0, 1.0)
+
+
+def _error(form: Array, control: Enclosure) -> Array:
+    """Length in Q of the enclosure's errors of the Gibbs vector and of the products of the angular velocity, (n,)."""
+    of_gibbs = float(np.sqrt(max(0.0, np.linalg.eigvalsh(form[GIBBS, GIBBS])[-1])))
+    of_products = float(np.sqrt(np.maximum(np.diag(form)[PRODUCTS], 0.0)).sum())
+    with np.errstate(invalid="ignore"):  # 0 * inf: a model without orientation has no such error
+        gibbs_error = np.nan_to_num(of_gibbs * control.gibbs_error, posinf=np.inf)
+    return np.asarray(gibbs_error + of_products * control.product_error)
 
 
 def _shares(features: Features, values: Array) -> Array:
@@ -236,7 +232,7 @@ class TightDerivative:
         length = np.sqrt(np.maximum(square, 0.0).reshape(len(reach), -1).max(axis=1))
         diagonal = np.sqrt(np.maximum(np.diagonal(curvature, axis1=-2, axis2=-1), 0.0)).max(axis=1)
         length = length + (diagonal * reach).sum(axis=1)
-        error = BoxDerivative(self.features, self.form).error(control.gibbs_error, control.product_error)
+        error = _error(self.form, control)
         angles = (
             control.angle_error
             / self.features.half[3:6]
