@@ -5,7 +5,7 @@ Families whose coordinates are linear in their unknowns (Fourier series, B-splin
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -56,14 +56,6 @@ class Family(Protocol):
         """The motion as functions of the unknowns; margin: share of each limit that stays unused."""
         ...
 
-    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
-        """Random unknowns well inside the limits, shape (n,).
-
-        Args:
-            worst: unknowns -> the largest share of any limit that they use.
-        """
-        ...
-
     def like(self, table: Array) -> Array | None:
         """Unknowns that resemble the motion of another machine, whatever the limits; None where it does not fit."""
         ...
@@ -102,6 +94,7 @@ class LinearMaps:
     growth: float = np.inf  # a bound g with max|x'| <= g max|x| for every motion [1/s]
 
 
+@runtime_checkable
 class LinearFamily(Protocol):
     """A family whose coordinates are linear in its unknowns.
 
@@ -119,6 +112,14 @@ class LinearFamily(Protocol):
 
     def maps(self) -> LinearMaps:
         """How the coordinates depend on the unknowns."""
+        ...
+
+    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
+        """Random unknowns well inside the limits, shape (n,).
+
+        Args:
+            worst: unknowns -> the largest share of any limit that they use.
+        """
         ...
 
     def layout(self, case: Case, margin: float) -> Layout:

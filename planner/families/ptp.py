@@ -7,7 +7,6 @@ for n coordinates. For a controller that does not limit jerk tj is 0, moves are 
 The last move need not end where the first begins: a way back would cost moves with little information.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -33,9 +32,6 @@ FEWEST, MOST = 8, 64  # moves
 SHORTEST_PHASE = 3  # controller cycles; a shorter phase is absent
 LONGEST_PHASE = 4.0  # mean durations of a move
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time exactly: jerk phases squared
-START_WIDTH = 0.9  # waypoints of random starts lie within this share of the box
-BISECTIONS = 30
-TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 
 MOVES_A_SECOND = 10.0 / 3.0  # at most where jerk is limited
@@ -221,25 +217,6 @@ class PointToPointFamily:
             lower[:, 1:] = np.where(self.absent, 0.0, shortest)
             upper[:, 1:] = np.where(self.absent, 0.0, LONGEST_PHASE)
         return lower, upper
-
-    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
-        """Unknowns of random waypoints, moved together until the fastest moves between them take the duration."""
-        directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves + 1, self.coordinates))
-        small, large = 0.0, 1.0
-        for _ in range(BISECTIONS):
-            width = (small + large) / 2
-            times = self._fastest_times(width * directions)
-            longer = float((times @ [4.0, 2.0, 1.0]).sum()) > self.duration
-            small, large = (small, width) if longer else (width, large)
-        points = small * directions
-        times = self._fastest_times(points)
-        times *= self.duration / (times @ [4.0, 2.0, 1.0]).sum()
-        return np.concatenate([points.ravel(), times.ravel() / self.unit])
-
-    def _fastest_times(self, points: Array) -> Array:
-        ways = np.abs(np.diff(points, axis=0)) * self.half
-        limits = np.min(self.limits[:, None, :] / np.maximum(ways, TINY), axis=2)
-        return np.array([fastest_profile(1.0, *limits[:, k])[1:] for k in range(self.moves)])
 
     def longest_steps(self) -> tuple[Array, Array]:
         """Three times [s] of moves of mean duration, and how far each coordinate goes in them, in half widths, (n,).

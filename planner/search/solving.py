@@ -17,7 +17,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.criteria import Criterion, reference_scaling
 from identification.model import identification_model
-from planner.families import Family
+from planner.families import Family, LinearFamily
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search import Failed, SolverStatus, StartRecord
@@ -206,8 +206,9 @@ class _Run:
             if self.close or task.step is Step.REFINE:
                 self.program = self.program.with_rows_above(begin, NEAR)
                 return begin
-        if not isinstance(self.family, PointToPointFamily):
+        if isinstance(self.family, LinearFamily):
             return self.family.start(draw, self.program.worst) if begin is None else begin / max(worst, 1.0)
+        assert isinstance(self.family, PointToPointFamily)
         # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
         walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
         proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2

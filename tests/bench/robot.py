@@ -28,6 +28,7 @@ from planner.planning import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import run_here, silent
+from tests.random_start import random_start
 
 DURATION, WALKS, RUNS = 10.0, 100, 20
 BY_HAND = np.deg2rad([
@@ -46,7 +47,7 @@ def robot_figures() -> None:
     family = PointToPointFamily.of(case, PointToPoint().count(case, DURATION), DURATION)
     chance = []
     for seed in range(WALKS):
-        walk = family.start(np.random.default_rng(seed), lambda unknowns: 1.0)
+        walk = random_start(family, np.random.default_rng(seed), lambda unknowns: 1.0)
         inside = keep_limits(case, family, walk, 1000.0)
         information = mean_information(model, scaling, family.motion(inside.unknowns))
         chance.append(bound.efficiency(float(np.linalg.slogdet(information)[1])))

@@ -27,6 +27,7 @@ from planner.planning import make
 from planner.request import Request
 from planner.search.feasibility import keep_limits
 from planner.search.parallel import run_here, silent
+from tests.random_start import random_start
 
 ROBOTS = Path(__file__).parent / "robots"
 DURATION, RATE = 10.0, 1000.0  # [s], [1/s]
@@ -43,7 +44,7 @@ def planned(name: str, seconds: float, walks: int) -> list[str]:
     family = PointToPointFamily.of(case, PointToPoint().count(case, DURATION), DURATION)
     chance = []
     for seed in range(walks):
-        walk = family.start(np.random.default_rng(seed), lambda unknowns: 1.0)
+        walk = random_start(family, np.random.default_rng(seed), lambda unknowns: 1.0)
         inside = keep_limits(case, family, walk, RATE)
         information = mean_information(model, scaling, family.motion(inside.unknowns))
         chance.append(bound.efficiency(float(np.linalg.slogdet(information)[1])))

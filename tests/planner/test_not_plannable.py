@@ -21,6 +21,7 @@ from planner.search.feasibility import keep_limits, remedy
 from tests.helpers import one_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
+from tests.random_start import random_start
 
 BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_mm": [880.0, 920.0]}
 
@@ -190,7 +191,7 @@ def test_a_motion_is_drawn_back_out_of_a_small_box_close_to_its_middle(hexapod_c
     case = changed(hexapod_case, workspace__keep_out=[near])
     middle, half = box_middle(case)
     family = FourierFamily(2, 3.0, 1, middle, half)
-    some = family.start(np.random.default_rng(0), lambda unknowns: float(abs(unknowns).max()))
+    some = random_start(family, np.random.default_rng(0), lambda unknowns: float(abs(unknowns).max()))
     assert not prove(family.motion(some), case, 1000.0).kept
     kept, report, _ = keep_limits(case, family, some, 1000.0)
     assert report.kept

@@ -23,6 +23,7 @@ from planner.request import Request
 from planner.search.feasibility import MARGIN, keep_limits
 from planner.search.problem import build_program
 from tests.postprocessors.independent import strut_lengths
+from tests.random_start import random_start
 
 INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's grid
 
@@ -93,7 +94,7 @@ def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan:
     problem = build_program(hexapod_case, model, family, scaling, MARGIN)
     best = -math.inf
     for seed in range(12):
-        random = family.start(np.random.default_rng(seed), problem.worst)
+        random = random_start(family, np.random.default_rng(seed), problem.worst)
         unknowns = keep_limits(hexapod_case, family, random / 0.8, 500.0).unknowns
         information = mean_information(model, scaling, family.motion(unknowns), 200.0)
         best = max(best, float(np.linalg.slogdet(information)[1]))

@@ -24,6 +24,7 @@ from planner.pose_criteria import pose_regressors
 from planner.search.problem import build_program
 from tests.bench.pose_errors import over_machines
 from tests.helpers import few, taylor_slope
+from tests.random_start import random_start
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)
@@ -124,7 +125,7 @@ def test_the_gradient_is_the_slope_of_the_criterion(name: str, letter: str):
     family, draw = FAMILIES[name], np.random.default_rng(0)
     problem = build_program(CASE, MODEL, family, SCALING, 1e-3, errors_of(SIZE, LENGTH))
     program = replace(problem, letter=letter, halvings=1)
-    at = family.start(draw, problem.worst)
+    at = random_start(family, draw, problem.worst)
     at = at * (1.0 + 0.02 * draw.normal(size=len(at)))
     along = draw.normal(size=len(at))
     along /= np.linalg.norm(along)
@@ -141,7 +142,7 @@ def test_the_gradient_is_the_slope_of_the_criterion(name: str, letter: str):
 def test_the_search_sees_nearly_the_information_of_the_motion(name: str):
     family, errors = FAMILIES[name], errors_of(SIZE, LENGTH)
     problem = build_program(CASE, MODEL, family, SCALING, 1e-3, errors)
-    at = family.start(np.random.default_rng(0), problem.worst)
+    at = random_start(family, np.random.default_rng(0), problem.worst)
     seen = np.linalg.slogdet(problem.information(at))[1]
     whole = np.linalg.slogdet(information_of(MODEL, SCALING, family.motion(at), errors))[1]
     white = np.linalg.slogdet(mean_information(MODEL, SCALING, family.motion(at)))[1]
@@ -153,7 +154,7 @@ def test_a_case_that_states_none_is_rated_as_before():
     family = FAMILIES["ptp"]
     problem = build_program(CASE, MODEL, family, SCALING, 1e-3, PoseErrors.of(CASE, expected_noise(CASE, MODEL)))
     assert problem.errors is None
-    motion = family.motion(family.start(np.random.default_rng(0), problem.worst))
+    motion = family.motion(random_start(family, np.random.default_rng(0), problem.worst))
     assert np.array_equal(information_of(MODEL, SCALING, motion, None), mean_information(MODEL, SCALING, motion))
     assert PoseErrors.of(without_pose_errors(erring(SIZE, LENGTH)), expected_noise(CASE, MODEL)) is None
 
@@ -167,7 +168,7 @@ def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str)
     if name != "manual":
         family = FAMILIES[name]
         motion = family.motion(
-            family.start(np.random.default_rng(0), build_program(CASE, MODEL, family, SCALING, 1e-3).worst)
+            random_start(family, np.random.default_rng(0), build_program(CASE, MODEL, family, SCALING, 1e-3).worst)
         )
     predicted = predicted_std_of(case, MODEL, SCALING, motion, expected_noise(case, MODEL), 0)
     true = over_machines(motion)

@@ -24,6 +24,7 @@ from planner.search.problem import build_program, near_limits, state_limits
 from planner.search.solving import Start, Task, run_start
 from tests.helpers import tells
 from tests.postprocessors.changed_case import changed
+from tests.random_start import random_start
 
 MODEL = identification_model(load_case("hexapod"), 0)
 SCALING = reference_scaling(load_case("hexapod"), MODEL)
@@ -48,7 +49,7 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
     """At the states at which limits are constrained: what the optimiser limits is what the proof proves."""
     some = family_of(weak, name)
     problem = build_program(weak, MODEL, some, SCALING, 0.0)
-    start = some.start(np.random.default_rng(7), problem.worst)
+    start = random_start(some, np.random.default_rng(7), problem.worst)
     states = problem.rows[-1].states.at(start).reshape(-1, state_size(6))
     pose, rates, accelerations = states[:, :6], states[:, 6:12], states[:, 12:18]
     motion = Motion(np.arange(float(len(pose))), pose, rates, accelerations, np.zeros_like(pose))

@@ -29,6 +29,7 @@ from planner.search.feasibility import keep_limits
 from planner.search.solving import Task, run_start
 from tests.helpers import few
 from tests.planner.bounds.test_moments import CASE, FAMILIES
+from tests.random_start import random_start
 
 MODEL = identification_model(CASE, 0)
 SCALING = reference_scaling(CASE, MODEL)
@@ -87,7 +88,7 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
         "ptp": PointToPointFamily.of(CASE, int(draw.integers(8, 17)), float(draw.uniform(2.0, 6.0))),
         "spline": SplineFamily.of(CASE, int(draw.integers(20, 41)), float(draw.uniform(2.0, 4.0))),
     }[name]
-    unknowns = family.start(draw, lambda values: 0.05 * float(np.abs(values).max()))
+    unknowns = random_start(family, draw, lambda values: 0.05 * float(np.abs(values).max()))
     return family.motion(keep_limits(CASE, family, unknowns, 1000.0)[0])
 
 
@@ -111,7 +112,7 @@ def test_nor_does_an_optimised_one(model: Model, found: Design):
     number = 0 if model is MODEL else 9
     family = FourierFamily(3, 3.0, 1, *box_middle(CASE))
     start = run_start(Task(CASE, number, family, "D", seed=1))
-    drawn = family.motion(family.start(np.random.default_rng(1), lambda values: float(np.abs(values).max())))
+    drawn = family.motion(random_start(family, np.random.default_rng(1), lambda values: float(np.abs(values).max())))
     scaling = reference_scaling(CASE, model)
     assert start.record.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]
     assert start.record.logdet < information_limit(CASE, model).logdet

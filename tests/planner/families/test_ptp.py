@@ -17,6 +17,7 @@ from planner.search.problem import build_program
 from planner.search.program import NonlinearProgram
 from planner.search.solving import Start, Task, run_start
 from tests.helpers import pose_shares
+from tests.random_start import random_start
 
 MOVES = 9
 
@@ -40,7 +41,7 @@ def problem(case: Case, family: PointToPointFamily) -> NonlinearProgram:
 
 @pytest.fixture(scope="module")
 def start(family: PointToPointFamily, problem: NonlinearProgram) -> np.ndarray:
-    return family.start(np.random.default_rng(3), problem.worst)
+    return random_start(family, np.random.default_rng(3), problem.worst)
 
 
 def test_a_random_start_takes_the_duration_and_satisfies_the_limits_of_the_coordinates(

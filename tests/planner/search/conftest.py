@@ -12,6 +12,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.search.problem import build_program
 from planner.search.program import NonlinearProgram
+from tests.random_start import random_start
 
 Small = tuple[Family, NonlinearProgram, np.ndarray]
 """A family, its problem, and unknowns inside the limits."""
@@ -42,5 +43,5 @@ def small(request: pytest.FixtureRequest, hexapod_case: Case) -> Small:
     model = identification_model(hexapod_case, 5)
     family = family_of(hexapod_case, request.param)
     problem = build_program(hexapod_case, model, family, reference_scaling(hexapod_case, model), 1e-3)
-    unknowns = family.start(np.random.default_rng(4), problem.worst)
+    unknowns = random_start(family, np.random.default_rng(4), problem.worst)
     return family, problem.with_rows_above(unknowns, 0.2), unknowns

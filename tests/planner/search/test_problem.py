@@ -24,6 +24,7 @@ from tests.helpers import few
 from tests.planner.search.conftest import Small, family_of
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
+from tests.random_start import random_start
 
 
 def fourier(case: Case, order: int = 4, period: float = 2.0) -> FourierFamily:
@@ -170,11 +171,11 @@ def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, name: 
     model = identification_model(hexapod_case, 0)
     some = family_of(hexapod_case, name)
     problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
-    start = some.start(np.random.default_rng(seed), problem.worst)
+    start = random_start(some, np.random.default_rng(seed), problem.worst)
     assert problem.worst(start) <= START_SHARE * (1 + 1e-9)
     assert np.abs(linear(problem).all_values(start)).max() > 0.1
     assert prove(some.motion(start), hexapod_case, 1000.0).kept
-    assert np.array_equal(start, some.start(np.random.default_rng(seed), problem.worst))
+    assert np.array_equal(start, random_start(some, np.random.default_rng(seed), problem.worst))
 
 
 def test_more_starts_go_on_where_fewer_ended():
@@ -191,7 +192,7 @@ def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed
     some = family_of(hexapod_case, name)
     model = identification_model(hexapod_case, 0)
     problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
-    at = some.start(np.random.default_rng(1), problem.worst)
+    at = random_start(some, np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, far / problem.worst(at))
     inside = keep_limits(hexapod_case, some, at, 1000.0)
     report = prove(some.motion(inside.unknowns), hexapod_case, 1000.0)
@@ -207,7 +208,7 @@ def test_what_is_inside_is_not_drawn_back(name: str, hexapod_case: Case):
     some: Family = family_of(hexapod_case, name)
     model = identification_model(hexapod_case, 0)
     problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
-    at = some.start(np.random.default_rng(1), problem.worst)
+    at = random_start(some, np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, 0.9)
     inside = keep_limits(hexapod_case, some, at, 1000.0)
     assert inside.share == 1.0
