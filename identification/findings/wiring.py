@@ -8,8 +8,7 @@ force at rest does not turn with the wrist, and the mass comes out as zero, too 
 residuals show this too.
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import product
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,10 +17,10 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
-from cases.recording_format import STRUTS
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.compressed import column_scale, joint_triangle
+from identification.findings.cable_orders import SIDES, STRAIGHT, Order, orders_of, remedy
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors
 from identification.parameters import nominal_parameters, offset_columns
@@ -70,38 +69,6 @@ def fitting_case(lengths: Array, case: Case) -> str | None:
     return None
 
 
-class Order(NamedTuple):
-    """An order of six columns: what was recorded as column `places[k]` belongs to k, with a sign."""
-
-    places: tuple[int, ...]
-    signs: tuple[int, ...] = (1,) * 6
-
-    @property
-    def mistakes(self) -> int:
-        """Number of columns that are exchanged or have the other sign."""
-        return sum(place != k or sign < 0 for k, (place, sign) in enumerate(zip(self.places, self.signs, strict=True)))
-
-    def words(self, what: str) -> str:
-        """What is wrong where this order is the right one; `what` are struts or force channels."""
-        negative = [k + 1 for k, sign in enumerate(self.signs) if sign < 0]
-        if len(negative) == 6:
-            return f"the signs of all {what} are turned"
-        if len(negative) == 1:
-            return f"the sign of {what[:-1]} {negative[0]} is turned"
-        if negative:
-            return f"the signs of {what} {', '.join(map(str, negative))} are turned"
-        if self.places == tuple(range(5, -1, -1)):
-            return f"{what} are in reverse order"
-        exchanges = [k for k, place in enumerate(self.places) if place != k]
-        if all(self.places[self.places[k]] == k for k in exchanges):
-            pairs = [f"{k + 1} and {self.places[k] + 1}" for k in exchanges if k < self.places[k]]
-            return f"{what} {', '.join(pairs)} are exchanged"
-        return f"{what} are shifted by {self.places[0]} place{'s' * (self.places[0] > 1)}"
-
-
-STRAIGHT = Order(tuple(range(6)))
-
-
 class Data(NamedTuple):
     """Some instants of a run."""
 
@@ -145,15 +112,15 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
             return None
         opposite = Order(STRAIGHT.places, (-1,) * 6)
         return (
-            f"{opposite.words(_SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
-            f"{_remedy(case, 'force', opposite)}, or correct gravity_m_s2"
+            f"{opposite.words(SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
+            f"{remedy(case, 'force', opposite)}, or correct gravity_m_s2"
         )
     rivals = [_likeliest([f for f in candidates if f[1] == side]) for side in {f[1] for f in candidates}]
     alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
-    names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
+    names = " or ".join(order.words(SIDES[side]) for _, side, order in alike)
     recorded = _in_words(data, weighted, newtons)
     instead = f" instead of {recorded}" if np.isfinite(newtons) else ", while no pose fits them as recorded"
-    remedies = " or ".join(_remedy(case, side, order) for _, side, order in alike)
+    remedies = " or ".join(remedy(case, side, order) for _, side, order in alike)
     return f"{names}: residuals {_in_words(data, *alike[0][0])}{instead}; {remedies}"
 
 
@@ -177,53 +144,6 @@ def _in_words(data: Data, weighted: float, newtons: float) -> str:
     of_forces, of_moments = data.weights[[0, 3]]
     moments = np.sqrt(max(2.0 * weighted**2 - of_forces * newtons**2, 0.0) / of_moments)
     return f"{newtons:.2g} N and {moments:.2g} N m"
-
-
-_SIDES = {"force": "force channels", "strut": "struts"}
-
-
-def _remedy(case: Case, side: str, order: Order) -> str:
-    """The remedy: what to write into the case."""
-    if any(sign < 0 for sign in order.signs):
-        if side == "strut":
-            return "turn these entries of recording.drives.sign in the case"
-        if case.sensor_frame.bars is not None:
-            return "exchange both ends of these bars in sensor_frame.bars, or turn the signs in the recorder"
-        if case.sensor_frame.transducer is not None and not any(sign > 0 for sign in order.signs):
-            return "set the other sensor_frame.transducer.sense, or turn the signs in the recorder"
-        return "turn the signs in the recorder"
-    if side == "strut" and case.recording.drives is not None:
-        numbers = [case.recording.drives.order[place] for place in order.places]
-        return f"write recording.drives.order = {numbers}"
-    names = STRUTS if side == "strut" else case.sensor_frame.channels
-    theirs = [case.recording.file_name(names[place]) for place in order.places]
-    entries = [
-        f'{ours} = "{name}"' for k, (ours, name) in enumerate(zip(names, theirs, strict=True)) if order.places[k] != k
-    ]
-    return f"write in [recording.columns]: {', '.join(entries)}"
-
-
-def orders_of(turned: bool) -> Iterator[Order]:
-    """Exchanged pairs, up to three at once, shifts, and signs where they may be `turned`."""
-    yield from (Order(places) for places in _exchanges(STRAIGHT.places) if places != STRAIGHT.places)
-    for shift in (1, 2, 4, 5):  # a shift by 3 exchanges pairs
-        yield Order(tuple((k + shift) % 6 for k in range(6)))
-    if turned:
-        yield from (Order(STRAIGHT.places, signs) for signs in product((1, -1), repeat=6) if -1 in signs)
-
-
-def _exchanges(free: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """Orders of six that exchange disjoint pairs of `free` and leave the rest in place."""
-    if not free:
-        yield tuple(range(6))
-        return
-    first, *rest = free
-    yield from _exchanges(rest)
-    for other in rest:
-        for order in _exchanges([k for k in rest if k != other]):
-            places = list(order)
-            places[first], places[other] = other, first
-            yield tuple(places)
 
 
 def _data(recording: Recording, case: Case, model: Model) -> Data:

@@ -11,7 +11,8 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.recording_format import Drives
 from cases.schema import Case
-from identification.findings.wiring import Order, orders_of, other_wiring
+from identification.findings.cable_orders import Order, orders_of
+from identification.findings.wiring import other_wiring
 from identification.identify import estimate_parameters
 from identification.recording import read
 from identification.simulate import simulate_recording
