@@ -222,6 +222,12 @@ def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
         yield "a chain of joints (the machine is a hexapod)"
     elif case.chain is not None and command in _IN_AXES and not set(case.chain.names) <= set("XYZABC"):
         yield "joints that are named as axes, X, Y, Z, A, B, C"
+    elif (
+        case.chain is not None
+        and command == "post --dialect urscript"
+        and [j.kind for j in case.chain.joints] != ["revolute"] * 6
+    ):
+        yield "six joints that turn between ends"
     else:
         yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))
 

@@ -75,6 +75,11 @@ def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:
     assert missing["post --dialect sinumerik"] == missing["plan"] == ()
 
 
+def test_movej_needs_six_joints_that_turn_between_ends() -> None:
+    assert readiness(load_case("five_axis_table"))["post --dialect urscript"] == ("six joints that turn between ends",)
+    assert readiness(load_case("ur10_wrist"))["post --dialect urscript"] == ()
+
+
 def test_a_validation_needs_the_language_of_its_programs() -> None:
     case = own(lambda d: d["controller"].pop("sinumerik"))
     assert readiness(case)["validate"] == ("controller.sinumerik",)
