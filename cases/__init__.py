@@ -12,7 +12,7 @@ from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
 from types import FunctionType, NoneType, UnionType
-from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
     from cases.errors import HexciteError as HexciteError
@@ -60,6 +60,9 @@ SOURCES = {
 """Where a value of a public type comes from."""
 
 
+Settings = TypeVar("Settings")
+
+
 def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
     """A function that raises HexciteError with name, value and wanted type of an argument of another type.
 
@@ -70,20 +73,31 @@ def _checked(function: FunctionType, package: str) -> Callable[..., Any]:
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
+        from cases.errors import HexciteError
+
+        said = function.__qualname__.removesuffix(".__init__")
+        for name in kwargs:
+            if name not in annotations:
+                raise HexciteError(f"{said}: {name}", "is not an argument", f"choose from {', '.join(annotations)}")
         for name, value in {**signature.bind(*args, **kwargs).arguments, **kwargs}.items():
             if _fits(value, wanted := annotations.get(name, object)):
                 continue
-            from cases.errors import HexciteError
-
             text = repr(value) if len(repr(value)) < 60 else f"a {type(value).__name__}"
+            if isinstance(value, list | tuple) and text.startswith("a "):
+                text += f" of {', '.join(dict.fromkeys(type(entry).__name__ for entry in value))}"
             words = _words(wanted)
             sources = "; ".join(source for kind, source in SOURCES.items() if f"a {kind}" in words)
-            place = f"{function.__name__}: {name} = {text}"
-            raise HexciteError(place, f"is not {words}", sources or "give such a value")
+            raise HexciteError(f"{said}: {name} = {text}", f"is not {words}", sources or "give such a value")
         return function(*args, **kwargs)
 
     call.__module__ = package  # where it is found again by other processes
     return call
+
+
+def checks_arguments(settings: type[Settings]) -> type[Settings]:
+    """A class whose values are made of arguments of the types that it states; others are refused as above."""
+    settings.__init__ = _checked(settings.__init__, settings.__module__)  # type: ignore[method-assign, arg-type]
+    return settings
 
 
 def _annotations(signature: inspect.Signature) -> Iterator[tuple[str, Any]]:
@@ -91,7 +105,7 @@ def _annotations(signature: inspect.Signature) -> Iterator[tuple[str, Any]]:
     for name, parameter in signature.parameters.items():
         if parameter.kind is inspect.Parameter.VAR_KEYWORD:
             yield from get_type_hints(get_args(parameter.annotation)[0]).items()
-        else:
+        elif parameter.annotation is not parameter.empty:
             yield name, parameter.annotation
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.basis import motion_hash
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from cases.units import MM
@@ -215,6 +216,14 @@ def run(
     require_controller(on)
     around = circumstances(case, payload, disturbed)
     read = program if isinstance(program, Program) else read_for(case, Path(program))
+    if motion_hash(read.case) != motion_hash(case):
+        raise ProgramError(
+            read.path,
+            0,
+            0,
+            f"is proven for case {read.case.name}, whose machine or limits are others "
+            f"than those of {case.name}; give the program's own case, or write the plan for this one",
+        )
     return execute(read, case, on, seed, around).recording
 
 

@@ -91,7 +91,7 @@ def plan(
             whose steps of acceleration shake the machine more than they are worth.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
-        **settings: see `Settings`.
+        **settings: criterion, model, payload, payload_from, targets, starts, seconds, seed, workers; see `Settings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
@@ -129,7 +129,7 @@ def plan_poses(
             machine, shape (n, k) [m or rad].
         case: machine, limits and poses.
         progress: called with the number of poses after each step of the choice.
-        **settings: see `PoseSettings`.
+        **settings: criterion, count, method, model, candidates, seed, noise; see `PoseSettings`.
 
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.

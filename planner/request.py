@@ -56,7 +56,7 @@ class Request:
         if self.seed < 0:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
         if self.workers is not None and not 1 <= self.workers <= 1000:
-            raise HexciteError(f"{self.workers} workers; choose 1 to 1000, by default one a core")
+            raise HexciteError(f"{self.workers} workers; choose --workers 1 to 1000, by default one a core")
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from cases import checks_arguments
 from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
@@ -88,6 +89,7 @@ class FamilySettings:
         return ""
 
 
+@checks_arguments
 @dataclass(frozen=True, slots=True)
 class Fourier(FamilySettings):
     """Periodic Fourier series (34)-(36) from rest to rest.
@@ -225,6 +227,7 @@ class Fourier(FamilySettings):
         return max(self._fewest, int(np.ceil(duration / self.period - 1e-9))) * self.period
 
 
+@checks_arguments
 @dataclass(frozen=True, slots=True)
 class PointToPoint(FamilySettings):
     """Straight moves in the coordinates, each from rest to rest.
@@ -311,6 +314,7 @@ class PointToPoint(FamilySettings):
         return replace(self, moves=int(np.clip(round(self.moves * share), ptp.FEWEST, ptp.MOST)))
 
 
+@checks_arguments
 @dataclass(frozen=True, slots=True)
 class Spline(FamilySettings):
     """Cubic splines limited in jerk, from rest to rest.
@@ -368,6 +372,7 @@ class Spline(FamilySettings):
         return f" --knots {spline.MOST}"
 
 
+@checks_arguments
 @dataclass(frozen=True, slots=True)
 class Manual(FamilySettings):
     """The hand-made motion of a file, as fast as the limits allow.

@@ -52,6 +52,28 @@ def test_a_wrong_type_is_refused_by_name(name: str, hexapod_case: Case):
         assert word in str(caught.value)
 
 
+FAMILIES: dict[str, Callable[[], Any]] = {
+    "PointToPoint: moves = 40.5: is not a whole number or None": lambda: hx.PointToPoint(moves=40.5),
+    "Spline: knots = 'a': is not a whole number or None": lambda: hx.Spline(knots="a"),
+    "Fourier: order = 2.5: is not a whole number": lambda: hx.Fourier(2.5),
+    "Manual: sequence = 3: is not a path or a text or None": lambda: hx.Manual(3),
+    "Spline: moves: is not an argument; choose from knots": lambda: hx.Spline(moves=40),
+}
+
+
+@pytest.mark.parametrize("words", FAMILIES)
+def test_settings_of_families_are_refused_likewise(words: str) -> None:
+    with pytest.raises(hx.HexciteError, match=words):
+        FAMILIES[words]()
+
+
+def test_an_unknown_argument_is_named_with_those_that_there_are(hexapod_case: Case) -> None:
+    with pytest.raises(hx.HexciteError, match=r"plan: start: is not an argument; choose from case, .*, starts, "):
+        hx.plan(hexapod_case, start=1)
+    with pytest.raises(hx.HexciteError, match="things = a list of Case, str: is not a list, each entry a Plan"):
+        hx.compare([hexapod_case, "result"])
+
+
 def test_every_public_function_is_here():
     functions = {name for name in dir(hx) if callable(f := getattr(hx, name)) and not isinstance(f, type)}
     assert functions == {name.split()[0] for name in WRONG}
