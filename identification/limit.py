@@ -244,6 +244,10 @@ class LimitReport:
         """Largest share that is used of a limit for which the motion is responsible."""
         return max(c.ratio for c in self.checks if c.binding)
 
+    def later(self, time: float) -> "LimitReport":
+        """The same report on a clock on which the motion starts at some time [s]."""
+        return LimitReport(tuple(replace(check, time=check.time + time) for check in self.checks))
+
     def to_json(self) -> dict[str, dict[str, Any]]:
         """One object for each limit, by name."""
         return {str(c.of): c.to_json() for c in self.checks}

@@ -26,18 +26,15 @@ SHORTEST_GAP = 1e-6  # [s] between instants, below which a change of the acceler
 CHUNK = 2000  # samples at once: what is computed of them stays in the processor's cache
 
 
-def prove(
-    trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: float = 0.0, in_box: bool = True
-) -> LimitReport:
+def prove(trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, in_box: bool = True) -> LimitReport:
     """Checks every limit of `[limits.motion]` and `[workspace]` on a fine grid.
 
     Args:
         rate: samples a second [1/s].
-        offset: start of the trajectory on the clock that the report uses [s].
         in_box: whether it must stay in the pose box of `[limits.motion]`; positioning need only stay in `[workspace]`.
     """
     steps = max(1, math.ceil(trajectory.duration * rate - 1e-9))
-    return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset, in_box)
+    return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), in_box)
 
 
 class LimitedMachine(Protocol):
@@ -134,14 +131,13 @@ def prove_at(
     trajectory: Trajectory,
     case: Case,
     instants: Array,
-    offset: float = 0.0,
     in_box: bool = True,
     limited: Limited = everything,
 ) -> LimitReport:
     """Checks limits, by default every one, at given instants, shape (n,) [s]; see `prove`."""
     reports = []
     for quantities, t in _evaluated(trajectory, case, instants, in_box, limited):
-        reports.append(LimitReport(tuple(worst_case(q, t + offset) for q in quantities)))
+        reports.append(LimitReport(tuple(worst_case(q, t) for q in quantities)))
     return worst_of(reports)
 
 

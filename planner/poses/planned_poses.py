@@ -144,7 +144,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
     for pose in [*poses, home]:
         if np.max(np.abs(pose - last_pose)) > 0.0:
             move = fastest_move(case, last_pose, pose)
-            reports.append(prove(move, case, PROOF_RATE_OF_MOVES, clock, in_box=False))
+            reports.append(prove(move, case, PROOF_RATE_OF_MOVES, in_box=False).later(clock))
             parts.append(move)
             clock += move.duration
         if pose is not home:

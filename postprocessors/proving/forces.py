@@ -43,7 +43,7 @@ class Steady(NamedTuple):
         return Steady(self.duration / speed)
 
 
-def forces_anywhere(loads: Loads, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
+def forces_anywhere(loads: Loads, share: float = 1.0) -> tuple[LimitCheck, ...]:
     """Bounds for any pose, with a share of the limits; empty for struts, whose forces depend on the pose."""
     if loads.case.sensor_frame.struts is not None:
         return ()
@@ -54,10 +54,10 @@ def forces_anywhere(loads: Loads, clock: float, share: float = 1.0) -> tuple[Lim
     most = np.linalg.norm(linear, axis=1) * pull + np.linalg.norm(angular, axis=1) * alpha
     products = spin.reshape(-1, 3, 3)
     most += np.abs(np.linalg.eigvalsh(products + products.transpose(0, 2, 1))).max(axis=1) / 2 * omega**2
-    return _checks(loads, most[None], np.array([clock]))
+    return _checks(loads, most[None], np.zeros(1))
 
 
-def forces_on(loads: Loads, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
+def forces_on(loads: Loads, path: Trajectory) -> tuple[LimitCheck, ...]:
     """Bounds at the poses of a path, whatever the motion along it or beside it.
 
     Forces are linear in accelerations, products of rates, and, by viscous friction in struts, rates, whose
@@ -84,12 +84,10 @@ def forces_on(loads: Loads, path: Trajectory, clock: float) -> tuple[LimitCheck,
     for i, j in combinations(range(6), 2):
         both = at(axes[i] + axes[j]) - odd[i] - odd[j] - squares[i] - squares[j] - still
         most += np.abs(both) * limits.rate[i] * limits.rate[j]
-    return _checks(loads, most, times + clock)
+    return _checks(loads, most, times)
 
 
-def forces_along(
-    loads: Loads, move: StraightMove | CircularMove, feed: float | None, clock: float
-) -> tuple[LimitCheck, ...]:
+def forces_along(loads: Loads, move: StraightMove | CircularMove, feed: float | None) -> tuple[LimitCheck, ...]:
     """Bounds for a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
     Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'. `feed` is
@@ -108,7 +106,7 @@ def forces_along(
     turning = (forth + back) / 2.0 - standing
     most = np.maximum(np.abs(standing), np.abs(standing + fastest**2 * turning))
     most += np.abs(forth - back) / 2.0 * max(fastest, 1.0)
-    return _checks(loads, most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
+    return _checks(loads, most + acceleration * np.abs(starting - standing), way.t * move.duration)
 
 
 def _limits(loads: Loads) -> Box:

@@ -88,31 +88,31 @@ _TRANSLATION = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.JERK
 _ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKind.ANGULAR_JERK
 
 
-def way_home(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
-    """Limits of a move from an unknown pose that starts at `clock` [s].
+def way_home(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
+    """Limits of a move from an unknown pose, whose duration is not known either.
 
     The feed must not be above the case's safe feed (a rapid is), for obstacles cannot be checked on an unknown way.
     A, B and C of a pose turn as fast as the feed requires, and only the controller limits them.
     """
-    for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:
+    for check in prove(Standstill(part.end, 0.0), by.case, 1.0, part.trigger).checks:
         if not check.kind.kinetic:
             yield check
     if by.limits.of_pose:
-        yield from _of_a_pose(part, by, clock)
+        yield from _of_a_pose(part, by)
         share = 1.0
     else:
         share = by.case.need_controller("the check of a program").safe_share if part.acceleration is not None else 1.0
-        yield from _of_own_axes(part, by, clock)
-    for bound in forces_anywhere(by.loads, clock, share) if by.loads is not None else ():
+        yield from _of_own_axes(part, by)
+    for bound in forces_anywhere(by.loads, share) if by.loads is not None else ():
         if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
             yield by.prediction(bound, OwnMove.WAY_HOME, Status.PROVEN)
             continue
-        proof = by.proven_forces(bound.kind, lambda loads: forces_anywhere(loads, clock, share), OwnMove.WAY_HOME)
+        proof = by.proven_forces(bound.kind, lambda loads: forces_anywhere(loads, share), OwnMove.WAY_HOME)
         loose = replace(bound, place=bound.place.replace("at most", "at the limits"))
         yield proof or by.prediction(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
 
 
-def _of_own_axes(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
+def _of_own_axes(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
     """Limits of axes of the machine's own, whose ways are unknown."""
     limits, share = by.limits, by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed
@@ -120,7 +120,7 @@ def _of_own_axes(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]
     speeds = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
     k = int(np.argmax(speeds / limits.rate))
     kind = LimitKind.ANGULAR_VELOCITY if limits.turns[k] else LimitKind.VELOCITY
-    yield _feed_to_home(float(speeds[k]), share * float(limits.rate[k]), kind, clock)
+    yield _feed_to_home(float(speeds[k]), share * float(limits.rate[k]), kind)
     cycle = by.guarantees.jerk_time
     for own, (velocity, acceleration, jerking) in ((~limits.turns, _TRANSLATION), (limits.turns, _ROTATION)):
         if not own.any():
@@ -128,56 +128,54 @@ def _of_own_axes(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]
         rate, most, jerk = (float(v[own].min()) for v in (limits.rate, limits.acceleration, limits.jerk))
         fastest = float(speeds[own].max())
         status = Status.PROVEN if part.acceleration is not None else None
-        yield _row(velocity, min(fastest, rate), rate, clock, by, status)
+        yield _row(velocity, min(fastest, rate), rate, by, status)
         peak = part.acceleration if part.acceleration is not None else most
-        yield _row(acceleration, peak, most, clock, by, status)
-        yield _row(jerking, 2.0 * peak / cycle if cycle > 0.0 else jerk, jerk, clock, by)
+        yield _row(acceleration, peak, most, by, status)
+        yield _row(jerking, 2.0 * peak / cycle if cycle > 0.0 else jerk, jerk, by)
 
 
-def _of_a_pose(part: Untimed, by: Judge, clock: float) -> Iterable[LimitCheck]:
+def _of_a_pose(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
     """Limits of the coordinates of a pose, and of the drives behind it."""
     limits = by.limits
     rate = limits.rate.copy()
     safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
     feed = float(rate[:3].max()) if part.feed is None else part.feed
-    yield _feed_to_home(feed, safe, LimitKind.VELOCITY, clock)
+    yield _feed_to_home(feed, safe, LimitKind.VELOCITY)
     rate[:3] = np.minimum(rate[:3], feed)
     k = int(np.argmax(rate[3:] / limits.rate[3:])) + 3
-    yield _row(LimitKind.ANGULAR_VELOCITY, float(rate[k]), float(limits.rate[k]), clock, by)
+    yield _row(LimitKind.ANGULAR_VELOCITY, float(rate[k]), float(limits.rate[k]), by)
     # peaks by the controller's own law over a long way [m/s^2, rad/s^2]
     laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
     peaks = np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
-    yield _largest(LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION, peaks, limits.acceleration, clock, by)
+    yield _largest(LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION, peaks, limits.acceleration, by)
     cycle = by.guarantees.jerk_time
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
-    yield _largest(LimitKind.JERK, LimitKind.ANGULAR_JERK, jerks, limits.jerk, clock, by)
+    yield _largest(LimitKind.JERK, LimitKind.ANGULAR_JERK, jerks, limits.jerk, by)
     for kind, worst, most in limited_machine(by.case).from_anywhere(feed, rate, peaks):
         # rates of the drives follow from those of the pose, and so are enforced with these
         follows = kind is LimitKind.STRUT_VELOCITY and worst <= most and LimitKind.VELOCITY in by.guarantees.enforced
-        yield _row(kind, worst, most, clock, by, Status.ENFORCED if follows else None)
+        yield _row(kind, worst, most, by, Status.ENFORCED if follows else None)
 
 
-def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, clock: float, by: Judge) -> LimitCheck:
+def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, by: Judge) -> LimitCheck:
     """The worst of all six coordinates, in its own unit, under the kind of translations."""
     k = int(np.argmax(values / limits))
-    row = _row(kind, float(values[k]), float(limits[k]), clock, by)
+    row = _row(kind, float(values[k]), float(limits[k]), by)
     return replace(row, unit=(kind if k < 3 else angular).unit)
 
 
-def _row(
-    kind: LimitKind, worst: float, limit: float, clock: float, by: Judge, status: Status | None = None
-) -> LimitCheck:
+def _row(kind: LimitKind, worst: float, limit: float, by: Judge, status: Status | None = None) -> LimitCheck:
     """A bound and its limit [SI]."""
     answer = by.status_of(kind) if status is None else status
     if answer is Status.ENFORCED:
         worst = min(worst, limit)
     check = LimitCheck(
-        Limit(kind), _AT_MOST, worst * kind.scale, limit * kind.scale, kind.unit, worst / limit, clock, answer
+        Limit(kind), _AT_MOST, worst * kind.scale, limit * kind.scale, kind.unit, worst / limit, 0.0, answer
     )
     return by.prediction(check, OwnMove.WAY_HOME, answer)
 
 
-def _feed_to_home(feed: float, safe: float, kind: LimitKind, clock: float) -> LimitCheck:
+def _feed_to_home(feed: float, safe: float, kind: LimitKind) -> LimitCheck:
     """The programmed feed against the safe one [SI], in the unit of a kind of velocity."""
     values = feed * kind.scale, safe * kind.scale, kind.unit
-    return LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, feed / safe, clock, Status.PROVEN)
+    return LimitCheck(Limit(LimitKind.FEED_TO_HOME), "", *values, feed / safe, 0.0, Status.PROVEN)

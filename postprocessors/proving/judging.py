@@ -35,8 +35,8 @@ SENSED = LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT
 BY_TIME_LAW = LimitKind.ACCELERATION, LimitKind.JERK, LimitKind.STRUT_ACCELERATION
 
 
-def judge(part: Stretch, by: Judge, clock: float) -> tuple[LimitReport, float]:
-    """Limits and duration [s] of a stretch that starts at `clock`.
+def judge(part: Stretch, by: Judge) -> tuple[LimitReport, float]:
+    """Limits of a stretch, on its own clock, and its duration [s].
 
     Timed paths and moves with the trigger on are excitations, with the box of `[limits.motion]`; moves without it take
     the machine to a place, with the limits of `[workspace]`, as the rows of a table, in which every move is timed.
@@ -45,15 +45,15 @@ def judge(part: Stretch, by: Judge, clock: float) -> tuple[LimitReport, float]:
         ProgramError: a timed block that the controller cannot time as written.
     """
     if isinstance(part, Timed):
-        return LimitReport(tuple(_timed(part, by, clock))), part.points.duration
+        return LimitReport(tuple(_timed(part, by))), part.points.duration
     if isinstance(part, Still):
         return LimitReport(()), part.duration
     if part.start is None:
-        return LimitReport(tuple(way_home(part, by, clock))), 0.0
+        return LimitReport(tuple(way_home(part, by))), 0.0
     motion = predicted(part, by.limits, by.guarantees)
     if motion is None:
-        return prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger), 0.0
-    return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
+        return prove(Standstill(part.end, 0.0), by.case, 1.0, part.trigger), 0.0
+    return LimitReport(tuple(_own_time(part, motion, by))), motion.duration
 
 
 PARTS = 1e-3  # share of a cycle by which a block may differ from whole ones: rounding of F
@@ -86,20 +86,20 @@ def _require_timing(part: Timed, by: Judge) -> None:
             raise ProgramError(by.file, part.lines[k], 0, words)
 
 
-def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
+def _timed(part: Timed, by: Judge) -> Iterable[LimitCheck]:
     """Checks of a timed path: values between its points are proven only where the controller follows the curve."""
     _require_timing(part, by)
     in_box = part.trigger or not isinstance(part.points, Tabulated)
-    report = prove_path(part.points, part.points.times, by.case, clock, in_box)
+    report = prove_path(part.points, part.points.times, by.case, in_box)
     if isinstance(part.points, PolynomialMotion):
-        steps = tuple(joint_checks(part.points, by.limits, by.guarantees.shortest_block, clock))
+        steps = tuple(joint_checks(part.points, by.limits, by.guarantees.shortest_block))
         report = worst_of([report, LimitReport(steps)])
     for check in report.checks:
         kind = check.kind.family
         if by.guarantees.follows_paths:
             yield check
         elif kind in SENSED:
-            proof = by.proven_forces(kind, lambda loads: forces_on(loads, part.points, clock))
+            proof = by.proven_forces(kind, lambda loads: forces_on(loads, part.points))
             yield proof or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
             yield replace(check, status=by.status_of(check.kind))
@@ -107,14 +107,14 @@ def _timed(part: Timed, by: Judge, clock: float) -> Iterable[LimitCheck]:
             yield check
 
 
-def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock: float) -> Iterable[LimitCheck]:
+def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge) -> Iterable[LimitCheck]:
     """Checks of a move: geometry and programmed speed are proven; values from the controller's law are predicted.
 
     Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
     """
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
-    report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
-    asked = {c.kind: c for c in _asked(part, motion, by, clock)}
+    report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), part.trigger)
+    asked = {c.kind: c for c in _asked(part, motion, by)}
     for check in report.checks:
         family = check.kind.family
         if part.acceleration is not None and family is not LimitKind.JERK:
@@ -135,7 +135,7 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clo
                 yield by.prediction(check)
             case LimitKind.SENSOR_FORCE | LimitKind.SENSOR_MOMENT:
                 proof = by.proven_forces(
-                    family, lambda loads: forces_along(loads, motion, part.share_rate, clock), OwnMove.UNTIMED
+                    family, lambda loads: forces_along(loads, motion, part.share_rate), OwnMove.UNTIMED
                 )
                 yield proof or by.prediction(check, status=Status.NOT_ENFORCED)
             case LimitKind.JOINT_TORQUE | LimitKind.JOINT_FORCE:
@@ -160,7 +160,7 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Judge) -> LimitCheck:
     return by.prediction(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
 
 
-def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock: float) -> Iterable[LimitCheck]:
+def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge) -> Iterable[LimitCheck]:
     """Velocities at the programmed feed from end to end, whether or not the controller slows down.
 
     For a rapid, velocities at the limits of the coordinates, if the controller enforces these.
@@ -174,7 +174,7 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge, clock:
         return
     t = np.linspace(0.0, 1.0 / speed, FEWEST + 1)
     for quantity in of_velocities(replace(motion, profile=Steady(1.0 / speed)).at(t), by.case):
-        yield worst_case(quantity, t + clock)
+        yield worst_case(quantity, t)
 
 
 FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
@@ -184,7 +184,7 @@ NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
 """Share of a limit from which a block has a fine grid, and the number of blocks with the largest shares of each."""
 
 
-def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_box: bool) -> LimitReport:
+def prove_path(motion: Trajectory, times: Array, case: Case, in_box: bool) -> LimitReport:
     """Checks every limit of a timed path, at most at 10 kHz and at a hundred instants a block.
 
     Slow programs need no finer grid. Blocks that stay far from a limit, and from what the path reaches elsewhere, are
@@ -192,13 +192,12 @@ def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_b
 
     Args:
         times: ends of its blocks, shape (k,), from 0 [s].
-        offset: start of the path on the clock that the report uses [s].
         in_box: whether it must keep the pose box of `[limits.motion]`.
     """
     reports = []
     for limited in (of_coordinates, of_mechanics):
         instants = _critical_instants(motion, times, case, in_box, limited)
-        reports.append(prove_at(motion, case, instants, offset, in_box, limited))
+        reports.append(prove_at(motion, case, instants, in_box, limited))
     return worst_of(reports)
 
 
@@ -224,22 +223,21 @@ def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64
     return np.append(np.repeat(times[:-1], counts) + share * np.repeat(steps, counts), times[-1]), starts
 
 
-def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: float) -> Iterable[LimitCheck]:
+def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float) -> Iterable[LimitCheck]:
     """Accelerations and jerks by steps between pieces, at rest before the first and after the last.
 
     A step dv of a rate within a cycle c is an acceleration of dv / c and, up and down again, a jerk of 2 dv / c^2; a
-    step da of an acceleration is a jerk of da / c. `clock` is when the motion starts [s].
+    step da of an acceleration is a jerk of da / c.
     """
     rest = np.zeros((1, len(limits.rate)))
     dv, da = (
         np.abs(np.vstack([motion.at_starts(order), rest]) - np.vstack([rest, motion.at_ends(order)]))
         for order in (1, 2)
     )
-    times = motion.times + clock
     jerks = np.maximum(da / cycle, 2 * dv / cycle**2)
     kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
-    yield from _worst(kinds, dv / cycle, limits.acceleration, limits, times)
-    yield from _worst((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks, limits.jerk, limits, times)
+    yield from _worst(kinds, dv / cycle, limits.acceleration, limits, motion.times)
+    yield from _worst((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks, limits.jerk, limits, motion.times)
 
 
 def _worst(

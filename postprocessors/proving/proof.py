@@ -131,11 +131,11 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     reports: list[LimitReport] = []
     violations: list[LimitCheck] = []
     for part in reading.stretches:
-        report, duration = judge(part, by, clock)
-        reports.append(report)
+        report, duration = judge(part, by)
         for check in report.violations:
-            line = part.line_at(check.time - clock) if isinstance(part, Timed) else part.line
-            violations.append(replace(check, line=line))
+            line = part.line_at(check.time) if isinstance(part, Timed) else part.line
+            violations.append(replace(check, line=line, time=check.time + clock))
+        reports.append(report.later(clock))
         clock += duration
         excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
     worst_first = tuple(sorted(violations, key=lambda v: -v.ratio))

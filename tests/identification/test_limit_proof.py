@@ -160,7 +160,7 @@ def test_the_report_names_time_and_place_on_the_callers_clock() -> None:
     poses = np.tile(HOME, (3, 1))
     poses[1, 1] += 0.3
     points = TimedPoints.through([0.0, 2.0, 4.0], poses)
-    check = named(prove(points, CASE, RATE, offset=10.0))["position"]
+    check = named(prove(points, CASE, RATE).later(10.0))["position"]
     assert (check.name, check.limit, check.unit) == ("position (y)", 250.0, "mm")
     assert check.worst == pytest.approx(300.0, rel=1e-4)
     assert check.time == pytest.approx(12.0, abs=0.01)

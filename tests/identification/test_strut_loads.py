@@ -76,13 +76,13 @@ def test_no_motion_within_the_limits_passes_the_bound_on_a_path(kind: str) -> No
     path, draw = Harmonic(seed=3, size=0.8), np.random.default_rng(2)
     t = np.repeat(np.linspace(0.0, path.duration, 200), 64)
     most = np.abs(forces(case, path.at(t).pose, *corners(draw, len(t)))).max()
-    (check,) = forces_on(Loads.of(case), path, 0.0)
+    (check,) = forces_on(Loads.of(case), path)
     assert 0.85 * check.worst < most <= check.worst * 1.001
 
 
 def test_coulomb_friction_has_no_bound_beside_a_path_and_no_pose_one_from_anywhere() -> None:
-    assert forces_on(Loads.of(of("friction")), Harmonic(seed=3), 0.0) == ()
-    assert forces_anywhere(Loads.of(of("drive")), 0.0) == ()
+    assert forces_on(Loads.of(of("friction")), Harmonic(seed=3)) == ()
+    assert forces_anywhere(Loads.of(of("drive"))) == ()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -97,7 +97,7 @@ def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(kind: st
     rates, accelerations = way.rates * speed, way.accelerations * speed**2 + way.rates * change
     kept = np.all(np.abs(rates) <= LIMITS.rate, axis=1) & np.all(np.abs(accelerations) <= LIMITS.acceleration, axis=1)
     most = np.abs(forces(case, way.pose[kept], rates[kept], accelerations[kept])).max()
-    (check,) = forces_along(Loads.of(case), move, feed, 0.0)
+    (check,) = forces_along(Loads.of(case), move, feed)
     assert (0.75 if kind in ("drive", "platform") else 0.6) * check.worst < most <= check.worst
 
 

@@ -35,7 +35,7 @@ def test_no_motion_within_the_limits_passes_the_bound_of_any_pose():
     angles = np.column_stack([rng.uniform(-np.pi, np.pi, 50_000) for _ in range(3)])
     pose = np.hstack([np.zeros_like(angles), angles])
     found = forces(pose, *corners(rng, len(pose))).max()
-    bound = forces_anywhere(LOADS, 0.0)[0].worst
+    bound = forces_anywhere(LOADS)[0].worst
     assert 0.7 * bound < found <= bound
 
 
@@ -44,9 +44,9 @@ def test_no_motion_within_the_limits_passes_the_bound_on_a_path():
     rng = np.random.default_rng(2)
     t = np.repeat(np.linspace(0.0, path.duration, 400), 64)
     found = forces(path.at(t).pose, *corners(rng, len(t))).max()
-    (check,) = forces_on(LOADS, path, 0.0)
+    (check,) = forces_on(LOADS, path)
     assert 0.9 * check.worst < found <= check.worst * 1.001
-    assert check.worst < forces_anywhere(LOADS, 0.0)[0].worst
+    assert check.worst < forces_anywhere(LOADS)[0].worst
 
 
 MOVES = {
@@ -68,13 +68,13 @@ def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(name: st
     kept = np.all(np.abs(rates) <= LIMITS.rate, axis=1) & np.all(np.abs(accelerations) <= LIMITS.acceleration, axis=1)
     assert kept.sum() > 500
     found = forces(way.pose[kept], rates[kept], accelerations[kept]).max()
-    (check,) = forces_along(LOADS, move, feed, 0.0)
+    (check,) = forces_along(LOADS, move, feed)
     assert 0.75 * check.worst < found <= check.worst
 
 
 def test_a_feed_and_a_known_way_lower_the_bound():
-    slow = forces_along(LOADS, MOVES["arc"], 0.1, 0.0)[0].worst
-    assert slow <= forces_along(LOADS, MOVES["arc"], None, 0.0)[0].worst < forces_anywhere(LOADS, 0.0)[0].worst
+    slow = forces_along(LOADS, MOVES["arc"], 0.1)[0].worst
+    assert slow <= forces_along(LOADS, MOVES["arc"], None)[0].worst < forces_anywhere(LOADS)[0].worst
 
 
 def test_the_planned_law_is_below_the_bound_along_its_own_move():
@@ -82,9 +82,7 @@ def test_the_planned_law_is_below_the_bound_along_its_own_move():
     move = StraightMove(HOME, HOME + np.r_[0.1, 0.0, 0.0, 0.1, 0.0, 0.0], law)
     t = np.linspace(0.0, move.duration, 500)
     motion = move.at(t)
-    assert (
-        forces(motion.pose, motion.rates, motion.accelerations).max() <= forces_along(LOADS, move, None, 0.0)[0].worst
-    )
+    assert forces(motion.pose, motion.rates, motion.accelerations).max() <= forces_along(LOADS, move, None)[0].worst
 
 
 def test_without_a_range_there_is_no_bound():
