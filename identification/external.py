@@ -17,11 +17,10 @@ from identification.finding import Finding, Kind, Severity, changed_cases, sente
 from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording
-from identification.result import physical_values
+from identification.result import entries_of_parameters, physical_values
 from identification.runs.preparation import moving_run, on_one_clock
 from identification.runs.sample_checks import unmeasured
 from identification.runs.standstills import standstills
-from identification.saved_result import entries_of_parameters
 
 
 class ExternalForce(NamedTuple):

@@ -31,7 +31,7 @@ from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording, poses_of_record
-from identification.result import Estimate, estimate_of
+from identification.result import Estimate, entries_of, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
 from identification.runs.evaluation import MOST_DELAY, Run, mode_finding, smoothed, smoothing_finding, smoothing_of
 from identification.runs.noise_sources import noise_sources
@@ -108,7 +108,7 @@ def identify(
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    return Result.of(
+    record = entries_of(
         estimate,
         files_of(run.paths),
         computed_from=result_basis(case),
@@ -119,6 +119,7 @@ def identify(
         **({"run": {k: run.record[k] for k in ("simulated", *RUN_ENTRIES) if k in run.record}} if run.record else {}),
         **({} if standing is None else {"standstills": standing}),
     )
+    return Result(case, record, estimate)
 
 
 def default_model(recording: Recording, case: Case) -> int:

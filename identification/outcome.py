@@ -1,6 +1,6 @@
 """The result of an identification as users hold it: parameters by name, saved and loaded as a folder."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem, HexciteError
-from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, provenance, read_json
+from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
@@ -18,8 +18,9 @@ from identification.estimation.biases import Biases
 from identification.finding import Finding, Severity, sentences
 from identification.model import Model, identification_model
 from identification.parameters import offset_columns
-from identification.result import Estimate, Residuals, Value, identifiability_of, residuals_of
-from identification.saved_result import AGAIN, ResultEntries, entries_of, read_entries, require_agreement
+from identification.result import Estimate, ResultEntries, Value, identifiability_of, residuals_of
+from identification.saved_result import AGAIN, read_entries, require_agreement
+from identification.signals import Residuals
 
 # Entries of recording.json that a result takes over.
 RUN_ENTRIES = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
@@ -46,13 +47,6 @@ class Result:
     determined: Identifiability | None = None
     file: Path | None = None
     remarks: tuple[str, ...] = ()
-
-    @classmethod
-    def of(cls, estimate: Estimate, files: Sequence[Path] = (), **origin: Any) -> "Result":
-        """The result of an estimate from some files; `origin`: further entries, by field of `Origin`."""
-        about = provenance(files)
-        inputs = tuple(about["inputs"])
-        return cls(estimate.case, entries_of(estimate, inputs=inputs, versions=about["versions"], **origin), estimate)
 
     def __eq__(self, other: object) -> bool:
         """Whether both say the same: entries, what the run determined, and the case."""

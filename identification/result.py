@@ -1,27 +1,31 @@
 """What an identification reports: parameters in both forms with standard deviations, and how well the model fits."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
-from scipy.fft import rfft, rfftfreq
+from pydantic import AliasPath, BaseModel, BeforeValidator, Field, NonNegativeFloat, PlainSerializer, PositiveInt
 from scipy.special import stdtrit
 
+from cases.files import provenance
 from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
-from identification.finding import Finding, Severity, quantities_of, sentences
+from identification.finding import AS_OBJECT, FROZEN, Entries, Finding, Severity, quantities_of, sentences
 from identification.fitting import Fitted, excerpt
-from identification.model import Model, expected_forces
-from identification.parameters import physical_form
+from identification.model import Model, expected_forces, identification_model
+from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.averaging import PeriodicRun
 from identification.runs.evaluation import Run
 from identification.runs.noise_sources import NoiseSources, attenuation_of
 from identification.runs.wrist import WristRun
 from identification.samples import Samples, Standstills
+from identification.signals import Residuals
 
 
 class Value(NamedTuple):
@@ -144,54 +148,145 @@ def estimate_of(
     )  # fmt: skip
 
 
+SCHEMA_VERSION = 1
+
+
+def _named(entry: Any) -> Any:
+    if isinstance(entry, list):  # it would do for pydantic
+        raise ValueError("is not an object")
+    return entry
+
+
+Numbers = tuple[float, ...]
+Physical = Annotated[Value, BeforeValidator(_named), PlainSerializer(Value._asdict)]
+Delay = Annotated[Uncertain, BeforeValidator(_named), PlainSerializer(Uncertain._asdict)]
+Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2), FROZEN, AS_OBJECT]
+
+
+class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_by_name=True):
+    """What a result was made of; entries with a default may be absent."""
+
+    case: str
+    case_hash: str
+    case_file: str | None = None
+    recording: str
+    inputs: tuple[Input, ...]
+    versions: Annotated[Mapping[str, str], FROZEN, AS_OBJECT]
+    computed_from: Entries | None = None  # values of the case by dotted key
+    measuring_s: NonNegativeFloat | None = None
+    plan_hash: str | None = None
+    run: Entries | None = None
+    standstills: Entries | None = None
+    tared_with: str | None = None
+    stale: tuple[str, ...] = ()
+
+
+class Parameters(Origin):
+    """Parameters in both forms [SI], and what was known of them."""
+
+    model: int
+    error_terms: tuple[str, ...]
+    known: Entries | None = None
+    dropped: tuple[str, ...] = ()
+    priors: Entries | None = None
+    parameters: Annotated[Mapping[str, Physical], FROZEN, AS_OBJECT]
+    intervals_95: Annotated[Mapping[str, tuple[float, float]], FROZEN, AS_OBJECT]
+    names: tuple[str, ...] = Field(validation_alias=AliasPath("linear", "names"))
+    values: Numbers = Field(validation_alias=AliasPath("linear", "values"))
+    covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
+    covariance_robust: tuple[Numbers, ...]
+    delay_s: Delay | None
+    accelerometer: AccelerometerBias | None
+    attenuation: Entries | None = None
+
+
+class ResultEntries(Parameters):
+    """Entries of `result.json`."""
+
+    estimator: str
+    biases: Entries | None = None
+    weights: str
+    s0: NonNegativeFloat
+    s0_N: NonNegativeFloat
+    residual_rms: Annotated[tuple[NonNegativeFloat, ...], Field(min_length=6, max_length=6)]
+    samples: PositiveInt
+    degrees_of_freedom: float
+    rank: PositiveInt
+    condition: NonNegativeFloat
+    w_diagonal: Numbers = ()
+    noise_sources: Entries | None = None
+    findings: tuple[Finding, ...]
+
+    def replaced(self, **changes: Any) -> Self:
+        """The same with other entries."""
+        return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
+
+    def to_json(self) -> dict[str, Any]:
+        """The object of the file: `notes`, `warnings` and what findings say in numbers stand beside them."""
+        entries = self.model_dump(mode="json", exclude_unset=True)
+        entries["linear"] = {key: entries.pop(key) for key in ("names", "values")}
+        texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in Severity}
+        quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
+        return {"schema_version": SCHEMA_VERSION, **entries, **texts, **quantities}
+
+
+def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) -> ResultEntries:
+    """Entries of an estimate.
+
+    Args:
+        files: files that were read.
+        origin: what else it was made of, by field of `Origin`.
+    """
+    about = provenance(files)
+    fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
+    standard = identification_model(case, model.number).names == model.names
+    return ResultEntries(
+        case=case.name,
+        case_hash=case.hash,
+        recording=estimate.source,
+        inputs=tuple(about["inputs"]),
+        versions=about["versions"],
+        model=model.number,
+        error_terms=() if standard else tuple(n for n, b in ERROR_TERMS.items() if b in model.blocks),
+        known=how.known,
+        dropped=tuple(how.dropped),
+        priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
+        **entries_of_parameters(estimate.physical, fit.freedom, fit.values, fit.covariance, fit.covariance_robust),
+        names=tuple(model.names),
+        delay_s=estimate.delay,
+        accelerometer=estimate.accelerometer,
+        attenuation=estimate.attenuation,
+        estimator=how.name,
+        biases=None if how.biases is None else how.biases.to_json(),
+        weights=how.weights or case.sensors.weights,
+        s0=fit.s0,
+        s0_N=estimate.s0_N,
+        residual_rms=tuple(estimate.residual_rms.tolist()),
+        samples=estimate.evaluated.samples,
+        degrees_of_freedom=fit.freedom,
+        rank=fit.rank,
+        condition=fit.condition,
+        w_diagonal=tuple(fit.weights.tolist()),
+        noise_sources=None if estimate.noise is None else estimate.noise.to_json(),
+        findings=estimate.findings,
+        **origin,
+    )
+
+
+def entries_of_parameters(
+    physical: Mapping[str, Value], freedom: float, u: Array, covariance: Array, robust: Array
+) -> dict[str, Any]:
+    """Entries on parameters: physical ones by name, and the linear ones u with both covariances."""
+    return {
+        "parameters": physical,
+        "intervals_95": {name: value.interval(freedom) for name, value in physical.items()},
+        "values": tuple(u.tolist()),
+        "covariance": tuple(map(tuple, covariance.tolist())),
+        "covariance_robust": tuple(map(tuple, robust.tolist())),
+    }
+
+
 MOST_SAMPLES = 60_000  # of the recording: a minute at 1 kHz says what its forces look like, and hours do not fit
-SEGMENT = 1024  # samples of a periodogram: 1 Hz at 1 kHz
-
-
-@dataclass(frozen=True, slots=True)
-class Residuals:
-    """Recorded forces and the model's, at every recorded sample of the excitation (standstills: at each of them)."""
-
-    t: Array  # time, shape (n,) [s]; of standstills their number from 1
-    forces: Array  # as recorded, shape (n, 6) [N, or N and N m]
-    predicted: Array  # A u behind the evaluation's filter, the delay compensated, shape (n, 6)
-    step: float | None  # time between samples [s]; None for standstills
-    # the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw them as
-    # recorded, or averaged in another way
-    filtered: Array | None = None
-
-    @property
-    def values(self) -> Array:
-        """Recorded less predicted, shape (n, 6)."""
-        return np.asarray(self.forces - self.predicted)
-
-    @property
-    def explained(self) -> Array:
-        """The forces that the model had to explain: behind the filter where there is one, shape (n, 6)."""
-        return self.forces if self.filtered is None else self.filtered
-
-    @property
-    def evaluated(self) -> Array:
-        """Residuals of these, shape (n, 6)."""
-        return np.asarray(self.explained - self.predicted)
-
-    def spectrum(self) -> tuple[Array, Array]:
-        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
-
-        Periodograms of segments under a Hann window that overlap by half, each less its mean, are averaged.
-
-        Raises:
-            ValueError: standstills have no spectrum.
-        """
-        if self.step is None:
-            raise ValueError("standstills have no spectrum")
-        size = min(SEGMENT, len(self.t))
-        overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
-        window = np.hanning(size + 1)[:-1]
-        spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)
-        power = np.mean(np.abs(spectra) ** 2, axis=0).T * self.step / np.sum(window**2)
-        power[1 : (size + 1) // 2] *= 2.0  # of the frequencies below zero; those in the middle have no such twin
-        return rfftfreq(size, self.step), np.sqrt(power)
 
 
 def residuals_of(estimate: Estimate) -> Residuals:

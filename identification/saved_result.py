@@ -1,165 +1,18 @@
-"""The entries of `result.json`, how they follow from an estimate, and whether they agree with one another."""
+"""What is read from `result.json`: its entries, and whether they agree with one another."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import (
-    AliasPath,
-    BaseModel,
-    BeforeValidator,
-    Field,
-    NonNegativeFloat,
-    PlainSerializer,
-    PositiveInt,
-    ValidationError,
-)
+from pydantic import ValidationError
 
 from cases.errors import FileProblem
 from cases.files import json_text, read_json
-from cases.units import Array
-from identification.estimation.biases import AccelerometerBias
-from identification.estimation.fit import Uncertain
-from identification.finding import AS_OBJECT, FROZEN, Entries, Finding, Kind, Severity, sentences
-from identification.model import Model, identification_model
-from identification.parameters import ERROR_TERMS
-from identification.result import Estimate, Value, physical_values
+from identification.finding import Kind, Severity
+from identification.model import Model
+from identification.result import SCHEMA_VERSION, ResultEntries, physical_values
 
-SCHEMA_VERSION = 1
 AGAIN = "identify again"
 ALIKE = 1e-9  # of numbers that are computed anew: another computer rounds otherwise
-
-
-def _named(entry: Any) -> Any:
-    if isinstance(entry, list):  # it would do for pydantic
-        raise ValueError("is not an object")
-    return entry
-
-
-Numbers = tuple[float, ...]
-Physical = Annotated[Value, BeforeValidator(_named), PlainSerializer(Value._asdict)]
-Delay = Annotated[Uncertain, BeforeValidator(_named), PlainSerializer(Uncertain._asdict)]
-Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2), FROZEN, AS_OBJECT]
-
-
-class Origin(BaseModel, strict=True, frozen=True, allow_inf_nan=False, populate_by_name=True):
-    """What a result was made of; entries with a default may be absent."""
-
-    case: str
-    case_hash: str
-    case_file: str | None = None
-    recording: str
-    inputs: tuple[Input, ...]
-    versions: Annotated[Mapping[str, str], FROZEN, AS_OBJECT]
-    computed_from: Entries | None = None  # values of the case by dotted key
-    measuring_s: NonNegativeFloat | None = None
-    plan_hash: str | None = None
-    run: Entries | None = None
-    standstills: Entries | None = None
-    tared_with: str | None = None
-    stale: tuple[str, ...] = ()
-
-
-class Parameters(Origin):
-    """Parameters in both forms [SI], and what was known of them."""
-
-    model: int
-    error_terms: tuple[str, ...]
-    known: Entries | None = None
-    dropped: tuple[str, ...] = ()
-    priors: Entries | None = None
-    parameters: Annotated[Mapping[str, Physical], FROZEN, AS_OBJECT]
-    intervals_95: Annotated[Mapping[str, tuple[float, float]], FROZEN, AS_OBJECT]
-    names: tuple[str, ...] = Field(validation_alias=AliasPath("linear", "names"))
-    values: Numbers = Field(validation_alias=AliasPath("linear", "values"))
-    covariance: tuple[Numbers, ...]  # covariance of the linear ones by (28)
-    covariance_robust: tuple[Numbers, ...]
-    delay_s: Delay | None
-    accelerometer: AccelerometerBias | None
-    attenuation: Entries | None = None
-
-
-class ResultEntries(Parameters):
-    """Entries of `result.json`."""
-
-    estimator: str
-    biases: Entries | None = None
-    weights: str
-    s0: NonNegativeFloat
-    s0_N: NonNegativeFloat
-    residual_rms: Annotated[tuple[NonNegativeFloat, ...], Field(min_length=6, max_length=6)]
-    samples: PositiveInt
-    degrees_of_freedom: float
-    rank: PositiveInt
-    condition: NonNegativeFloat
-    w_diagonal: Numbers = ()
-    noise_sources: Entries | None = None
-    findings: tuple[Finding, ...]
-
-    def replaced(self, **changes: Any) -> Self:
-        """The same with other entries."""
-        return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | changes)
-
-    def to_json(self) -> dict[str, Any]:
-        """The object of the file: `notes`, `warnings` and what findings say in numbers stand beside them."""
-        entries = self.model_dump(mode="json", exclude_unset=True)
-        entries["linear"] = {key: entries.pop(key) for key in ("names", "values")}
-        texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in Severity}
-        quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
-        return {"schema_version": SCHEMA_VERSION, **entries, **texts, **quantities}
-
-
-def entries_of(estimate: Estimate, **origin: Any) -> ResultEntries:
-    """Entries of an estimate.
-
-    Args:
-        origin: what it was made of, by field of `Origin`.
-    """
-    fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
-    standard = identification_model(case, model.number).names == model.names
-    return ResultEntries(
-        case=case.name,
-        case_hash=case.hash,
-        recording=estimate.source,
-        model=model.number,
-        error_terms=() if standard else tuple(n for n, b in ERROR_TERMS.items() if b in model.blocks),
-        known=how.known,
-        dropped=tuple(how.dropped),
-        priors={p.name: {"value": p.value, "std": p.std} for p in how.priors},
-        **entries_of_parameters(estimate.physical, fit.freedom, fit.values, fit.covariance, fit.covariance_robust),
-        names=tuple(model.names),
-        delay_s=estimate.delay,
-        accelerometer=estimate.accelerometer,
-        attenuation=estimate.attenuation,
-        estimator=how.name,
-        biases=None if how.biases is None else how.biases.to_json(),
-        weights=how.weights or case.sensors.weights,
-        s0=fit.s0,
-        s0_N=estimate.s0_N,
-        residual_rms=tuple(estimate.residual_rms.tolist()),
-        samples=estimate.evaluated.samples,
-        degrees_of_freedom=fit.freedom,
-        rank=fit.rank,
-        condition=fit.condition,
-        w_diagonal=tuple(fit.weights.tolist()),
-        noise_sources=None if estimate.noise is None else estimate.noise.to_json(),
-        findings=estimate.findings,
-        **origin,
-    )
-
-
-def entries_of_parameters(
-    physical: Mapping[str, Value], freedom: float, u: Array, covariance: Array, robust: Array
-) -> dict[str, Any]:
-    """Entries on parameters: physical ones by name, and the linear ones u with both covariances."""
-    return {
-        "parameters": physical,
-        "intervals_95": {name: value.interval(freedom) for name, value in physical.items()},
-        "values": tuple(u.tolist()),
-        "covariance": tuple(map(tuple, covariance.tolist())),
-        "covariance_robust": tuple(map(tuple, robust.tolist())),
-    }
 
 
 def read_entries(path: Path) -> tuple[Path, ResultEntries]:

@@ -10,12 +10,13 @@ costs a transform of M, not of N. Signals go through in overlapping parts (overl
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import fft, irfft, next_fast_len, rfft
+from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from cases.errors import RecordingError
 from cases.units import Array
@@ -243,3 +244,52 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
         return np.arange(count)
     size = most // STRETCHES
     return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])
+
+
+SEGMENT = 1024  # samples of a periodogram: 1 Hz at 1 kHz
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """Recorded forces and the model's, at every recorded sample of the excitation (standstills: at each of them)."""
+
+    t: Array  # time, shape (n,) [s]; of standstills their number from 1
+    forces: Array  # as recorded, shape (n, 6) [N, or N and N m]
+    predicted: Array  # A u behind the evaluation's filter, the delay compensated, shape (n, 6)
+    step: float | None  # time between samples [s]; None for standstills
+    # the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw them as
+    # recorded, or averaged in another way
+    filtered: Array | None = None
+
+    @property
+    def values(self) -> Array:
+        """Recorded less predicted, shape (n, 6)."""
+        return np.asarray(self.forces - self.predicted)
+
+    @property
+    def explained(self) -> Array:
+        """The forces that the model had to explain: behind the filter where there is one, shape (n, 6)."""
+        return self.forces if self.filtered is None else self.filtered
+
+    @property
+    def evaluated(self) -> Array:
+        """Residuals of these, shape (n, 6)."""
+        return np.asarray(self.explained - self.predicted)
+
+    def spectrum(self) -> tuple[Array, Array]:
+        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
+
+        Periodograms of segments under a Hann window that overlap by half, each less its mean, are averaged.
+
+        Raises:
+            ValueError: standstills have no spectrum.
+        """
+        if self.step is None:
+            raise ValueError("standstills have no spectrum")
+        size = min(SEGMENT, len(self.t))
+        overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
+        window = np.hanning(size + 1)[:-1]
+        spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)
+        power = np.mean(np.abs(spectra) ** 2, axis=0).T * self.step / np.sum(window**2)
+        power[1 : (size + 1) // 2] *= 2.0  # of the frequencies below zero; those in the middle have no such twin
+        return rfftfreq(size, self.step), np.sqrt(power)

@@ -22,6 +22,7 @@ from identification.motion import Standstill
 from identification.outcome import Result
 from identification.payloads import payload_between, require_two
 from identification.recording import Recording
+from identification.result import entries_of
 from identification.runs.preparation import moving_run
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, one_line
@@ -39,7 +40,7 @@ def recorded(seed: int = 0, motion_seed: int = 0) -> Recording:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Result:
     file = tmp_path_factory.mktemp("result") / "result.json"
-    file.write_text(json_text(Result.of(estimate_parameters(recorded(), CASE)).record.to_json()))
+    file.write_text(json_text(entries_of(estimate_parameters(recorded(), CASE)).to_json()))
     return Result.load(file, CASE)
 
 
@@ -110,7 +111,7 @@ def test_findings_are_saved_and_loaded(saved: Result, tmp_path: Path) -> None:
     forces[500, 2] += 80.0
     estimate = estimate_parameters(replace(sound, forces=forces), CASE)
     assert {(f.kind, f.severity) for f in estimate.findings} >= {(Kind.DAMAGE, Severity.WARNING)}
-    Result.of(estimate).save(tmp_path / "result")
+    Result(CASE, entries_of(estimate)).save(tmp_path / "result")
     loaded = Result.load(tmp_path / "result", CASE)
     assert loaded.findings == estimate.findings
     assert (loaded.warnings, loaded.notes) == (estimate.warnings, estimate.notes)

@@ -15,7 +15,7 @@ from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.outcome import Result
 from identification.recording import read, write_recording
-from identification.result import Estimate
+from identification.result import Estimate, entries_of
 from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
 from identification.simulate import simulate_recording
@@ -161,7 +161,7 @@ def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines
 
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
     sound = identified(damaged(lines, tmp_path))
-    result = Result.of(sound)
+    result = Result(CASE, entries_of(sound))
     before = over_recording(read(damaged(lines, tmp_path), CASE), result)
     force = over_recording(read(damaged(lines, tmp_path, without(1500, 1580)), CASE), result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))

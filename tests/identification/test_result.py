@@ -10,9 +10,7 @@ from cases.files import json_text
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.outcome import Result
-from identification.result import Estimate, Value
-from identification.saved_result import entries_of
+from identification.result import Estimate, Value, entries_of
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
@@ -36,7 +34,7 @@ def test_an_interval_of_95_percent_is_student_s() -> None:
 
 
 def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
-    back = json.loads(json_text(entries_of(estimate, inputs=(), versions={}).to_json()))
+    back = json.loads(json_text(entries_of(estimate).to_json()))
     assert back["case"] == "hexapod"
     assert back["case_hash"] == CASE.hash
     assert back["recording"] == "run.csv"
@@ -66,4 +64,4 @@ def test_rms_residuals_are_those_of_the_recorded_forces(estimate: Estimate) -> N
 
 
 def test_a_result_without_delay_says_so(estimate: Estimate) -> None:
-    assert Result.of(replace(estimate, delay=None)).record.delay_s is None
+    assert entries_of(replace(estimate, delay=None)).delay_s is None

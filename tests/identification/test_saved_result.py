@@ -14,8 +14,7 @@ from cases.loading import load_case
 from identification.finding import Finding, Kind, Severity, note
 from identification.model import identification_model
 from identification.outcome import Result
-from identification.result import physical_values
-from identification.saved_result import ResultEntries, entries_of_parameters
+from identification.result import ResultEntries, entries_of_parameters, physical_values
 
 CASE = load_case("hexapod")
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)

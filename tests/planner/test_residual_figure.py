@@ -7,7 +7,8 @@ from scipy.signal import welch
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.result import Residuals, residuals_of
+from identification.result import residuals_of
+from identification.signals import Residuals
 from identification.simulate import simulate_recording
 from planner.reports.identify import distribution_chart
 from tests.helpers import Harmonic

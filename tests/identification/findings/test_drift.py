@@ -14,6 +14,7 @@ from identification.finding import Kind
 from identification.identify import estimate_parameters
 from identification.outcome import Result
 from identification.recording import Recording, read, write_recording
+from identification.result import entries_of
 from tests.chains import ROBOT, standing_forces, swing, swung_forces
 from tests.helpers import few
 
@@ -93,7 +94,7 @@ def test_standstills_drift_in_their_order() -> None:
 
 @pytest.fixture(scope="module")
 def saved() -> Result:
-    return Result.of(estimate_parameters(recorded(7), ROBOT))
+    return Result(ROBOT, entries_of(estimate_parameters(recorded(7), ROBOT)))
 
 
 def test_readings_that_are_off_all_along_are_named(saved: Result) -> None:
