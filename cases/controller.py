@@ -1,12 +1,26 @@
 """Settings of the case's controllers; anything uncertain is a required setting, never a guess."""
 
 import re
+from enum import StrEnum
 from typing import Annotated, ClassVar, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from cases.machine import Part, Positive, kind_of
 from cases.units import DEG, MINUTE, MM, MS
+
+
+class ControllerName(StrEnum):
+    """Controllers that programs are written and plans are made for; the built-in one runs programs of all others."""
+
+    VIRTUAL = "virtual"
+    LINUXCNC = "linuxcnc"
+    SINUMERIK = "sinumerik"
+    TWINCAT = "twincat"
+    SETPOINTS = "setpoints"
+    URSCRIPT = "urscript"
+    ROS2 = "ros2"
+
 
 Kept = Literal["velocity", "acceleration", "jerk", "strut velocity", "strut acceleration"]
 
@@ -251,7 +265,7 @@ class Controller(Part):
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
     """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
-    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2"] | None = None
+    plan_for: Annotated[ControllerName, WithJsonSchema({"enum": [*ControllerName], "type": "string"})] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None

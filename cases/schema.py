@@ -14,7 +14,7 @@ from typing import Annotated, Literal, NoReturn
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
-from cases.controller import Controller, Settings, Sinumerik, TwinCat
+from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
 from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, frozen, kind_of
 from cases.poses import JointPoses, Poses
@@ -126,10 +126,10 @@ class Case(Heading):
             yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
         if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
-        for name, full in (("sinumerik", Sinumerik), ("twincat", TwinCat)):
+        for name, full in ((ControllerName.SINUMERIK, Sinumerik), (ControllerName.TWINCAT, TwinCat)):
             settings = getattr(self.controller, name, None)
             if settings is not None and isinstance(settings, full) == (self.chain is not None):
-                key = "transformation" if name == "sinumerik" else "kinematic_id"
+                key = "transformation" if name == ControllerName.SINUMERIK else "kinematic_id"
                 yield (
                     f"controller.{name}.{key} is of a hexapod: a chain's programs move its own axes; remove it and the "
                     "keys of paths"
@@ -362,7 +362,7 @@ class Case(Heading):
         """Settings of a dialect, a table of `[controller]`; raises CaseError where the case has none."""
         settings: Settings | None = getattr(self.need_controller(purpose), kind.table)
         if settings is None:
-            example = "ur10_wrist" if kind.table == "urscript" else "hexapod"
+            example = "ur10_wrist" if kind.table == ControllerName.URSCRIPT else "hexapod"
             raise CaseError(
                 f"case {self.name}",
                 f"controller.{kind.table}",

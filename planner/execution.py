@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cases.basis import motion_hash
+from cases.controller import ControllerName
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from cases.units import MM
@@ -29,7 +30,7 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import motions, planned_excitation
 
-CONTROLLERS = ("virtual", "linuxcnc")
+CONTROLLERS = (ControllerName.VIRTUAL, ControllerName.LINUXCNC)
 _ACCELERATIONS = LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION
 SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # share of a run from which a remark says so
@@ -44,19 +45,21 @@ class RunOutcome:
     planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
 
 
-def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
+def best_controller(dialect: str = ControllerName.LINUXCNC) -> tuple[ControllerName, str]:
     """The real controller if it is installed and runs programs of a dialect, else the virtual one, with the reason."""
-    if dialect != "linuxcnc":
-        return "virtual", "no real controller here runs such programs"
+    if dialect != ControllerName.LINUXCNC:
+        return ControllerName.VIRTUAL, "no real controller here runs such programs"
     reason = linuxcnc_missing()
-    return ("linuxcnc", "LinuxCNC is installed") if reason is None else ("virtual", reason)
+    if reason is not None:
+        return ControllerName.VIRTUAL, reason
+    return ControllerName.LINUXCNC, "LinuxCNC is installed"
 
 
 def require_controller(on: str) -> None:
     """Raises HexciteError unless `on` names a controller that can run here."""
     if on not in CONTROLLERS:
         raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
-    if on == "linuxcnc" and (missing := linuxcnc_missing()) is not None:
+    if on == ControllerName.LINUXCNC and (missing := linuxcnc_missing()) is not None:
         raise ExecutionError(missing)
 
 
@@ -135,7 +138,7 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
         program.proof.require()
     except ProgramError as error:
         raise of_another(error, program.path, program.content, case) from error
-    if on == "virtual":
+    if on == ControllerName.VIRTUAL:
         run = run_virtual(program.reading, case, program.guarantees)
     else:
         run = _on_linuxcnc(program, case, program.reading.measures_at_poses)
@@ -145,7 +148,7 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
 
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
-    if read.dialect.name != "linuxcnc":
+    if read.dialect.name != ControllerName.LINUXCNC:
         raise ExecutionError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
     log = run_linuxcnc(read, case)
     remark = ""
@@ -191,7 +194,7 @@ def _efficiency(bound: Bound, information: np.ndarray) -> float:
 def run(
     program: Program | Path | str,
     case: Case,
-    on: str = "virtual",
+    on: str = ControllerName.VIRTUAL,
     *,
     seed: int = 0,
     payload: int = 0,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.basis import motion_hash
+from cases.controller import ControllerName
 from cases.errors import CaseError, HexciteError, ProgramError
 from cases.scaffold import readiness
 from cases.schema import Case
@@ -22,8 +23,16 @@ from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file,
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.writing import proven_program
 
-USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can
-USUAL_OF_PATHS = ("setpoints", "ros2")
+# Languages in their order: the first that a case can be written in is taken.
+USUAL = (
+    ControllerName.LINUXCNC,
+    ControllerName.SINUMERIK,
+    ControllerName.TWINCAT,
+    ControllerName.URSCRIPT,
+    ControllerName.SETPOINTS,
+    ControllerName.ROS2,
+)
+USUAL_OF_PATHS = (ControllerName.SETPOINTS, ControllerName.ROS2)
 LONGER = 1.001  # ratio of durations from which a program that takes longer than its plan says so
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
@@ -102,7 +111,7 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
     ready = {command for command, missing in readiness(case).items() if not missing}
     own_axes = path and not case.need_motion("a program")[1].of_pose
     names = USUAL_OF_PATHS if own_axes else USUAL
-    return next((name for name in names if f"post --dialect {name}" in ready), "linuxcnc")
+    return next((name for name in names if f"post --dialect {name}" in ready), ControllerName.LINUXCNC)
 
 
 def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:
@@ -125,7 +134,7 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
             f"planned with limited jerk; {dialect_name} does not limit it and makes trapezoids of the moves: a plan "
             f"made with --for {dialect_name} carries more information there",
         )
-    if made_for not in (None, "", "virtual", dialect_name):
+    if made_for not in (None, "", ControllerName.VIRTUAL, dialect_name):
         return (f"made for {made_for}; {dialect_name} times moves by the same law",)
     return ()
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cases.controller import ControllerName
 from cases.errors import HexciteError, ProgramError
 from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
@@ -47,7 +48,7 @@ class Language:
 class Dialect:
     """A controller's language."""
 
-    name: str  # name on the command line
+    name: ControllerName  # name on the command line
     description: str  # one line for people
     suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
     load: Callable[..., Language]  # imports and returns the functions for files of a suffix, by default the usual one
@@ -122,42 +123,42 @@ def _ros2(suffix: str = "") -> Language:
     return Language(write_joint_trajectory, read_joint_trajectory, joint_trajectory_guarantees, same=require_same)
 
 
-DIALECTS = {
+DIALECTS: dict[str, Dialect] = {
     d.name: d
     for d in (
         Dialect(
-            "linuxcnc",
+            ControllerName.LINUXCNC,
             "LinuxCNC 2.9: G1 with exact stop, dense G93 paths, arcs; runs here with `hexcite run --on linuxcnc`",
             (".ngc",),
             _linuxcnc,
         ),
         Dialect(
-            "sinumerik",
+            ControllerName.SINUMERIK,
             "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
             (".mpf",),
             _sinumerik,
         ),
         Dialect(
-            "twincat",
+            ControllerName.TWINCAT,
             "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
             _twincat,
         ),
         Dialect(
-            "setpoints",
+            ControllerName.SETPOINTS,
             "a table row by row for every control cycle: pose, struts, their rates and accelerations, trigger",
             (".csv", ".parquet"),
             _setpoints,
             "the machine must stand at home when the table starts",
         ),
         Dialect(
-            "urscript",
+            ControllerName.URSCRIPT,
             "Universal Robots: movej from rest to rest with acceleration and speed, never with a time",
             (".script",),
             _urscript,
         ),
         Dialect(
-            "ros2",
+            ControllerName.ROS2,
             "ROS 2 joint_trajectory_controller: one JointTrajectory message, quintic between its points",
             (".yaml", ".yml"),
             _ros2,
@@ -229,7 +230,7 @@ class Program:
 
     def __repr__(self) -> str:
         """A few lines: dialect, duration and proof."""
-        unit = "rows" if self.dialect.name == "setpoints" else "blocks"
+        unit = "rows" if self.dialect.name == ControllerName.SETPOINTS else "blocks"
         size = f"{self.reading.blocks} {unit}, {self.proof.duration:.2f} s"
         return "\n".join(
             [

@@ -19,6 +19,7 @@ def demo(
     json: Json = False,
 ) -> None:
     """Plan, program, prove, execute, identify and report, end to end."""
+    from cases.controller import ControllerName
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
     from identification.model import full_model
@@ -41,7 +42,7 @@ def demo(
     loaded.need_simulation("the demo")  # before anything is said
     answer: dict[str, Any] = {}
     dialect = dialect_named(usual_dialect(loaded))
-    table, controller = dialect.name == "setpoints", dialect.description.partition(":")[0]
+    table, controller = dialect.name == ControllerName.SETPOINTS, dialect.description.partition(":")[0]
 
     def say(line: str) -> None:
         if not json:

@@ -39,6 +39,7 @@ def post(
 
     It is read back and proven before it is written.
     """
+    from cases.controller import ControllerName
     from cases.files import check_file, output_place
     from cases.loading import load_case
     from planner.plan_program import language_of, write
@@ -66,7 +67,7 @@ def post(
     answer = answer_of_program(program)
     if console.answered(answer, json):
         return
-    unit = "rows" if answer["dialect"] == "setpoints" else "blocks"
+    unit = "rows" if answer["dialect"] == ControllerName.SETPOINTS else "blocks"
     print(f"program written: {answer['program']} ({answer['blocks']} {unit}, {answer['duration_s']:.2f} s, read back)")
     print(f"limits: {answer['verdict']}{' (accepted)' if answer['relies_on'] else ''}")
     for remark in answer["remarks"]:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
+from cases.controller import ControllerName
 from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
 from cases.machine import Part
@@ -39,7 +40,7 @@ class Method(Part):
     family: str
     criterion: Criterion = Criterion.D
     settings: dict[str, Any] = Field(default_factory=dict)
-    program: Literal["sinumerik", "linuxcnc"] = "sinumerik"
+    program: Literal[ControllerName.SINUMERIK, ControllerName.LINUXCNC] = ControllerName.SINUMERIK
     role: Literal["ours", "moving", "standing"] | None = None
 
     @property
@@ -60,7 +61,7 @@ Count = Callable[[str, int], None]
 class ValidationSettings:
     """How `hx.validate` carries out its methods."""
 
-    on: str = "virtual"  # controller: virtual or linuxcnc
+    on: str = ControllerName.VIRTUAL  # controller: virtual or linuxcnc
     starts: int = 2  # random starts of the optimised methods
     seed: int = 0  # seed of the starts and of the sensors' noise
     plans: Path | None = None  # folder of an earlier validation whose plans are used; None: plan anew
@@ -183,8 +184,8 @@ def carry_out(
 
 
 def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:
-    dialect = METHODS[method].program if settings.on == "virtual" else "linuxcnc"
-    suffix, accepted = ("ngc", ACCEPTED) if dialect == "linuxcnc" else ("mpf", ())
+    dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
+    suffix, accepted = ("ngc", ACCEPTED) if dialect == ControllerName.LINUXCNC else ("mpf", ())
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)

@@ -9,6 +9,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from cases.controller import ControllerName
 from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
@@ -170,8 +171,8 @@ def _simulated(case: Case, disturbances: Disturbances | None, settings: Validati
             f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
             f"struts and force errors that depend on the pose ({disturbances.source})"
         )
-    controller = "LinuxCNC" if settings.on == "linuxcnc" else "the built-in virtual controller"
+    controller = "LinuxCNC" if settings.on == ControllerName.LINUXCNC else "the built-in virtual controller"
     machine += f"; programs executed on {controller}"
-    if settings.on == "linuxcnc":
+    if settings.on == ControllerName.LINUXCNC:
         machine += ", which limits no jerk: its steps of acceleration make the structure vibrate"
     return machine

@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from cases.chain import Box
+from cases.controller import ControllerName
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.criteria import box_middle
@@ -325,7 +326,7 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     Args:
         controller: name of a dialect, or virtual; None for none.
     """
-    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
+    if controller in (None, ControllerName.VIRTUAL):  # which has the law of the program's own controller
         return Controlled(case, controller)
     guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
     if limits_jerk(guarantees.law):

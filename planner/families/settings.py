@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from cases import checks_arguments
+from cases.controller import ControllerName
 from cases.errors import HexciteError
 from cases.poses import load_poses, load_sequence
 from cases.schema import Case
@@ -16,9 +17,7 @@ from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
-from postprocessors.dialects import DIALECTS
 
-CONTROLLERS = ("virtual", *DIALECTS)  # that moves are planned for
 MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
 KNOTS_A_SECOND = 10.0
@@ -246,8 +245,8 @@ class PointToPoint(FamilySettings):
     def __post_init__(self) -> None:
         if self.moves is not None and not ptp.FEWEST <= self.moves <= ptp.MOST:
             raise HexciteError(f"{self.moves} moves are outside {ptp.FEWEST} to {ptp.MOST}; choose about 40")
-        if self.controller not in (None, *CONTROLLERS):
-            raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(CONTROLLERS)}")
+        if self.controller not in (None, *ControllerName):
+            raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(ControllerName)}")
 
     def controlled(self, case: Case) -> ptp.Controlled:
         """The case with the time law of the controller that is named here, else of the one that the case plans for."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases.basis import KEPT, study_basis, study_hash
+from cases.controller import ControllerName
 from cases.errors import HexciteError
 from cases.schema import Case, fingerprint
 from identification.model import full_model
@@ -96,7 +97,7 @@ def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
     loaded = simulation.model_copy(update={"parameters": loaded_truth(simulation.parameters, around.weights)})
     truth_case = job.case.model_copy(update={"simulation": loaded})  # its true parameters include the payload
     # No machine moves: limits that this controller would not enforce are reported by `post`, not here.
-    run = execute(write(plan, accept=KINETIC), job.case, "virtual", job.noise_seeds[0], around).run
+    run = execute(write(plan, accept=KINETIC), job.case, ControllerName.VIRTUAL, job.noise_seeds[0], around).run
     rows = []
     for seed in job.noise_seeds:
         recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)
