@@ -20,7 +20,7 @@ from identification.recording import Recording
 from identification.result import entries_of_parameters, physical_values
 from identification.runs.preparation import moving_run, on_one_clock
 from identification.runs.sample_checks import unmeasured
-from identification.runs.standstills import standstills
+from identification.runs.standstills import standstills, variance_of_mean
 
 
 class ExternalForce(NamedTuple):
@@ -111,7 +111,8 @@ STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise a
 def tare(recording: Recording, result: Result) -> Result:
     """The result with sensor offsets f_q0 (11) identified anew from a standstill without contact; all else stays.
 
-    Offsets and the rest no longer vary together. Notes say which offsets have drifted since the result.
+    The uncertainty of all else at the pose of the standstill is part of that of the offsets. Notes say which offsets
+    have drifted since the result.
 
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
@@ -133,14 +134,18 @@ def tare(recording: Recording, result: Result) -> Result:
         )
     still = standstills(recording, case, model, checks)
     residuals = still.recorded - still.matrices @ result.values
-    change, variance = residuals.mean(axis=0), residuals.var(axis=0, ddof=1) / count
+    change = residuals.mean(axis=0)
+    variance = np.maximum(residuals.var(axis=0, ddof=1) / count, variance_of_mean(residuals))
     offsets = offset_columns(model)
     values, covariance, robust = result.values.copy(), result.covariance.copy(), result.covariance_robust.copy()
     drift = drifted_since(change, np.sqrt(variance + np.diag(robust)[offsets]), case, result.source)
     values[offsets] += change
+    others = still.matrices.mean(axis=0)
+    others[:, offsets] = 0.0
     for square in (covariance, robust):
-        square[offsets, :] = square[:, offsets] = 0.0
-        square[offsets, offsets] = variance
+        together, own = -others @ square, others @ square @ others.T + np.diag(variance)
+        together[:, offsets] = own
+        square[offsets, :], square[:, offsets] = together, together.T
     physical, stale = physical_values(model, values, covariance, robust), recording.remarks + result.remarks
     parameters = entries_of_parameters(physical, result.record.degrees_of_freedom, values, covariance, robust)
     record = result.record.replaced(

@@ -21,6 +21,7 @@ from identification.signals import stretches
 Flags = NDArray[np.bool_]
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
+LEAVING = 0.04  # [s] of the beginning of a movement that is too slow to be seen
 SHORTEST = 0.1  # [s] of a standstill that is worth averaging
 SAME_POSITION = 2.0 * MM  # between a standstill and its pose of the program
 SAME_ANGLE = 0.5 * DEG
@@ -32,7 +33,7 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
     """Rows of the standstills of a run.
 
     With a trigger that comes on several times: where it is on. Else, as in a joint trajectory, which switches none:
-    where the struts stand, less the time to settle.
+    where the struts stand, less the time to settle and the beginning of the next movement.
 
     Args:
         settle: time after a movement that is not averaged, where there is no trigger [s].
@@ -57,7 +58,7 @@ def find_standstills(recording: Recording, settle: float) -> list[slice]:
     else:
         settling = round(settle / step)
         standing = ~moving if trigger is None or not trigger.any() else ~moving & trigger
-        windows = [slice(w.start + settling, w.stop) for w in stretches(standing)]
+        windows = [slice(w.start + settling, w.stop - round(LEAVING / step)) for w in stretches(standing)]
     windows = [w for w in windows if (w.stop - w.start) * step >= SHORTEST]
     if len(windows) < 2:
         raise RecordingError(
@@ -92,7 +93,7 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
             )
     forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
     struts = np.array([recording.struts[r].mean(axis=0) for r in rows])
-    variance = np.array([_variance_of_mean(recording.forces[r]) for r in rows])
+    variance = np.array([variance_of_mean(recording.forces[r]) for r in rows])
     usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
     degrees = recording.temperature
@@ -203,7 +204,7 @@ def _moving(struts: Array, step: float) -> Flags:
     return np.asarray(np.abs((struts[after] - struts[before]) / span).max(axis=1) > MOVING)
 
 
-def _variance_of_mean(forces: Array) -> Array:
+def variance_of_mean(forces: Array) -> Array:
     """Variance of the mean of each channel, from the scatter of batch means, slow noise included, shape (6,)."""
     batches = min(BATCHES, len(forces))
     length = len(forces) // batches

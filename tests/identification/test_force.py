@@ -24,6 +24,7 @@ from identification.payloads import payload_between, require_two
 from identification.recording import Recording
 from identification.result import entries_of
 from identification.runs.preparation import moving_run
+from identification.runs.standstills import standstills
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, one_line
 from tests.simulated_machine import PoseExecution
@@ -92,9 +93,24 @@ def test_a_tare_moves_the_offsets_by_the_drift_and_nothing_else(saved: Result) -
     moved = np.array([n.startswith("f_q0") for n in names])
     np.testing.assert_allclose((drifted.values - base.values)[moved], 2.5, atol=1e-9)
     np.testing.assert_array_equal(drifted.values[~moved], saved.values[~moved])
-    np.testing.assert_allclose(
-        np.sqrt(np.diag(drifted.covariance))[moved], 1.0 / np.sqrt(400), rtol=0.2
-    )  # white noise of 1 N
+
+
+def test_after_a_tare_forces_of_that_pose_are_known_as_well_as_its_mean(saved: Result) -> None:
+    """What the rest of the model is uncertain of there is in the offsets, which make up for it."""
+    tared, record = tare(standing(), saved), standing()
+    matrix = standstills(record, CASE, saved.model).matrices[0]
+    deviations = np.sqrt(np.diag(matrix @ tared.covariance @ matrix.T))
+    assert np.all((deviations * np.sqrt(400) > 0.9) & (deviations * np.sqrt(400) < 1.8))  # white noise of 1 N
+    offsets = [n.startswith("f_q0") for n in saved.model.names]
+    assert np.all(np.sqrt(np.diag(tared.covariance))[offsets] > deviations)
+
+
+def test_a_tare_in_coloured_noise_is_less_certain(saved: Result) -> None:
+    record = standing()
+    slow = replace(record, forces=record.forces + 2.0 * np.sin(np.arange(400) / 40.0)[:, None])
+    matrix = standstills(record, CASE, saved.model).matrices[0]
+    deviations = np.sqrt(np.diag(matrix @ tare(slow, saved).covariance @ matrix.T))
+    assert np.all(deviations > 3.0 / np.sqrt(400))
 
 
 def test_a_tared_result_is_a_result(saved: Result, tmp_path: Path) -> None:
