@@ -1,7 +1,7 @@
 """`hexcite cases`, `hexcite case new`, `hexcite case check` and `hexcite case show`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -45,15 +45,12 @@ def check(
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
     from cases.errors import CaseError
-    from cases.loading import find_case, load_case
-    from cases.scaffold import readiness
     from identification.limit import LimitReport
-    from planner.motion_box import largest_box
-    from planner.reach import reach as reach_of
-    from planner.reports.case_figures import case_figures, has_motion_box, leftovers
+    from planner.case_check import check_case
 
     try:
-        figures: dict[str, Any] = case_figures(case)
+        with console.status("searching the largest reachable box", json or not propose):
+            checked = check_case(case, propose)
     except CaseError as error:
         if len(error.problems) < 2:
             for remark in () if json else _units_of(case):
@@ -64,19 +61,9 @@ def check(
         for problem in error.problems:
             print(problem)
         raise
-    loaded = load_case(case)
-    requirements, remarks = readiness(loaded), leftovers(loaded)
-    with console.status("searching the largest reachable box", json or not propose):
-        try:
-            proposal = largest_box(loaded) if propose else None
-        except CaseError as error:
-            raise CaseError(find_case(case), error.key, error.problem) from error
-    reach = reach_of(loaded) if has_motion_box(loaded) else None
-    parts = {"reach": reach, "proposal": proposal}
-    ready = {command: list(missing) for command, missing in requirements.items()}
-    answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
-    if console.answered(answer | {k: v.to_json() for k, v in parts.items() if v is not None}, json):
+    if console.answered({"ok": True, **checked.to_json()}, json):
         return
+    figures, requirements, reach, proposal = checked.figures, checked.missing, checked.reach, checked.proposal
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
     if "limits_in_box" in figures:
@@ -95,7 +82,7 @@ def check(
     for missing in dict.fromkeys(filter(None, requirements.values())):
         commands = [command for command, lacks in requirements.items() if lacks == missing]
         print(f"not ready for: {'; '.join(commands)}; the case misses {', '.join(missing)}")
-    for remark in remarks:
+    for remark in checked.remarks:
         print(f"look at {remark}")
     if reach is not None:
         _print_reach(reach, case, proposal is None)

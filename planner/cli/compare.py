@@ -89,11 +89,9 @@ def validate(
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
     what it models. Interrupted, the same command uses the plans that are there.
     """
-    from cases.errors import CaseError, HexciteError
+    from cases.errors import HexciteError
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
-    from identification.model import full_model
-    from identification.parameters import RIGID
     from planner.comparison.methods import ValidationSettings, require_methods, unfinished
     from planner.comparison.trials import mounted_weights
     from planner.comparison.validation import disturbances_of, validate_recordings
@@ -101,13 +99,6 @@ def validate(
 
     settings = ValidationSettings(on, starts, seed, plans, workers)
     loaded = load_case(case)
-    if loaded.limits is not None and full_model(loaded) == RIGID:
-        raise CaseError(
-            f"case {loaded.name}",
-            "setup",
-            f"is {loaded.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
-            "with and without a weight, and see what hexcite payload says of it",
-        )
     if recordings is not None:
         simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         for option in (name for name, value in simulating.items() if value):
@@ -116,8 +107,6 @@ def validate(
     selection = tuple(METHOD_TABLES) if names is None else names
     if recordings is None:
         require_methods(selection)
-    if loaded.payloads is None:
-        loaded.missing("payloads", "a validation with payloads")
     mounted = mounted_weights(loaded, weights)
     place = output_place(output, Path("hexcite-validation"), overwrite)
     check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
@@ -125,8 +114,7 @@ def validate(
         validation = validate_recordings(loaded, recordings, names)
         console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
-        loaded.need_machine("a validation")  # before anything is made
-        disturbances_of(loaded, settings, undisturbed)
+        disturbances_of(loaded, settings, undisturbed)  # before anything is made
         with unfinished(place, loaded, settings, overwrite) as work:
             with console.progress("validating", len(selection) * len(mounted), json) as count:
                 validation = carried_out(

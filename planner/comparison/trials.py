@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from cases.errors import FileProblem, HexciteError
+from cases.errors import CaseError, FileProblem, HexciteError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody
 from identification.identify import estimate_parameters, standing_of
+from identification.model import full_model
 from identification.motion import Array
-from identification.parameters import linear_parameters, physical_form
+from identification.parameters import RIGID, linear_parameters, physical_form
 from identification.recording import Recording, read
 from identification.result import Estimate
 from identification.runs.preparation import on_one_clock
@@ -205,12 +206,26 @@ def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
     return theory
 
 
+def require_weights(case: Case) -> None:
+    """Raises CaseError where a case has no weights, or a machine for which methods are not compared."""
+    if case.limits is not None and full_model(case) == RIGID:
+        raise CaseError(
+            f"case {case.name}",
+            "setup",
+            f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
+            "with and without a weight, and see what hexcite payload says of it",
+        )
+    if case.payloads is None:
+        case.missing("payloads", "a validation with payloads")
+
+
 def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
     """Numbers of weights to mount, by default 0 and each up to all of them.
 
     Raises:
         HexciteError: the text is not numbers from 0 upwards, or they are more weights than there are.
     """
+    require_weights(case)
     most = len(_weights(case, 99))
     if wanted is None:
         return tuple(range(most + 1))

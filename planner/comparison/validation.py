@@ -25,7 +25,7 @@ from planner.comparison.methods import (
     make_places,
     require_methods,
 )
-from planner.comparison.trials import Trial, mounted_weights, recorded_trials
+from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights
 from planner.execution import require_controller
 
 
@@ -104,9 +104,8 @@ def validate(
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
     """
     require_methods(methods)
-    case.need_machine("a validation")
+    mounted = mounted_weights(case, None if mounted is None else ",".join(map(str, mounted)))
     disturbances = disturbances_of(case, settings, undisturbed)
-    mounted = mounted_weights(case, None) if mounted is None else mounted
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
@@ -132,6 +131,7 @@ def validate(
 
 def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
     """Disturbances of the simulated machine; raises HexciteError where it cannot be run."""
+    case.need_machine("a validation")
     require_controller(settings.on)
     disturbances = case.need_simulation("a validation without recordings").disturbances
     if disturbances is None and not undisturbed:
@@ -149,6 +149,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     Raises:
         HexciteError: runs are missing, or cannot be evaluated.
     """
+    require_weights(case)
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
         raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")

@@ -1,0 +1,64 @@
+"""Whether a case can be used: its figures, what commands miss in it, and how much of its motion box is reachable."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cases.errors import CaseError
+from cases.loading import find_case, load_case
+from cases.scaffold import readiness
+from cases.schema import Case
+from cases.units import as_html
+from planner.motion_box import MotionBox, largest_box
+from planner.reach import Reach
+from planner.reach import reach as reach_of
+from planner.reports.case_figures import case_figures, has_motion_box, leftovers, share_sentences
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class CaseCheck:
+    """A case that is valid, and what is known of it."""
+
+    case: Case
+    figures: Mapping[str, Any]  # name, title, hash, condition of the sensor frame; with a motion box its limits at rest
+    missing: Mapping[str, tuple[str, ...]]  # command -> what it misses in the case; empty where it is ready
+    remarks: tuple[str, ...]  # what a person should look at
+    reach: Reach | None  # reachable share of the motion box; None where the case has none
+    proposal: MotionBox | None  # the largest reachable box, where one was asked for
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs."""
+        missing = {command: list(lacks) for command, lacks in self.missing.items()}
+        parts = {"reach": self.reach, "proposal": self.proposal}
+        answer = {"figures": dict(self.figures), "missing": missing, "remarks": list(self.remarks)}
+        return answer | {name: part.to_json() for name, part in parts.items() if part is not None}
+
+    def __repr__(self) -> str:
+        """What it is, what it is ready for, and its reach."""
+        ready = ", ".join(command for command, lacks in self.missing.items() if not lacks) or "no command"
+        lines = [repr(self.case), f"ready for: {ready}", *(f"look at {remark}" for remark in self.remarks)]
+        return "\n".join(lines if self.reach is None else [*lines, share_sentences(self.reach)])
+
+    _repr_html_ = as_html
+
+
+def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
+    """Validates a case and says how much of its motion box is reachable.
+
+        hx.check_case("mill").missing
+
+    Args:
+        case: built-in name, folder or case file.
+        propose: whether the largest reachable motion box is searched.
+
+    Raises:
+        CaseError: the case is not valid, or the machine cannot stand at home; `problems` has all that was found.
+    """
+    figures, loaded = case_figures(str(case)), load_case(str(case))
+    try:
+        proposal = largest_box(loaded) if propose else None
+    except CaseError as error:
+        raise CaseError(find_case(str(case)), error.key, error.problem) from error
+    reach = reach_of(loaded) if has_motion_box(loaded) else None
+    return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, proposal)

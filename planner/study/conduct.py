@@ -1,0 +1,132 @@
+"""A study from its file to its answer: cells that are missing in its folder are computed, and the best are named."""
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cases.errors import HexciteError, Interrupted
+from cases.files import read_json, write_text
+from cases.schema import Case
+from cases.units import as_html
+from planner.study import ABOUT, DONE, PLANNED, Spec, check_study, load_spec, read_rows
+from planner.study.cluster import TaskEnd, local_client, remote_client, require_dask
+from planner.study.study_run import about_study, cells_of, missing, run_study
+from planner.study.summary import SettingsGroup, best_groups, groups, study_page
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Study:
+    """What a study folder holds; each cell is a plan, and runs of it where the study asks for them."""
+
+    folder: Path
+    cells: int  # number of all of them
+    computed: int  # how many were computed now
+    done: int
+    failed: int
+    rows: int  # rows of plans and of runs
+    seconds: float  # time that it took now [s]
+    overhead: float | None  # time x cores over the time in cells; None where none was computed
+    best: dict[str, SettingsGroup]  # criterion -> its best settings
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries for programs."""
+        return {
+            "study": str(self.folder),
+            "cells": self.cells,
+            "computed": self.computed,
+            "done": self.done,
+            "failed": self.failed,
+            "rows": self.rows,
+            "seconds": self.seconds,
+            "overhead": self.overhead,
+            "best": {letter: {**group.settings, "score": group.best} for letter, group in self.best.items()},
+        }
+
+    def write_page(self) -> Path:
+        """Writes the page of the folder, report.html, and returns its path."""
+        page = study_page(read_json(self.folder / ABOUT, "hexcite study"), read_rows(self.folder))
+        write_text(self.folder / "report.html", page)
+        return self.folder / "report.html"
+
+    def __repr__(self) -> str:
+        """How many cells are done, and the best settings of each criterion."""
+        best = [f"{letter}: {group.best:.4g} with {group.settings}" for letter, group in sorted(self.best.items())]
+        return "\n".join([f"Study {self.folder}: {self.done} of {self.cells} cells done, {self.failed} failed", *best])
+
+    _repr_html_ = as_html
+
+
+def study(
+    case: Case,
+    spec: Spec | Path | str,
+    folder: Path | str | None = None,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[int, int, TaskEnd | None], None] = lambda open_cells, cells, end: None,
+) -> Study:
+    """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
+
+        hx.study(hx.load_case("hexapod"), "paper", "study", workers=4)
+
+    Args:
+        case: machine and limits, and a simulated machine where the study executes its plans.
+        spec: TOML file of the study, or a built-in one: paper, validation.
+        folder: its folder, continued if it is there; named after case and study unless given.
+        workers: processes on this computer; one a core unless given.
+        scheduler: a running Dask scheduler instead, tcp://host:port.
+        progress: called with the number of cells that were open, that of all, and each end of a cell; with None first.
+
+    Raises:
+        HexciteError: the study cannot be understood, its folder is another's, Dask is missing or the cluster is lost.
+        Interrupted: Ctrl-C; what is done is kept.
+    """
+    asked = spec if isinstance(spec, Spec) else load_spec(str(spec))
+    case.need_motion("a study")
+    if asked.execute is not None:
+        case.need_simulation("a study that executes its plans")
+    if scheduler is not None and workers is not None:
+        raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
+    if workers is not None and not 1 <= workers <= 1000:
+        raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
+    require_dask()
+    place = Path(f"{case.name}-{asked.name}-study") if folder is None else Path(folder)
+    cells = cells_of(asked, case)
+    check_study(place, about_study(asked, case, len(cells)))
+    number = len(missing(cells, asked, place))
+    start, busy, computed, threads = time.perf_counter(), 0.0, 0, workers or os.cpu_count() or 1
+    if number or not (place / ABOUT).exists():
+        context = local_client(workers, asked.cells.memory_GB) if scheduler is None else remote_client(scheduler)
+        try:
+            with context as client:
+                start = time.perf_counter()
+                threads = sum(client.nthreads().values())
+                progress(number, len(cells), None)
+
+                def on_end(end: TaskEnd) -> None:
+                    nonlocal busy
+                    busy += end.seconds
+                    progress(number, len(cells), end)
+
+                computed = run_study(client, asked, case, place, on_end)
+        except Interrupted:
+            raise Interrupted(f"what is done is kept in {place}, the same command goes on") from None
+    seconds = time.perf_counter() - start
+    table = read_rows(place)
+    statuses = zip(table["status"].to_pylist(), table["noise_seed"].to_pylist(), strict=True)
+    plans = [status for status, seed in statuses if seed == PLANNED]
+    done = plans.count(DONE)
+    return Study(
+        folder=place,
+        cells=len(cells),
+        computed=computed,
+        done=done,
+        failed=len(plans) - done,
+        rows=len(table),
+        seconds=seconds,
+        overhead=seconds * threads / busy if busy else None,
+        best=best_groups(groups(table)),
+    )
