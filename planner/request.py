@@ -22,6 +22,12 @@ LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 MOST_SECONDS = 86_400.0  # [s] longest search
 
 
+def require_workers(workers: int | None) -> None:
+    """Raises HexciteError where a number of processes cannot be."""
+    if workers is not None and not 1 <= workers <= 1000:
+        raise HexciteError(f"{workers} workers; choose --workers 1 to 1000, by default one a core")
+
+
 @dataclass(frozen=True, slots=True)
 class Request:
     """What to plan."""
@@ -55,8 +61,7 @@ class Request:
             raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
         if self.seed < 0:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
-        if self.workers is not None and not 1 <= self.workers <= 1000:
-            raise HexciteError(f"{self.workers} workers; choose --workers 1 to 1000, by default one a core")
+        require_workers(self.workers)
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
                 f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "

@@ -11,6 +11,7 @@ from cases.errors import HexciteError, Interrupted
 from cases.files import read_json, write_text
 from cases.schema import Case
 from cases.units import as_html
+from planner.request import require_workers
 from planner.study import ABOUT, DONE, PLANNED, Spec, check_study, load_spec, read_rows
 from planner.study.cluster import TaskEnd, local_client, remote_client, require_dask
 from planner.study.study_run import about_study, cells_of, missing, run_study
@@ -90,8 +91,7 @@ def study(
         case.need_simulation("a study that executes its plans")
     if scheduler is not None and workers is not None:
         raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
-    if workers is not None and not 1 <= workers <= 1000:
-        raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
+    require_workers(workers)
     require_dask()
     place = Path(f"{case.name}-{asked.name}-study") if folder is None else Path(folder)
     cells = cells_of(asked, case)
