@@ -50,7 +50,8 @@ def proven_program(
     language = dialect.load(path.suffix.lower())
     program = language.prepare(excitation_program(trajectory, case, header, speed), case)
     reading = language.read(language.write(program, case), str(path), case)
-    proof = prove_program(reading, case, language.guarantees(reading, case))
+    guarantees = language.guarantees(reading, case)
+    proof = prove_program(reading, case, guarantees)
     proof.require_accepted(accepted)
     if language.same is None:
         _require_same(program, reading, language.tolerance(case))
@@ -62,7 +63,7 @@ def proven_program(
     if not _same_stretches(again, reading):
         raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
     proven = replace(proof, remarks=tuple(remarks(again, case)))
-    return Program(path, dialect, content, again, language.guarantees(again, case), case, proven=proven)
+    return Program(path, dialect, content, again, guarantees, case, proven=proven)
 
 
 def _findings(proof: ProgramProof) -> tuple[str, ...]:

@@ -56,11 +56,10 @@ class Untimed:
     start: Array | None  # shape (6,) [m, rad], or None where the program cannot know it
     end: Array  # shape (6,) [m, rad]
     feed: float | None  # along XYZ [m/s], or along ABC [rad/s] where XYZ stands still; None for a rapid
-    linear: bool  # whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles
+    linear: bool  # whether X, Y or Z moves by the controller's own measure: then the feed is one of lengths
     arc: Arc | None  # None for a straight move
     trigger: bool  # whether the trigger is on
-    # indices of the coordinates of a chain whose way the feed counts; None as `linear` says
-    counted: tuple[int, ...] | None = None
+    counted: tuple[int, ...] = ()  # indices of the coordinates whose way the feed counts; of an arc it counts the arc
     # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
 
@@ -68,15 +67,12 @@ class Untimed:
     def length(self) -> float:
         """Way that the feed counts, from a known start [m], [rad] where only angles move."""
         assert self.start is not None
-        way = self.end - self.start
         if self.arc is not None:
             plane, centre, angle = self.arc
             first, second, _ = plane.axes
             arm = self.start[[first, second]] - centre
             return abs(angle) * float(np.hypot(arm[0], arm[1]))
-        if self.counted is not None:
-            return float(np.linalg.norm(way[list(self.counted)]))
-        return float(np.linalg.norm(way[:3] if self.linear else way[3:]))
+        return float(np.linalg.norm((self.end - self.start)[list(self.counted)]))
 
     @property
     def share_rate(self) -> float | None:
@@ -202,7 +198,7 @@ class Grouping:
         linear: bool,
         exact: bool,
         arc: Arc | None = None,
-        law: tuple[tuple[int, ...] | None, float | None] = (None, None),
+        law: tuple[tuple[int, ...], float | None] = ((), None),
     ) -> None:
         """Adds a move that the controller times itself; `law` is `counted` and `acceleration` of `Untimed`."""
         self._finish_path()

@@ -192,13 +192,12 @@ class ModalState(ABC):
 
     def straight(self, end: Array, duration: float | None, feed: float | None, exact: bool) -> None:
         """Adds a straight move to coordinates, shape (k,) as written, and sets them as the pose."""
-        known, linear = not np.isnan(self.pose).any(), self.moves_origin(end)
-        axes = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
+        linear = self.moves_origin(end)
+        counted = tuple(map(int, np.flatnonzero(self.linear if linear else ~self.linear)))
         self.pose = end
         if duration is not None:
             self.motions.block((self.line, duration, end * self.scale, None), exact)
             return
-        counted = axes if self.own_axes and known else None
         self.motions.move(self.line, end * self.scale, feed, linear, exact, law=(counted, None))
 
     def arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:

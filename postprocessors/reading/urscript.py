@@ -127,9 +127,9 @@ class _Interpreter:
         acceleration, speed = (self._number(arguments.get(key), f"{key} of movej") for key in ("a", "v"))
         if not (acceleration > 0.0 and speed > 0.0):
             self.fail("movej needs a and v above 0; correct them")
-        leading = None if self.pose is None else (int(np.argmax(np.abs(end - self.pose))),)
+        leading = range(JOINTS) if self.pose is None else [int(np.argmax(np.abs(end - self.pose)))]
         self.pose = end
-        self.motions.move(self.line, end, speed, linear=False, exact=True, law=(leading, acceleration))
+        self.motions.move(self.line, end, speed, linear=False, exact=True, law=(tuple(leading), acceleration))
 
     def _sleep(self, arguments: dict[str, str]) -> None:
         duration = self._number(arguments.get("t"), "the time of sleep")
