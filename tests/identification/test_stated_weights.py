@@ -13,6 +13,7 @@ from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
+from identification.result import entries_of
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, simulated
 from tests.identification.point_masses import PointMasses, wrench_of_bars
@@ -109,7 +110,7 @@ def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
     np.testing.assert_allclose(stated.fit.values, equal.fit.values, rtol=1e-9)
     np.testing.assert_allclose(stated.fit.covariance, equal.fit.covariance, rtol=1e-9)
     assert stated.fit.s0 == pytest.approx(equal.fit.s0 / 2.0, rel=1e-9)
-    assert [e.to_json()["weights"] for e in (equal, stated)] == ["equal", "stated"]
+    assert [entries_of(e).weights for e in (equal, stated)] == ["equal", "stated"]
 
 
 def test_a_known_mass_and_a_real_body_go_with_stated_weights() -> None:
