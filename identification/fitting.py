@@ -16,8 +16,7 @@ from identification.estimation.estimators import FitProblem, Method, gauss_marko
 from identification.estimation.fit import Fit, Regression, Uncertain
 from identification.model import Model
 from identification.parameters import MASS
-from identification.runs.evaluation import MOST_DELAY, Run
-from identification.runs.wrist import WristRun
+from identification.runs.evaluation import MOST_DELAY
 from identification.samples import Samples
 
 DELAY_STEPS = 8
@@ -69,7 +68,7 @@ def fit_samples(
     delay = delay if fixed_delay is None else fixed_delay.value
     near = None
     for times in EXCERPTS:
-        part = excerpt(samples, times)
+        part = samples.excerpt(times)
         if part is not samples:
             with suppress(IdentificationError):  # where a part determines too little, the whole run is fitted at once
                 steps = DELAY_STEPS if near is None else 1
@@ -97,8 +96,9 @@ def fit_samples(
     if how.biases is not None:
         moves = offset_moves(model, basis, columns, w)
         taken += moves @ how.biases.covariance @ moves.T
-    if isinstance(samples, WristRun):
-        effects = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
+    unknowns = len(model.names)
+    effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
+    if effects is not None:
         moves = basis @ gain(columns @ basis, w, effects)
         if how.biases is not None:
             covariance = np.array(how.biases.require_accelerometer().covariance_m2_s4)
@@ -111,11 +111,6 @@ def fit_samples(
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         fixed_delay = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
     return Fitted(samples, how, problem, fit, fixed_delay, residuals, whitening, w, regression, taken)
-
-
-def excerpt(samples: Samples, times: int = 1) -> Samples:
-    """A part of a long run that stands for all of it, `fair_part`; other samples as they are."""
-    return samples.excerpt(times) if isinstance(samples, Run) else samples
 
 
 def _converged(

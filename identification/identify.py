@@ -17,10 +17,10 @@ from cases.basis import Artefact, recording_basis, result_basis
 from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.biases import Biases, accelerometer_bias, drift_findings, mass_finding
+from identification.estimation.biases import accelerometer_bias, drift_findings, mass_finding
 from identification.estimation.compressed import require_alive
 from identification.estimation.estimators import FitProblem, Method
-from identification.finding import Kind, changed_cases, note, warning
+from identification.finding import Kind, changed_cases, warning
 from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
 from identification.findings.wiring import fitting_case, other_wiring
@@ -33,12 +33,12 @@ from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
 from identification.runs.averaging import PeriodicRun, periodic_run
-from identification.runs.evaluation import MOST_DELAY, Run, mode_finding, smoothed, smoothing_finding, smoothing_of
+from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import Scan, scan
 from identification.runs.standstills import average, find_standstills, match, standstills
-from identification.runs.wrist import WristRun, delay_band, wrist_run
+from identification.runs.wrist import delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
@@ -218,46 +218,36 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
 
 
 def _samples(
-    recording: Recording, case: Case, model: Model, conditioning: Conditioning, found: Scan, biases: Biases | None
+    recording: Recording, case: Case, model: Model, conditioning: Conditioning, found: Scan, method: Method
 ) -> Samples:
-    """Samples of a recording, ready to be evaluated; `biases` are those that a wrist run takes as known."""
+    """Samples of a recording, ready to be evaluated."""
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model, found)
+    if conditioning.flexible and (method.priors or conditioning.periodic or recording.struts is None):
+        raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if conditioning.periodic:
         return periodic_run(recording, case, model, conditioning, found)
     if recording.struts is None:
-        return wrist_run(recording, case, model, MOST_DELAY, biases, bad=found.bad)
-    return replace(moving_run(recording, case, model, found=found), smoothing=conditioning.flexible)
+        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=delay_band(recording), bad=found.bad)
+        return replace(wrist_run(recording, case, model, MOST_DELAY, method.biases, bad=found.bad), wide=wide)
+    run = moving_run(recording, case, model, found=found)
+    return replace(run, smoothing=conditioning.flexible, flexible=conditioning.flexible)
 
 
 def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
     scanned = scan(recording, case)
     problem = FitProblem.of(model, case, method)
-    samples = _samples(recording, case, model, conditioning, scanned, method.biases)
-    if conditioning.flexible and (method.priors or not isinstance(samples, Run)):
-        raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
-    findings = list(scanned.findings)
-    delay, wide = None, None
-    if isinstance(samples, WristRun):
-        band = delay_band(recording)
-        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band, bad=scanned.bad)
-        delay = fit_samples(wide, GAUSS_MARKOV, problem).delay
-        sentence = f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up "
-        sentence += f"to {samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
-        findings.append(note(Kind.CLOCK, sentence))
-    fitted = fit_samples(samples, method, problem, fixed_delay=delay)
-    fitted, contacts = free_of_contact(recording, fitted)
-    if contacts and wide is not None:
-        delay = fit_samples(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
+    samples = _samples(recording, case, model, conditioning, scanned, method)
+    delay = None if samples.wide is None else fit_samples(samples.wide, GAUSS_MARKOV, problem).delay
+    fitted, contacts = free_of_contact(recording, fit_samples(samples, method, problem, fixed_delay=delay))
+    if contacts and samples.wide is not None:
+        delay = fit_samples(samples.wide.without(touched(samples.wide.t, contacts)), GAUSS_MARKOV, problem).delay
         fitted = fit_samples(fitted.samples, method, problem, fixed_delay=delay)
-    if isinstance(fitted.samples, Run) and not method.priors and not conditioning.flexible:
-        rich = smoothed(fitted.samples, fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
-        if rich.smoothing:
+    if not method.priors:
+        rich = fitted.samples.refined(fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
+        if rich is not fitted.samples:
             fitted = fitted.again(rich)
-    if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
-        smoothing = smoothing_of(fitted.samples, fitted.fit)
-        cutoff = fitted.samples.filter.cutoff
-        findings.append(mode_finding(smoothing, cutoff) if conditioning.flexible else smoothing_finding(smoothing))
+    findings = [*scanned.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contact_sentences(recording, contacts)]
     noise = None
     if case.sensors.state_noise and isinstance(fitted.samples, Run | PeriodicRun):

@@ -17,14 +17,11 @@ from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
 from identification.finding import AS_OBJECT, FROZEN, Entries, Finding, Severity, quantities_of, sentences
-from identification.fitting import Fitted, excerpt
-from identification.model import Model, expected_forces, identification_model
+from identification.fitting import Fitted
+from identification.model import Model, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
-from identification.runs.averaging import PeriodicRun
-from identification.runs.evaluation import Run
 from identification.runs.noise_sources import NoiseSources, attenuation_of
-from identification.runs.wrist import WristRun
-from identification.samples import Samples, Standstills
+from identification.samples import Samples
 from identification.signals import Residuals
 
 
@@ -286,31 +283,13 @@ def entries_of_parameters(
     }
 
 
-MOST_SAMPLES = 60_000  # of the recording: a minute at 1 kHz says what its forces look like, and hours do not fit
-
-
 def residuals_of(estimate: Estimate) -> Residuals:
-    """Recorded forces of a run beside those of its own estimate, at most the first `MOST_SAMPLES`."""
-    samples, delay, u = estimate.evaluated, estimate.at, estimate.fit.values
-    if isinstance(samples, Standstills):
-        return Residuals(samples.t, samples.recorded, samples.matrices @ u, None)
-    if isinstance(samples, WristRun):
-        values, step = samples.regressors(delay) @ u, samples.filter.step * samples.filter.stride
-        return Residuals(samples.t, samples.recorded_forces, values, step)
-    if isinstance(samples, PeriodicRun):
-        assert samples.recording.t is not None
-        t = samples.recording.t[samples.used][:MOST_SAMPLES]
-        expected = samples.predicted(samples.regressors(delay) @ u, t)
-        return Residuals(t, samples.recording.forces[samples.used][:MOST_SAMPLES], expected, samples.recording.step)
-    assert isinstance(samples, Run)
-    rows = np.arange(samples.rows[0], samples.rows[-1] + 1)
-    every = replace(samples, rows=(rows if samples.spoilt is None else rows[~samples.spoilt[rows]])[:MOST_SAMPLES])
-    predicted = expected_forces(every.model, every.kinematics(delay), u)
-    return Residuals(every.t, every.recorded_forces, predicted, samples.filter.step, every.forces)
+    """Recorded forces of a run beside those of its own estimate."""
+    return estimate.evaluated.series(estimate.at, estimate.fit.values)
 
 
 def identifiability_of(estimate: Estimate) -> Identifiability:
     """Which of the estimated parameters the run determines, alone and together (section 5)."""
-    samples = excerpt(estimate.evaluated)
+    samples = estimate.evaluated.excerpt()
     selection = estimate.how.selection(samples.model)
     return analyse(samples.regressors(estimate.at) @ selection.basis, selection.names)

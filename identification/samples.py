@@ -14,9 +14,10 @@ from cases.errors import HexciteError
 from cases.units import Array
 from identification.estimation.channel_weights import independent_poses
 from identification.estimation.compressed import inverse_root, joint_triangle, long_run_covariance, scores
-from identification.estimation.fit import UNFILTERED, Filtered, Robust
+from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust
 from identification.finding import Finding
 from identification.model import Model
+from identification.signals import Residuals
 
 Rows = NDArray[np.bool_]
 
@@ -53,6 +54,18 @@ class Samples(Protocol):
         """Names of what is estimated beside the model, the delay last; none where nothing moves."""
 
     @property
+    def wide(self) -> Self | None:
+        """The run in a wider band, where its delay is found beforehand; None where none is, or it is estimated."""
+
+    @property
+    def scale(self) -> Array | float:
+        """What forces and A are multiplied by in a fit, shape (n,), or 1."""
+
+    @property
+    def noise_stated(self) -> bool:
+        """Whether the noise that a case states explains the residuals."""
+
+    @property
     def filtered(self) -> Filtered:
         """Effect of filtering or averaging on white noise of the recorded forces."""
 
@@ -77,9 +90,68 @@ class Samples(Protocol):
     def without(self, left_out: Rows) -> Self:
         """The same without the samples that are marked, shape (n,)."""
 
+    def series(self, delay: float, values: Array) -> Residuals:
+        """Recorded forces beside the model's, at most the first `MOST_SAMPLES`."""
+
+    def excerpt(self, times: int = 1) -> Self:
+        """A part of a long run that stands for all of it, `fair_part`; the samples themselves where that is all."""
+
+    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array | None:
+        """How A u changes with what was measured beside: the delay and biases of an accelerometer, shape (n, 6, 4)."""
+
+    def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
+        """The samples with further nuisances that a fit shows to be worth an estimate; as they are where none is.
+
+        Args:
+            fit: fit of them; its values begin with u.
+            basis: basis of the free parameters, shape (u, free).
+            w: W for one sample, shape (6, 6).
+            delay: estimated delay [s].
+        """
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """What there is to say of how they were evaluated, after their fit with W for one sample, shape (6, 6)."""
+
+
+class PlainSamples:
+    """Samples of which nothing is measured beside, and nothing estimated further."""
+
+    __slots__ = ()
+    noise_stated: ClassVar[bool] = False
+
+    @property
+    def scale(self) -> Array | float:
+        """1."""
+        return 1.0
+
+    @property
+    def wide(self) -> Self | None:
+        """None: the delay is estimated with the parameters, or nothing moves."""
+        return None
+
+    def excerpt(self, times: int = 1) -> Self:
+        """The samples themselves."""
+        del times
+        return self
+
+    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array | None:
+        """None."""
+        del delay, matrices, values
+        return None
+
+    def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
+        """The samples themselves."""
+        del fit, basis, w, delay
+        return self
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """Nothing."""
+        del fit, w
+        return ()
+
 
 @dataclass(frozen=True, slots=True)
-class Standstills:
+class Standstills(PlainSamples):
     """Averaged standstills: nothing moves, nothing is filtered."""
 
     model: Model
@@ -132,6 +204,11 @@ class Standstills:
         half = inverse_root(joint_triangle(matrices, residuals, np.sqrt(weights))[:-1, :-1])
         inverse = half @ half.T
         return Robust(inverse @ long_run_covariance(scores(matrices, residuals, weights)) @ inverse)
+
+    def series(self, delay: float, values: Array) -> Residuals:
+        """Forces of each standstill beside the model's."""
+        del delay
+        return Residuals(self.t, self.recorded, self.matrices @ values, None)
 
     def without(self, left_out: Rows) -> "Standstills":
         """The standstills that are not marked, shape (n,)."""

@@ -246,6 +246,7 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
     return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])
 
 
+MOST_SAMPLES = 60_000  # of a series: a minute at 1 kHz says what forces look like, and hours do not fit
 SEGMENT = 1024  # samples of a periodogram: 1 Hz at 1 kHz
 
 

@@ -23,10 +23,7 @@ from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.parameters import INERTIA, INERTIA_INDEX, MASS, physical_form
 from identification.recording import Recording
-from identification.runs.averaging import PeriodicRun
-from identification.runs.evaluation import Run
 from identification.runs.sample_checks import cut_off, shorter_than_planned
-from identification.samples import Standstills
 from identification.signals import fair_part
 
 NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise
@@ -146,11 +143,10 @@ def other_rate(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
 
 
 def found_before(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Findings of recorder, estimator, window and periods."""
+    """Findings of recorder, estimator and window."""
     samples, fit = fitted.samples, fitted.fit
     cut = [*cut_off(recording), *shorter_than_planned(recording)] if samples.nuisances else []
-    periods = samples.findings(fit, fitted.w) if isinstance(samples, PeriodicRun) else ()
-    return [*cut, *fit.findings, *samples.window, *periods]
+    return [*cut, *fit.findings, *samples.window]
 
 
 def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
@@ -163,7 +159,7 @@ def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
 def like_noise(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Noise that would leave such residuals."""
     samples = fitted.samples
-    if not isinstance(samples, Run) or case.sensor_frame.struts is not None:
+    if not (samples.noise_stated and samples.consecutive) or case.sensor_frame.struts is not None:
         return []
     wrench, weights = case.sensor_frame.has_moments, fitted.method.weights or case.sensors.weights
     return noise_components(fitted.fit, samples.model, samples.filtered, wrench, weights)
@@ -304,14 +300,13 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Channels whose offset changes within a run, with the rate and the change over the run."""
     samples, method = fitted.samples, fitted.method
     freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
-    if isinstance(samples, PeriodicRun) or method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
+    averaged_periods = samples.nuisances and not samples.consecutive
+    if averaged_periods or method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
         return []
     axis, warming = _axis(recording, samples.t)
     if np.ptp(axis) == 0.0:
         return []
-    line = (axis - axis.mean()) / np.ptp(axis)
-    if isinstance(samples, Standstills):
-        line = line * samples.scale
+    line = (axis - axis.mean()) / np.ptp(axis) * samples.scale
     part = fair_part(len(line))
     weights = fitted.fit.weights if fitted.whitening is None else np.ones(6)
     free = freedom * len(part) / len(line)

@@ -38,7 +38,8 @@ from identification.runs.periods import (
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 from identification.runs.repeating import RepeatingPart, find_part, given_part
 from identification.runs.sample_checks import Scan, bridged
-from identification.samples import Conditioning
+from identification.samples import Conditioning, PlainSamples
+from identification.signals import MOST_SAMPLES, Residuals
 from identification.symbolic import Kinematics
 
 Rows = NDArray[np.bool_]
@@ -50,7 +51,7 @@ UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
 
 
 @dataclass(frozen=True)
-class PeriodicRun:
+class PeriodicRun(PlainSamples):
     """A repeating run, ready to be evaluated at any delay between forces and motion."""
 
     model: Model
@@ -67,6 +68,7 @@ class PeriodicRun:
     window: tuple[Finding, ...] = ()
     nuisances: ClassVar[tuple[str, ...]] = ("delay",)  # estimated beside the model
     consecutive: ClassVar[bool] = False  # averages; periods that a contact disturbs are left out before
+    noise_stated: ClassVar[bool] = True
     noise_correlation: ClassVar[float] = 0.0  # of white noise between evaluated instants: none
 
     @property
@@ -134,6 +136,11 @@ class PeriodicRun:
     def predicted(self, expected: Array, t: Array) -> Array:
         """Expected forces of the evaluated instants, shape (2 H + 1, 6), at any others, shape (n, 6)."""
         return fit_series(self.t, expected, self.struts.period, self.struts.start, self.harmonics).at(t)
+
+    def series(self, delay: float, values: Array) -> Residuals:
+        """Forces of the first evaluated periods beside the model's behind the filter."""
+        t, forces = (series[self.used][:MOST_SAMPLES] for series in (self._clock, self.recording.forces))
+        return Residuals(t, forces, self.predicted(self.regressors(delay) @ values, t), self.recording.step)
 
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None

@@ -34,7 +34,7 @@ from identification.finding import Finding, Kind, note
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording
-from identification.signals import Filter, decimated, fair_part
+from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
 from identification.symbolic import Kinematics, Machine
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
@@ -56,9 +56,13 @@ class Run:
     samples: int  # recorded samples of the window that they stand for
     window: tuple[Finding, ...] = ()
     smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
+    flexible: bool = False  # whether that is the lowest structural mode
     # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
     spoilt: NDArray[np.bool_] | None = None
     consecutive: ClassVar[bool] = True
+    noise_stated: ClassVar[bool] = True
+    wide: ClassVar[None] = None  # the delay is estimated
+    scale: ClassVar[float] = 1.0
 
     @property
     def t(self) -> Array:
@@ -196,6 +200,30 @@ class Run:
         left_out = np.ones(len(self.rows), dtype=bool)
         left_out[part] = False
         return self.without(left_out)
+
+    def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> "Run":
+        """The run with its smoothing to be estimated, where that is worth it, see `smoothed`; as it is elsewhere."""
+        return self if self.flexible else smoothed(self, fit, basis, w, delay)
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """The smoothing, or the structural mode that it stands for, where it was estimated."""
+        del w
+        if not self.smoothing:
+            return ()
+        smoothing = smoothing_of(self, fit)
+        return (mode_finding(smoothing, self.filter.cutoff) if self.flexible else smoothing_finding(smoothing),)
+
+    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array | None:
+        """None: the delay is estimated."""
+        del delay, matrices, values
+        return None
+
+    def series(self, delay: float, values: Array) -> Residuals:
+        """Recorded forces beside the model's at every sample of the window, decimated or not."""
+        rows = np.arange(self.rows[0], self.rows[-1] + 1)
+        every = replace(self, rows=(rows if self.spoilt is None else rows[~self.spoilt[rows]])[:MOST_SAMPLES])
+        predicted = expected_forces(every.model, every.kinematics(delay), values)
+        return Residuals(every.t, every.recorded_forces, predicted, self.filter.step, every.forces)
 
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""

@@ -18,8 +18,8 @@ from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import Biases
 from identification.estimation.coloured_noise import coloured_covariance, turned
-from identification.estimation.fit import Filtered, Robust
-from identification.finding import Finding
+from identification.estimation.fit import Filtered, Fit, Robust
+from identification.finding import Finding, Kind, note
 from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
 from identification.model import Model
 from identification.parameters import MASS
@@ -27,7 +27,8 @@ from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.runs.sample_checks import bridged
-from identification.signals import Filter
+from identification.samples import PlainSamples
+from identification.signals import Filter, Residuals
 
 Rows = NDArray[np.bool_]
 
@@ -36,7 +37,7 @@ LEAST_ROWS = 20
 
 
 @dataclass(frozen=True, slots=True)
-class WristRun:
+class WristRun(PlainSamples):
     """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion."""
 
     model: Model  # gives A; without inertia or with it, without position
@@ -48,6 +49,7 @@ class WristRun:
     specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
     samples: int  # recorded samples that they stand for
     window: tuple[Finding, ...] = ()
+    wide: "WristRun | None" = None  # the run in the widest band that all streams carry, for its delay
     consecutive: ClassVar[bool] = True
     nuisances: ClassVar[tuple[str, ...]] = ("turn_x", "turn_y", "turn_z", "delay")  # estimated beside the model
 
@@ -108,6 +110,20 @@ class WristRun:
         places = np.asarray(np.round((self.t - self.t[0]) / step), dtype=np.int64)
         coloured = coloured_covariance(turned(matrices, residuals, weights, places))
         return None if coloured is None else Robust(coloured)
+
+    def series(self, delay: float, values: Array) -> Residuals:
+        """Forces as recorded at the evaluated samples beside the model's."""
+        predicted = self.regressors(delay) @ values
+        return Residuals(self.t, self.recorded_forces, predicted, self.filter.step * self.filter.stride)
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """In which band the delay was estimated."""
+        del fit, w
+        if self.wide is None:
+            return ()
+        sentence = f"delay estimated in the band up to {self.wide.filter.cutoff:.3g} Hz, the widest that all streams "
+        sentence += f"carry; parameters up to {self.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
+        return (note(Kind.CLOCK, sentence),)
 
     def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""
