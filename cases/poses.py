@@ -16,6 +16,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
 from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen
+from cases.recording_format import own_units
 from cases.units import DEG, MM, Array
 
 
@@ -174,4 +175,4 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
         if not np.isfinite(values).all():
             raise FileProblem(file, f"pose {number} holds no {len(columns)} numbers", "mend that line")
         poses.append(values)
-    return np.asarray(np.array(poses) * np.array([MM if c.endswith("_mm") else DEG for c in columns]))
+    return np.asarray(np.array(poses) * own_units(columns))

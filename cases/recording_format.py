@@ -3,7 +3,8 @@
 What a file does not say about itself is stated here; where a format leaves something open there is no default.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -50,26 +51,47 @@ _ANGLE = {"deg": DEG, "rad": 1.0, "mrad": 1e-3}
 _FORCE = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
 _MOMENT = {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
 
-# Groups of columns that one entry of `units` covers, and the units they may have; the first is that of our names.
-_GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
-    ("struts", STRUTS, _LENGTH),
-    ("strut_velocities", STRUT_VELOCITIES, _VELOCITY),
-    ("drives", (*DRIVES, *JOINT_WAYS), _LENGTH),
-    ("joints", JOINT_ANGLES, _ANGLE),
-    ("drive_velocities", DRIVE_VELOCITIES, _VELOCITY),
-    ("positions", POSE[:3], _LENGTH),
-    ("angles", POSE[3:], _ANGLE),
-    ("forces", (*BAR_FORCES, *WRENCH[:3]), _FORCE),
-    ("moments", WRENCH[3:], _MOMENT),
-    ("override", (OVERRIDE,), {"%": 0.01, "1": 1.0}),
+
+class Role(StrEnum):
+    """What columns hold that have units: one entry of `units` covers all columns of a role."""
+
+    STRUTS = "struts"
+    STRUT_VELOCITIES = "strut_velocities"
+    DRIVES = "drives"
+    JOINTS = "joints"
+    DRIVE_VELOCITIES = "drive_velocities"
+    POSITIONS = "positions"
+    ANGLES = "angles"
+    FORCES = "forces"
+    MOMENTS = "moments"
+    OVERRIDE = "override"
+
+
+# The columns of each role, and the units they may have; the first is that of our names.
+_ROLES: tuple[tuple[Role, Iterable[str], Mapping[str, float]], ...] = (
+    (Role.STRUTS, STRUTS, _LENGTH),
+    (Role.STRUT_VELOCITIES, STRUT_VELOCITIES, _VELOCITY),
+    (Role.DRIVES, (*DRIVES, *JOINT_WAYS), _LENGTH),
+    (Role.JOINTS, JOINT_ANGLES, _ANGLE),
+    (Role.DRIVE_VELOCITIES, DRIVE_VELOCITIES, _VELOCITY),
+    (Role.POSITIONS, POSE[:3], _LENGTH),
+    (Role.ANGLES, POSE[3:], _ANGLE),
+    (Role.FORCES, (*BAR_FORCES, *WRENCH[:3]), _FORCE),
+    (Role.MOMENTS, WRENCH[3:], _MOMENT),
+    (Role.OVERRIDE, (OVERRIDE,), {"%": 0.01, "1": 1.0}),
 )
-GROUP_UNITS = {name: units for name, _, units in _GROUPS}
-GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
+ROLE_UNITS: Mapping[str, Mapping[str, float]] = {role: units for role, _, units in _ROLES}
+ROLE_OF = {column: role for role, columns, _ in _ROLES for column in columns}
 
 
 def units_of(name: str) -> Mapping[str, float]:
-    """Units that a group or column may have in a file, with their SI values; empty where it has none."""
-    return GROUP_UNITS.get(GROUP_OF.get(name, name), {})
+    """Units that a role or column may have in a file, with their SI values; empty where it has none."""
+    return ROLE_UNITS.get(ROLE_OF.get(name, name), {})
+
+
+def own_units(columns: Sequence[str]) -> Array:
+    """SI values of the units in the names of our columns, shape (columns,)."""
+    return np.array([next(iter(units_of(column).values()), 1.0) for column in columns])
 
 
 # A mounting matrix is typed by hand with a few digits; beyond this it is not a rotation.
@@ -209,10 +231,8 @@ class RecordingFormat(TextFile):
             if list(self.columns.values()).count(theirs) > 1:
                 raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
         for name, unit in self.units.items():
-            if name not in COLUMNS and name not in GROUP_UNITS:
-                raise ValueError(
-                    f"units: {name!r} is not a column; give {', '.join(GROUP_UNITS)} or one of our columns"
-                )
+            if name not in COLUMNS and name not in ROLE_UNITS:
+                raise ValueError(f"units: {name!r} is not a column; give {', '.join(ROLE_UNITS)} or one of our columns")
             if unit not in units_of(name):
                 raise ValueError(f"units.{name} = {unit!r} is not known; give {', '.join(units_of(name)) or 'none'}")
         return self
@@ -247,12 +267,12 @@ class RecordingFormat(TextFile):
         return self.columns.get(ours, ours)
 
     def factor(self, ours: str) -> float:
-        """SI value of a column's unit in the file, by its own entry in `units`, its group's, or that of its name."""
-        group = GROUP_OF.get(ours)
-        if group is None:
+        """SI value of a column's unit in the file, by its own entry in `units`, its role's, or that of its name."""
+        role = ROLE_OF.get(ours)
+        if role is None:
             return 1.0
-        factors = GROUP_UNITS[group]
-        return factors[self.units.get(ours, self.units.get(group, next(iter(factors))))]
+        factors = ROLE_UNITS[role]
+        return factors[self.units.get(ours, self.units.get(role, next(iter(factors))))]
 
     @property
     def clock_unit(self) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.recording_format import own_units
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import TOLERANCE, Limit, LimitKind
@@ -44,7 +45,7 @@ class Reach:
     @property
     def units(self) -> Array:
         """SI value of the unit of each coordinate, shape (n,)."""
-        return np.array([DEG if key.endswith("_deg") else MM for key in self.keys])
+        return own_units(self.keys)
 
     @property
     def whole(self) -> bool:

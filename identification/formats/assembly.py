@@ -28,6 +28,7 @@ from cases.recording_format import (
     TRIGGER,
     WRENCH,
     RecordingFormat,
+    Role,
     StreamName,
     units_of,
 )
@@ -291,7 +292,7 @@ def _require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
     if low <= middle <= high:
         return
     written = middle / form.factor(STRUTS[0])
-    for unit, factor in units_of("struts").items():
+    for unit, factor in units_of(Role.STRUTS).items():
         if low <= written * factor <= high:
             raise RecordingError(
                 f"{stream.source}, {stream.lines.place(0)}",

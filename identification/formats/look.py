@@ -15,14 +15,15 @@ from cases.recording_format import (
     CLOCK,
     COLUMNS,
     DRIVES,
-    GROUP_OF,
-    GROUP_UNITS,
+    ROLE_OF,
+    ROLE_UNITS,
     ROTATION,
     STRUTS,
     TICKS,
     TRIGGER,
     WRENCH,
     RecordingFormat,
+    Role,
     units_of,
 )
 from cases.schema import Case
@@ -162,7 +163,7 @@ def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
         return None
     low, high = possible
     least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
-    inside = (u for u, factor in GROUP_UNITS["struts"].items() if low <= least * factor and most * factor <= high)
+    inside = (u for u, factor in ROLE_UNITS[Role.STRUTS].items() if low <= least * factor and most * factor <= high)
     return next(inside, None)
 
 
@@ -202,7 +203,9 @@ def _units(
         units |= dict.fromkeys(STRUTS, unit) if unit else {}
         guessed |= set(STRUTS) if unit not in (None, "mm") else set()
     turning = [
-        ours for ours in (chain.columns if chain is not None else ()) if ours.endswith("_deg") and ours in places
+        ours
+        for ours in (chain.columns if chain is not None else ())
+        if ROLE_OF.get(ours) is Role.JOINTS and ours in places
     ]
     if turning and not {*turning} & name_units.keys():
         widest = max(float(np.nanmax(np.abs(columns[places[ours]]))) for ours in turning)
@@ -213,7 +216,7 @@ def _units(
             weight = case.nominal.mass_kg * float(np.linalg.norm(case.gravity))
             span = max(float(np.ptp(columns[places[name]][np.isfinite(columns[places[name]])])) for name in group)
             low, high = (share * weight for share in _FORCES_OVER_WEIGHT)
-            fits = [u for u, factor in GROUP_UNITS["forces"].items() if low <= span * factor <= high]
+            fits = [u for u, factor in ROLE_UNITS[Role.FORCES].items() if low <= span * factor <= high]
             if fits and fits[0] != "N":
                 units |= dict.fromkeys(group, fits[0])
                 guessed |= set(group)
@@ -239,15 +242,15 @@ def _meaning_settings(
     renamed = {ours: names[places[ours]] for ours in ordered if names[places[ours]] != ours and not unnamed}
     settings |= {"columns": renamed} if renamed else {}
     differing: dict[str, str] = {}
-    for group in GROUP_UNITS:
-        members = [ours for ours in ordered if GROUP_OF.get(ours) == group]
+    for role in ROLE_UNITS:
+        members = [ours for ours in ordered if ROLE_OF.get(ours) == role]
         group_units = {units[ours] for ours in members if ours in units}
         if (
             len(group_units) == 1
-            and group_units != {next(iter(GROUP_UNITS[group]))}
-            and group_units <= GROUP_UNITS[group].keys()
+            and group_units != {next(iter(ROLE_UNITS[role]))}
+            and group_units <= ROLE_UNITS[role].keys()
         ):
-            differing[group] = group_units.pop()
+            differing[str(role)] = group_units.pop()
     settings |= {"units": differing} if differing else {}
     if CLOCK in places and units.get(CLOCK, "s") != "s" and not scope:
         settings["clock"] = {"unit": units[CLOCK]}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.recording_format import CLOCK, DRIVES, STRUTS, TICKS, TRIGGER, WRENCH, units_of
+from cases.recording_format import CLOCK, DRIVES, ROLE_OF, STRUTS, TICKS, TRIGGER, WRENCH, Role, units_of
 from cases.schema import Case
 from cases.units import MM, Array, as_html
 from identification.formats.assembly import switched
@@ -234,7 +234,7 @@ def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[
     t = (stamps - stamps[0]) * _NS
     columns = [Column(STAMP, CLOCK, "s", False, t)]
     for k, name in enumerate(tuple(ours) or names):
-        unit = "m" if ours.get(name, "").endswith("_mm") else "rad"
+        unit = "m" if ROLE_OF.get(ours.get(name, "")) is Role.DRIVES else "rad"
         columns.append(Column(name, ours.get(name), unit, False, positions[:, k]))
     for k, (axis, column) in enumerate(zip(AXES, WRENCH, strict=True)):
         values = np.interp(t, (read - stamps[0]) * _NS, readings[:, k])
