@@ -88,12 +88,20 @@ def _explained(path: Path, error: ValidationError) -> CaseError:
 def _key(problem: ErrorDetails) -> str:
     """Where a problem is, counted as people count."""
     parts = [part for part in problem["loc"] if not _tag(part)]
-    return ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in parts).replace(".[", "[")
+    return ".".join(str(part) if isinstance(part, str) else f"[{part + 1}]" for part in parts).replace(".[", "[")
 
 
 def _tag(part: int | str) -> str:
     """The class that a table was read as, which a location holds in angle brackets; empty for a key."""
     return part[1:-1] if isinstance(part, str) and part.startswith("<") else ""
+
+
+_TYPES = {
+    "float_type": "a number; write one, without quotes",
+    "string_type": "a text; write it in quotes",
+    "tuple_type": "a list; write [value, value, ..]",
+    "model_type": "a table; write { key = value, .. }",
+}
 
 
 def _words(problem: ErrorDetails) -> str:
@@ -110,6 +118,8 @@ def _words(problem: ErrorDetails) -> str:
         return f"has {expected} entries; {problem['msg'].lower()}{hint}"
     if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
         return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
+    if kind in _TYPES:
+        return f"{value!r}: is not {_TYPES[kind]}"
     return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
 
 
