@@ -32,8 +32,8 @@ from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
-from identification.runs.averaging import PeriodicRun, periodic_run
-from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.averaging import periodic_run
+from identification.runs.evaluation import MOST_DELAY
 from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import Scan, scan
@@ -250,9 +250,10 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     findings = [*scanned.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contact_sentences(recording, contacts)]
     noise = None
-    if case.sensors.state_noise and isinstance(fitted.samples, Run | PeriodicRun):
+    if case.sensors.state_noise and fitted.samples.noise_stated:
         if method.name in SANDWICHED and not method.priors:
-            noise = noise_sources(fitted.samples, fitted.fit, fitted.w, fitted.at, case.sensors)
+            averaged = 1.0 if recording.averaged is None else recording.averaged.ratio
+            noise = noise_sources(fitted.samples, fitted.fit, fitted.w, fitted.at, case.sensors, averaged)
             findings += noise.findings
         else:
             findings.append(warning(Kind.NOISE, NOT_COMPARED))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import HexciteError
+from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.channel_weights import independent_poses
 from identification.estimation.compressed import inverse_root, joint_triangle, long_run_covariance, scores
@@ -109,6 +110,13 @@ class Samples(Protocol):
             delay: estimated delay [s].
         """
 
+    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float] | None:
+        """Effect of stated noise of struts and accelerations on A; None where A does not come from struts.
+
+        D, the expected sum of dA^T W dA, shape (u, u), and the variance of the accelerations of a strut by noise of
+        the struts [m^2/s^4].
+        """
+
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
         """What there is to say of how they were evaluated, after their fit with W for one sample, shape (6, 6)."""
 
@@ -143,6 +151,11 @@ class PlainSamples:
         """The samples themselves."""
         del fit, basis, w, delay
         return self
+
+    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float] | None:
+        """None."""
+        del w, delay, sensors
+        return None
 
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
         """Nothing."""

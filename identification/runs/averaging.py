@@ -18,6 +18,7 @@ from scipy.special import fdtrc
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.compressed import orthonormal
 from identification.estimation.fit import Filtered, Fit, Robust
@@ -27,6 +28,7 @@ from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.fourier_series import FourierSeries, fit_series
+from identification.runs.noise_sources import acceleration_effects, series_squares, twist_rate_squares
 from identification.runs.periods import (
     FEWEST,
     PeriodScatter,
@@ -46,6 +48,7 @@ Rows = NDArray[np.bool_]
 
 FINER = 6  # regressors are computed at so many times the evaluated instants: their harmonics must not fold back
 BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
+SAME_STEP = 0.2  # of an encoder's step, by which struts of periods differ if their steps are the same; else 0.4 or more
 MODEL_ERROR = 1.5  # times the scatter of the periods, from which residuals are reported
 UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
 
@@ -136,6 +139,23 @@ class PeriodicRun(PlainSamples):
     def predicted(self, expected: Array, t: Array) -> Array:
         """Expected forces of the evaluated instants, shape (2 H + 1, 6), at any others, shape (n, 6)."""
         return fit_series(self.t, expected, self.struts.period, self.struts.start, self.harmonics).at(t)
+
+    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
+        """Effect of stated noise on A.
+
+        Steps of encoders are averaged over periods like noise where the struts do not repeat to a part of a step; where
+        they do, the steps repeat with them.
+        """
+        squares = twist_rate_squares(self.model, self.kinematics(delay), w, sensors, self.filtered.gain)
+        if sensors.strut_variance is None:
+            return squares, 0.0
+        periods = 1 if self.scatter is None else len(self.scatter.series)
+        repeats = periods if self.part.misfit < SAME_STEP * sensors.strut_step else 1
+        recorded = sensors.strut_variance + (repeats - 1) * sensors.strut_step**2 / 12.0
+        orders = np.arange(-self.struts.harmonics, self.struts.harmonics + 1)
+        power = np.asarray(recorded / self.samples * (orders * self.struts.omega) ** 4.0, dtype=np.float64)
+        effects = acceleration_effects(self.hexapod, self.model, self.kinematics(delay, FINER))
+        return squares + self.points * series_squares(effects, power, self.harmonics, w), float(power.sum())
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Forces of the first evaluated periods beside the model's behind the filter."""

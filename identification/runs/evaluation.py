@@ -25,6 +25,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.compressed import joint_triangle
@@ -34,6 +35,7 @@ from identification.finding import Finding, Kind, note
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording
+from identification.runs.noise_sources import acceleration_effects, expected_squares, twist_rate_squares
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
 from identification.symbolic import Kinematics, Machine
 
@@ -217,6 +219,16 @@ class Run:
         """None: the delay is estimated."""
         del delay, matrices, values
         return None
+
+    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
+        """Effect of stated noise on A, from a part of a long run."""
+        part = self.excerpt()
+        motion, variance = part.kinematics(delay), (sensors.strut_variance or 0.0) * self.filter.acceleration_noise_gain
+        squares = twist_rate_squares(self.model, motion, w, sensors, self.filtered.gain)
+        if variance:
+            effects = acceleration_effects(self.machine, self.model, motion)
+            squares += expected_squares(effects, [variance] * len(effects), w)
+        return squares * (len(self.rows) / len(part.rows)), variance
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Recorded forces beside the model's at every sample of the window, decimated or not."""

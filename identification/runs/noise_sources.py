@@ -13,6 +13,7 @@ G_m^* W G_m sum_h s_h over |h| <= H + B and |h + m| <= H, G_m being the Fourier 
 e'' at the harmonic h.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,8 +27,7 @@ from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
-from identification.runs.averaging import FINER, PeriodicRun
-from identification.runs.evaluation import Run
+from identification.samples import Samples
 from identification.symbolic import Kinematics, Machine, over_samples
 
 MOST_LOST = 0.5  # of a run's apparent information on a parameter; beyond, the estimate of the bias is too uncertain
@@ -86,35 +86,36 @@ class NoiseSources:
         }
 
 
-def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
+def noise_sources(
+    samples: Samples, fit: Fit, w: Array, delay: float, sensors: Sensors, averaged: float
+) -> NoiseSources:
     """Compares what a case states about its noise with the residuals of a Gauss-Markov fit.
 
     Args:
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
         delay: delay of the forces [s].
+        averaged: samples of the forces that were averaged for one of the recording.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
-    averaged = 1.0 if run.recording.averaged is None else run.recording.averaged.ratio
     force_share = None
     if sensors.force_noise is not None:  # of the recorded samples, of which some were averaged for one of the fit
         force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / averaged / squared
-    if sensors.strut_variance is None and sensors.acceleration_noise is None:
+    stated = sensors.strut_variance is not None or sensors.acceleration_noise is not None
+    noise = samples.regressor_noise(w, delay, sensors) if stated else None
+    if noise is None:
         return NoiseSources(force_share, None, None, None, None)
-    part = run.excerpt() if isinstance(run, Run) else run
-    moment, samples, variance = regressor_noise(part, w, delay, sensors)
-    if isinstance(run, Run):  # of which the excerpt is a fair choice
-        moment, samples = moment * (len(run.rows) / samples), len(run.rows)
+    moment, variance = noise
     unknowns = len(moment)
     estimated = fit.values[:unknowns]
-    inverse = fit.covariance[:unknowns, :unknowns] * run.filtered.stride / squared  # F^-1; singular: some are given
+    inverse = fit.covariance[:unknowns, :unknowns] * samples.filtered.stride / squared  # F^-1; singular: some are given
     lost = inverse @ moment
     bias: Array | None = None
     if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
         bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
     true = estimated if bias is None else estimated - bias
     # The fit hides the part of dA u that biases it: u^T D u + u^T D b remains in the residuals.
-    equivalent = float(true @ moment @ estimated) / (6 * samples * run.filtered.gain)
+    equivalent = float(true @ moment @ estimated) / (6 * len(samples.t) * samples.filtered.gain)
     return NoiseSources(
         force_share,
         equivalent / squared,
@@ -124,33 +125,18 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
     )
 
 
-def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> tuple[Array, int, float]:
-    """Effect of stated noise of struts and accelerations on the regressors of a run.
+def expected_squares(effects: Iterable[Array], variances: Iterable[float], w: Array) -> Array:
+    """Expected sum of dA^T W dA for independent noise that changes A by effects, shape (n, 6, u); shape (u, u)."""
+    squares = (np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True) for change in effects)
+    return np.asarray(sum(variance * square for variance, square in zip(variances, squares, strict=True)))
 
-    D, the expected sum of dA^T W dA, shape (u, u), over so many samples, and the variance of the accelerations of a
-    strut by noise of the struts [m^2/s^4].
 
-    Args:
-        w: W for one sample, shape (6, 6).
-        delay: delay of the forces [s].
-    """
-    unknowns = len(run.model.parameters)
-    moment = np.zeros((unknowns, unknowns))
-    motion = run.kinematics(delay)
-    variance = 0.0
-    if isinstance(run, PeriodicRun):
-        if sensors.strut_variance is not None:
-            moment, variance = strut_noise_moment(run, run.kinematics(delay, FINER), sensors, w)
-    elif sensors.strut_variance is not None:
-        variance = sensors.strut_variance * run.filter.acceleration_noise_gain
-        for change in acceleration_effects(run.machine, run.model, motion):
-            moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
-    if sensors.acceleration_noise is not None:
-        effects = _effects(run.model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
-        variances = sensors.acceleration_noise**2 * run.filtered.gain
-        for change, size in zip(effects, variances, strict=True):
-            moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
-    return moment, len(motion.pose), variance
+def twist_rate_squares(model: Model, motion: Kinematics, w: Array, sensors: Sensors, gain: float) -> Array:
+    """The same for stated noise of the accelerations, of which a filter leaves `gain`."""
+    if sensors.acceleration_noise is None:
+        return np.zeros((len(model.parameters),) * 2)
+    effects = _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
+    return expected_squares(effects, sensors.acceleration_noise**2 * gain, w)
 
 
 def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, dict[str, float | None]]:
@@ -193,28 +179,17 @@ def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]
     ]
 
 
-SAME_STEP = 0.2  # of an encoder's step, by which struts of periods differ if their steps are the same; else 0.4 or more
-
-
-def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w: Array) -> tuple[Array, float]:
-    """Expected sum of dA^T W dA over the evaluated instants, shape (u, u), and the variance of e'' [m^2/s^4].
-
-    Steps of encoders are averaged over periods like noise where the struts do not repeat to a part of a step; where
-    they do, the steps repeat with them.
+def series_squares(effects: Iterable[Array], power: Array, harmonics: int, w: Array) -> Array:
+    """Mean of dA^T W dA for accelerations of this power at the harmonics -(H + B) to H + B of a period, shape (u, u).
 
     Args:
-        w: W for one sample, shape (6, 6).
+        effects: dA/dq'' over a period, each of shape (n, 6, u).
+        harmonics: H, that A keeps.
     """
-    periods = len(run.scatter.series) if run.scatter is not None else 1
-    repeats = periods if run.part.misfit < SAME_STEP * sensors.strut_step else 1
-    recorded = (sensors.strut_variance or 0.0) + (repeats - 1) * sensors.strut_step**2 / 12.0
-    orders = np.arange(-run.struts.harmonics, run.struts.harmonics + 1)
-    power = recorded / run.samples * (orders * run.struts.omega) ** 4.0
-    shifts = np.arange(-run.harmonics - run.struts.harmonics, run.harmonics + run.struts.harmonics + 1)
-    passband = np.abs(orders + shifts[:, None]) <= run.harmonics
+    most = len(power) // 2
+    shifts = np.arange(-harmonics - most, harmonics + most + 1)
+    passband = np.abs(np.arange(-most, most + 1) + shifts[:, None]) <= harmonics
     root = np.linalg.cholesky(w).T
-    moment = np.zeros((len(run.model.parameters),) * 2)
-    for change in acceleration_effects(run.hexapod, run.model, motion):
-        spectra = fft(root @ change, axis=0)[shifts] / len(change)
-        moment += np.einsum("m,mku,mkv->uv", passband @ power, spectra.conj(), spectra, optimize=True).real
-    return run.points * moment, float(power.sum())
+    spectra = (fft(root @ change, axis=0)[shifts] / len(change) for change in effects)
+    squares = (np.einsum("m,mku,mkv->uv", passband @ power, s.conj(), s, optimize=True).real for s in spectra)
+    return np.asarray(sum(squares))
