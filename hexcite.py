@@ -22,15 +22,25 @@ if TYPE_CHECKING:
     from cases import Case as Case
     from cases import HexciteError as HexciteError
     from cases import load_case as load_case
+    from cases import new_arm as new_arm
+    from cases import new_case as new_case
+    from identification import Conditioning as Conditioning
     from identification import Finding as Finding
     from identification import Look as Look
+    from identification import Method as Method
+    from identification import Model as Model
+    from identification import Prior as Prior
     from identification import Recording as Recording
     from identification import Result as Result
+    from identification import biases_of as biases_of
     from identification import force as force
     from identification import look as look
     from identification import method as method
+    from identification import payload as payload
     from identification import read as read
+    from identification import symmetric_platform as symmetric_platform
     from identification import tare as tare
+    from identification import verify as verify
     from identification.identify import identify as identify
     from planner import Fourier as Fourier
     from planner import Manual as Manual
@@ -39,6 +49,8 @@ if TYPE_CHECKING:
     from planner import Spline as Spline
     from planner import ValidationSettings as ValidationSettings
     from planner import bound as bound
+    from planner import check as check
+    from planner import check_case as check_case
     from planner import compare as compare
     from planner import demo as demo
     from planner import plan as plan
@@ -47,7 +59,9 @@ if TYPE_CHECKING:
     from planner import retime as retime
     from planner import run as run
     from planner import validate as validate
+    from planner import validate_recordings as validate_recordings
     from planner import write as write
+    from planner.study.conduct import study as study
     from postprocessors import Program as Program
     from postprocessors import read_program as read_program
     from postprocessors.export import export as export
@@ -55,11 +69,13 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = door(
     __name__,
     {
-        "cases": "Case HexciteError load_case",
-        "identification": "Finding Look Recording Result force look method read tare",
+        "cases": "Case HexciteError load_case new_arm new_case",
+        "identification": "Conditioning Finding Look Method Model Prior Recording Result biases_of force look method "
+        "payload read symmetric_platform tare verify",
         "identification.identify": "identify",
-        "planner": "Fourier Manual Plan PointToPoint Spline ValidationSettings bound compare demo plan plan_poses "
-        "report retime run validate write",
+        "planner": "Fourier Manual Plan PointToPoint Spline ValidationSettings bound check check_case compare demo "
+        "plan plan_poses report retime run validate validate_recordings write",
+        "planner.study.conduct": "study",
         "postprocessors": "Program read_program",
         "postprocessors.export": "export",
     },

@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_h
 if TYPE_CHECKING:
     from cases.errors import HexciteError as HexciteError
     from cases.loading import load_case as load_case
+    from cases.scaffold import new_arm as new_arm
+    from cases.scaffold import new_case as new_case
     from cases.schema import Case as Case
 
 
@@ -137,5 +139,11 @@ def _words(annotation: Any) -> str:
 
 
 __getattr__, __dir__ = door(
-    __name__, {"cases.errors": "HexciteError", "cases.loading": "load_case", "cases.schema": "Case"}
+    __name__,
+    {
+        "cases.errors": "HexciteError",
+        "cases.loading": "load_case",
+        "cases.scaffold": "new_arm new_case",
+        "cases.schema": "Case",
+    },
 )

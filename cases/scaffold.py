@@ -75,8 +75,14 @@ _EXPLAINED: Mapping[str, type[Part]] = {
 _WIDTH = 110  # characters of a comment
 
 
-def new_case(name: str, like: str, folder: Path) -> Path:
+def new_case(name: str, like: str = "hexapod", folder: Path | str | None = None) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in; returns its path.
+
+        hx.check_case(hx.new_case("mill"))
+
+    Args:
+        name: small letters, digits and underscores.
+        folder: folder to make; named after the case unless given.
 
     Raises:
         CaseError: a name that a case cannot have, or no such built-in case.
@@ -115,11 +121,14 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     return file
 
 
-def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
+def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path | str | None = None) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
+
+        hx.new_arm("arm", "robot.urdf", "tool0")
 
     Args:
         flange: link that carries the sensor.
+        folder: folder to make; named after the case unless given.
 
     Raises:
         CaseError: a name that a case cannot have; the URDF file is not sound or has no such link.
@@ -135,8 +144,8 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
         keep_trailing_newline=True,
     )
     templates.filters |= {"numbers": _numbers, "quoted": json.dumps, "origin": lambda frame: frame[:3, 3], "rpy": rpy}
-    template, arm = templates.get_template("arm.toml.jinja"), read_urdf(urdf, flange)
-    write_text(file, template.render(name=name, urdf=urdf.name, arm=arm, advice=_ADVICE, mm=MM, deg=DEG))
+    template, arm = templates.get_template("arm.toml.jinja"), read_urdf(Path(urdf), flange)
+    write_text(file, template.render(name=name, urdf=Path(urdf).name, arm=arm, advice=_ADVICE, mm=MM, deg=DEG))
     return file
 
 
@@ -145,7 +154,7 @@ def _numbers(values: Iterable[float]) -> str:
     return str([round(float(v), 12) + 0.0 for v in values])
 
 
-def _place(name: str, folder: Path) -> Path:
+def _place(name: str, folder: Path | str | None) -> Path:
     """The case file to write; raises CaseError for a name that no case can have, FileProblem where it exists."""
     if not _NAME.fullmatch(name):
         raise CaseError(
@@ -153,7 +162,7 @@ def _place(name: str, folder: Path) -> Path:
         )
     if name in built_in_cases():
         raise CaseError(name, "", "is the name of a built-in case; choose another one")
-    file = folder / CASE_FILE
+    file = Path(name if folder is None else folder) / CASE_FILE
     if file.exists():
         raise FileProblem(file, "exists", "choose another folder with -o, or edit that file")
     return file

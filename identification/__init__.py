@@ -5,25 +5,38 @@ from typing import TYPE_CHECKING
 from cases import door
 
 if TYPE_CHECKING:
+    from identification.estimation.estimators import Method as Method
     from identification.estimation.estimators import method as method
+    from identification.estimation.priors import Prior as Prior
     from identification.external import force as force
     from identification.external import tare as tare
+    from identification.external import verify as verify
     from identification.finding import Finding as Finding
     from identification.formats.look import look as look
     from identification.formats.looked import Look as Look
+    from identification.model import Model as Model
     from identification.outcome import Result as Result
+    from identification.outcome import biases_of as biases_of
+    from identification.parameters import symmetric_platform as symmetric_platform
+    from identification.payloads import payload as payload
     from identification.recording import Recording as Recording
     from identification.recording import read as read
+    from identification.samples import Conditioning as Conditioning
 
 __getattr__, __dir__ = door(
     __name__,
     {
-        "identification.estimation.estimators": "method",
-        "identification.external": "force tare",
+        "identification.estimation.estimators": "Method method",
+        "identification.estimation.priors": "Prior",
+        "identification.external": "force tare verify",
         "identification.finding": "Finding",
         "identification.formats.look": "look",
         "identification.formats.looked": "Look",
-        "identification.outcome": "Result",
+        "identification.model": "Model",
+        "identification.outcome": "Result biases_of",
+        "identification.parameters": "symmetric_platform",
+        "identification.payloads": "payload",
         "identification.recording": "Recording read",
+        "identification.samples": "Conditioning",
     },
 )

@@ -222,10 +222,12 @@ def case_of_result(path: Path) -> Case:
     return Artefact(file, record.to_json(), AGAIN).case()
 
 
-def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
+def biases_of(path: Path | str, case: Case, stale: bool = False) -> Biases:
     """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
 
     How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
+
+        hx.identify(recording, case, how=hx.method(biases=hx.biases_of("standstills", case)))
 
     Args:
         stale: go on although the machine has changed since.
@@ -233,7 +235,7 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     Raises:
         FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
     """
-    file, record = read_entries(path)
+    file, record = read_entries(Path(path))
     now, about = recording_basis(case), record.to_json()
     if about.get(KEPT):
         kept = about[KEPT].items()

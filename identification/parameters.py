@@ -272,7 +272,10 @@ def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
 
 
 def symmetric_platform(model: "Model") -> dict[str, float]:
-    """The reduction of section 5 for a symmetric platform: five parameters fewer, two where there is no inertia."""
+    """The reduction of section 5 for a symmetric platform: five parameters fewer, two where there is no inertia.
+
+    hx.identify(recording, how=lambda model: hx.method(known=hx.symmetric_platform(model)))
+    """
     names = [p.name for p in physical_form(model).parameters]
     return {name: 0.0 for name in (*names, *model.names) if name in ("xC", "yC", "I12", "I13", "I23")}
 

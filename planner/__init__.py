@@ -6,9 +6,11 @@ from cases import door
 
 if TYPE_CHECKING:
     from planner.bounds.information_limit import bound as bound
+    from planner.case_check import check_case as check_case
     from planner.comparison.comparison import compare as compare
     from planner.comparison.methods import ValidationSettings as ValidationSettings
     from planner.comparison.validation import validate as validate
+    from planner.comparison.validation import validate_recordings as validate_recordings
     from planner.demonstration import demo as demo
     from planner.execution import run as run
     from planner.families.settings import Fourier as Fourier
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from planner.families.settings import Spline as Spline
     from planner.library import plan as plan
     from planner.library import plan_poses as plan_poses
+    from planner.plan_program import check as check
     from planner.plan_program import write as write
     from planner.plans import Plan as Plan
     from planner.reports import report as report
@@ -26,6 +29,7 @@ __getattr__, __dir__ = door(
     __name__,
     {
         "planner.bounds.information_limit": "bound",
+        "planner.case_check": "check_case",
         "planner.comparison.comparison": "compare",
         "planner.comparison.methods": "ValidationSettings",
         "planner.demonstration": "demo",
@@ -35,7 +39,7 @@ __getattr__, __dir__ = door(
         "planner.reports": "report",
         "planner.retiming.retimed": "retime",
         "planner.execution": "run",
-        "planner.plan_program": "write",
-        "planner.comparison.validation": "validate",
+        "planner.plan_program": "check write",
+        "planner.comparison.validation": "validate validate_recordings",
     },
 )

@@ -175,8 +175,7 @@ def new(
         raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
     if urdf is None and flange is not None:
         raise typer.BadParameter("--flange names a link of a URDF file; give --urdf too")
-    folder = output if output is not None else Path(name)
-    file = new_case(name, like or "hexapod", folder) if urdf is None else new_arm(name, urdf, flange, folder)
+    file = new_case(name, like or "hexapod", output) if urdf is None else new_arm(name, urdf, flange, output)
     if console.answered({"ok": True, "case": str(file)}, json):
         return
     print(f"case written: {file}")

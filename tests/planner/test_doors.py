@@ -1,0 +1,153 @@
+"""What a command answers is what the library gives for the same: nothing is computed, joined or edited on the way."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hexcite as hx
+from cases.errors import HexciteError
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.motion import Standstill
+from identification.recording import write_recording
+from identification.simulate import simulate_recording
+from planner.study import conduct, study_run
+from planner.study.cluster import TaskEnd
+from tests.helpers import HOME
+from tests.planner.command_line import call, refused
+from tests.simulated_machine import PoseExecution
+
+
+@pytest.fixture(scope="module")
+def made(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A program, two runs of it with their results, the second with a weight, and a standstill."""
+    folder, case = tmp_path_factory.mktemp("doors"), hx.load_case("hexapod")
+    program = hx.write(hx.plan(case, hx.Manual()), "sinumerik")
+    program.save(folder / "run.mpf")
+    for name, weights in (("empty", 0), ("loaded", 1)):
+        hx.run(program, case, seed=weights, payload=weights).save(folder / name)
+        hx.identify(hx.Recording.load(folder / name)).save(folder / f"{name}-result")
+    still = PoseExecution(Hexapod.of(case), Standstill(np.asarray(HOME), 1.0))
+    write_recording(folder / "still.csv", simulate_recording(case, still, np.zeros((0, 2)), 3, "still.csv"), case)
+    return folder
+
+
+def test_a_tare_is_the_same_from_both(made: Path, tmp_path: Path):
+    options = ("tare", made / "still.csv", "--parameters", made / "empty-result", "-o", tmp_path / "command")
+    answer = call(*options, "--json").json()
+    result = hx.Result.load(made / "empty-result")
+    tared = hx.tare(hx.Recording.load(made / "still.csv", result.case), result)
+    tared.save(tmp_path / "library")
+    written = [(tmp_path / name / "result.json").read_bytes() for name in ("command", "library")]
+    assert written[0] == written[1]
+    assert answer["tared_with"] == str(made / "still.csv")
+
+
+def test_external_forces_are_the_same_from_both(made: Path, tmp_path: Path):
+    call("force", made / "loaded", "--parameters", made / "empty-result", "-o", tmp_path / "command.csv")
+    hx.force(hx.Recording.load(made / "loaded"), hx.Result.load(made / "empty-result")).save(tmp_path / "library.csv")
+    assert (tmp_path / "command.csv").read_bytes() == (tmp_path / "library.csv").read_bytes()
+    with pytest.raises(HexciteError, match="a file stands there"):
+        hx.force(hx.Recording.load(made / "loaded"), hx.Result.load(made / "empty-result")).save(
+            tmp_path / "library.csv"
+        )
+
+
+def test_a_payload_is_the_same_from_both(made: Path):
+    answer = call("payload", made / "empty-result", made / "loaded-result", "--json").json()
+    found = hx.payload(*(hx.Result.load(made / f"{name}-result") for name in ("empty", "loaded")))
+    assert answer["parameters"] == {name: value._asdict() for name, value in found.parameters.items()}
+    assert answer["warnings"] == list(found.warnings)
+    assert f"m = {found.parameters['m'].value:.6g}" in repr(found)
+
+
+def test_a_second_run_is_predicted_the_same_by_both(made: Path, tmp_path: Path):
+    options = ("identify", made / "empty", "--verify", made / "loaded", "-o", tmp_path / "result", "--json")
+    result = hx.Result.load(made / "empty-result")
+    prediction = hx.verify(hx.Recording.load(made / "loaded"), result)
+    answer = call(*options).json()["verify"]
+    assert answer.keys() == prediction.to_json().keys()
+    assert (answer["recording"], answer["samples"]) == (str(made / "loaded"), prediction.samples)
+    np.testing.assert_allclose(answer["force_3s_N"], prediction.force_3s, rtol=1e-6)
+    assert f"verified on {made / 'loaded'}: residual force" in repr(prediction)
+
+
+def test_a_program_is_checked_the_same_by_both(made: Path, hexapod_case: Case):
+    answer = call("check", made / "run.mpf", "--case", "hexapod", "--json").json()
+    checked = hx.check(made / "run.mpf", hexapod_case, accept=())
+    assert (answer["ok"], answer["verdict"]) == (checked.proof.ok, checked.proof.verdict)
+    assert answer["limits"] == checked.proof.limits.to_json()
+
+
+def test_limits_are_accepted_one_by_one(hexapod_case: Case):
+    plan = hx.plan(hexapod_case, hx.Manual())
+    with pytest.raises(HexciteError) as caught:
+        hx.write(plan, "linuxcnc", accept="jerk")
+    assert "does not enforce strut acceleration" in str(caught.value)
+    with pytest.raises(HexciteError, match="'jerk,acceleration' names no such limit"):
+        hx.write(plan, "linuxcnc", accept="jerk,acceleration")
+
+
+def test_a_case_begins_and_is_checked_the_same_by_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    call("case", "new", "mill", "-o", "command")
+    assert hx.new_case("mill") == Path("mill") / "case.toml"
+    assert Path("mill/case.toml").read_bytes() == Path("command/case.toml").read_bytes()
+    answer = call("case", "check", "mill", "--json").json()
+    checked = hx.check_case("mill")
+    assert answer == json.loads(json.dumps({"ok": True, **checked.to_json()}))
+    assert "ready for: plan" in repr(checked)
+    assert "exists" in refused("case", "new", "mill")
+
+
+def test_a_study_is_the_same_from_both(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    """Without a cluster: its tasks are answered at once."""
+
+    class Client:
+        def __enter__(self) -> "Client":
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def nthreads(self) -> dict[str, int]:
+            return {"one": 1}
+
+    def answered(client: Any, work: Any, tasks: Any, limit: float) -> Any:
+        row = {"noise_seed": -1, "status": "done", "seconds": 1.0, "iterations": 3, "converged": True}
+        for key, job in tasks:
+            yield TaskEnd(key, [row | {"score": float(job.request.family.order)}], None, 1.0)
+
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: Client())
+    monkeypatch.setattr(study_run, "run_tasks", answered)
+    spec, counted = tmp_path / "x.toml", []
+    spec.write_text('schema_version = 1\nname = "x"\n[grid]\norder = [2, 3]\n')
+    first = hx.study(hexapod_case, spec, tmp_path / "s", progress=lambda *count: counted.append(count))
+    assert [(number, cells, end is None) for number, cells, end in counted] == [
+        (2, 2, True),
+        (2, 2, False),
+        (2, 2, False),
+    ]
+    assert (first.computed, first.done, first.failed) == (2, 2, 0)
+    answer = call("study", "hexapod", "--spec", spec, "-o", tmp_path / "s", "--json").json()
+    again = hx.study(hexapod_case, str(spec), tmp_path / "s").to_json()
+    assert answer["best"] == again["best"] == first.to_json()["best"]
+    assert {key: answer[key] for key in ("cells", "computed", "done", "failed", "rows")} == {
+        key: again[key] for key in ("cells", "computed", "done", "failed", "rows")
+    }
+    assert "2 of 2 cells done" in repr(first)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"harmonics": 3}, "harmonics 3: is for periodic runs"),
+        ({"periodic": True, "period": -1.0}, "period -1: is not a period"),
+        ({"periodic": True, "flexible": True}, "flexible: lowers the low-pass"),
+    ],
+)
+def test_conditioning_refuses_what_the_options_refuse(settings: dict[str, Any], words: str):
+    with pytest.raises(HexciteError, match=words):
+        hx.Conditioning(**settings)
