@@ -39,6 +39,16 @@ WRONG: dict[str, tuple[Callable[[Case], Any], tuple[str, ...]]] = {
     "look": (lambda case: hx.look(3), ("file = 3", "a path")),
     "read_program": (lambda case: hx.read_program(3, case), ("file = 3", "a path")),
     "load_case": (lambda case: hx.load_case(3), ("name = 3", "a text")),
+    "payload": (lambda case: hx.payload("empty", "loaded"), ("before = 'empty'", "a Result", "hx.Result.load")),
+    "verify": (lambda case: hx.verify("run", 3), ("recording = 'run'", "a Recording")),
+    "check": (lambda case: hx.check(3, case), ("program = 3", "a path")),
+    "check_case": (lambda case: hx.check_case(case), ("case = a Case", "a path")),
+    "new_case": (lambda case: hx.new_case(3), ("name = 3", "a text")),
+    "new_arm": (lambda case: hx.new_arm("arm", 3), ("urdf = 3", "a path")),
+    "study": (lambda case: hx.study("hexapod", "paper"), ("case = 'hexapod'", "a Case")),
+    "validate_recordings": (lambda case: hx.validate_recordings(case, 3), ("recordings = 3", "a path")),
+    "biases_of": (lambda case: hx.biases_of("result", "hexapod"), ("case = 'hexapod'", "a Case")),
+    "symmetric_platform": (lambda case: hx.symmetric_platform(9), ("model = 9", "a Model")),
     "method": (lambda case: hx.method(3), ("name = 3", "a text")),
 }
 
