@@ -33,7 +33,7 @@ from postprocessors.execute import stood
 ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 
 
-class Method(Part):
+class MethodSpec(Part):
     """A method, as a table of `cases/hexapod/validation.toml` states it."""
 
     label: str
@@ -51,7 +51,7 @@ class Method(Part):
         return Request(family_class(self.family)(**self.settings), criterion=self.criterion)
 
 
-METHODS = {name: Method.model_validate(entries) for name, entries in METHOD_TABLES.items()}
+METHODS = {name: MethodSpec.model_validate(entries) for name, entries in METHOD_TABLES.items()}
 
 Count = Callable[[str, int], None]
 """Function that is called with the present step in words and the number of steps that it ends."""

@@ -26,6 +26,7 @@ ORDERS = range(2, 8)  # where the order is free
 LOWEST, HIGHEST = 1 / 3, 2.0  # of the highest harmonic, in units of the frequency at which both limits meet
 HALF = 0.5  # of the limit of acceleration
 ROUNDING = 1e-9  # of a duration
+TIMED = "point-to-point moves in whole controller cycles"  # splines begin from such moves too
 
 
 class FamilySettings:
@@ -273,7 +274,7 @@ class PointToPoint(FamilySettings):
         A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
         would take minutes to make few moves of many, and find less than with few.
         """
-        cycle = _cycle(case)
+        cycle = case.need_controller(TIMED).cycle
         own = self.controlled(case).case
         box, count = own.need_motion("planning")[1], self.count(own, duration)
         number = 4 if box.limits_jerk else 2
@@ -348,7 +349,7 @@ class Spline(FamilySettings):
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises CaseError where the case states no controller cycle: controllers time splines in whole cycles."""
-        _cycle(case)
+        case.need_controller(TIMED)
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """One."""
@@ -417,8 +418,3 @@ def family_class(name: str) -> type[Fourier] | type[PointToPoint] | type[Spline]
     if name not in FAMILIES:
         raise HexciteError(f"family {name!r} is unknown; choose {', '.join(FAMILIES)}")
     return FAMILIES[name]
-
-
-def _cycle(case: Case) -> float:
-    """Cycle of the controller [s]; splines begin from such moves too."""
-    return case.need_controller("point-to-point moves in whole controller cycles").cycle

@@ -98,10 +98,7 @@ _AT_HAND: dict[str, object] = {"mu_init": 1e-5}
 
 
 def _stages(task: Task, close: bool) -> Iterator[_Stage]:
-    """Stages of a start: first criterion D, which is smooth everywhere, then, when refining, the requested one.
-
-    `close`: whether the start is a good motion within the limits, which is refined at once.
-    """
+    """Stages of a start, the smooth criterion D first; `close`: it is within the limits, and is refined at once."""
     afar = _FAR if task.begin is None and not task.moves else _NEAR
     at_hand = _Stage(Criterion.D, 0, False, REFINE, _AT_HAND)
     if task.step is Step.GLANCE:
@@ -233,7 +230,7 @@ class _Run:
         self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
         again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
-            shares = self.largest_shares(unknowns)
+            shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
             satisfied = max(shares) <= 1.0 - MARGIN - FINER and self.program.outside(unknowns) < SLIPPED
             if self.stopped or satisfied:
                 break
@@ -242,10 +239,6 @@ class _Run:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, again)
         return unknowns
-
-    def largest_shares(self, unknowns: Array) -> tuple[float, ...]:
-        """Largest share of each limit between the constrained instants too."""
-        return largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
 
     def feasible(self, unknowns: Array) -> Feasible:
         """The motion shrunk inside every limit."""
@@ -265,7 +258,7 @@ class _Run:
         for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
             if candidates[-1].share >= DRAWN_BACK or self.stopped:
                 break
-            shares = self.largest_shares(unknowns)
+            shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
             self.program = self.program.with_rows_above(unknowns, 0.0).tightened(shares, 1.0 - MARGIN - SLIPPED)
             if len(candidates) > 1:
                 candidates.append(self.feasible(self.begun))

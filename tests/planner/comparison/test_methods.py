@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from cases.errors import HexciteError
 from identification.criteria import Criterion
-from planner.comparison.methods import METHODS, Method, require_methods
+from planner.comparison.methods import METHODS, MethodSpec, require_methods
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.request import PoseMethod, PoseRequest, Request
 
@@ -26,7 +26,7 @@ def test_a_table_more_is_a_method_more(monkeypatch: pytest.MonkeyPatch):
     entries = {"label": "few moves", "family": "ptp", "settings": {"moves": 12}}
     with pytest.raises(HexciteError, match=r"method 'few' .*choose Q5M, "):
         require_methods(["few"])
-    monkeypatch.setitem(METHODS, "few", Method.model_validate(entries))
+    monkeypatch.setitem(METHODS, "few", MethodSpec.model_validate(entries))
     require_methods(["few"])
     assert METHODS["few"].request == Request(PointToPoint(moves=12))
 
@@ -41,4 +41,4 @@ def test_a_table_more_is_a_method_more(monkeypatch: pytest.MonkeyPatch):
 )
 def test_a_table_that_says_something_else_is_refused_with_its_key(entries: dict[str, object], words: str):
     with pytest.raises(ValidationError, match=words):
-        Method.model_validate(entries)
+        MethodSpec.model_validate(entries)
