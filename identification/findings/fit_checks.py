@@ -119,9 +119,9 @@ def other_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     assert recording.t is not None
     entries, texts = [], []
     for rows, scale in stretches:
-        first, last = (recording.lines.place(k) for k in (rows.start, rows.stop - 1))
-        word, number = first.rsplit(" ", 1)
-        place = first if first == last else f"{word}s {number} to {last.rsplit(' ', 1)[1]}"
+        first, last = (recording.lines.number(k) for k in (rows.start, rows.stop - 1))
+        word = recording.lines.word
+        place = f"{word} {first}" if first == last else f"{word}s {first} to {last}"
         start, end = float(recording.t[rows.start]), float(recording.t[rows.stop - 1])
         entries.append({"from_s": start, "to_s": end, "feed": scale, "where": place})
         texts.append(f"{place} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")

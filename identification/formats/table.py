@@ -45,14 +45,18 @@ class Lines:
         inserted = tuple(k - start for k in self.inserted[count:])
         return replace(self, first=self.first + start - count, every=self.every * every, inserted=inserted)
 
-    def place(self, row: int) -> str:
-        """Place of a row, counted from 0, as a message names it; one that stands in no line has that before it."""
+    def number(self, row: int) -> int:
+        """Number of the line of a row, counted from 0; of one that stands in no line that before it."""
         line = self.first + row * self.every - bisect_right(self.inserted, row * self.every)
         for skipped in self.skipped:
             if skipped > line:
                 break
             line += 1
-        return f"{self.word} {line}"
+        return line
+
+    def place(self, row: int) -> str:
+        """Place of a row, counted from 0, as a message names it."""
+        return f"{self.word} {self.number(row)}"
 
 
 _NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)

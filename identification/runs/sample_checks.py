@@ -21,6 +21,7 @@ from identification.recording import Recording
 from identification.signals import stretches
 
 Rows = NDArray[np.bool_]
+Problem = tuple[int, str, Rows]  # number of a channel or strut, counted from 1, what is wrong with it, and where
 
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is not chance
@@ -53,10 +54,8 @@ class Scan(NamedTuple):
 def places(lines: Lines, rows: Rows) -> str:
     """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
     spans = [(span.start, span.stop - 1) for span in stretches(rows)]
-    ranges = []
-    for first, last in spans[:MOST_NAMED]:
-        start, end = (lines.place(k).rsplit(" ", 1)[1] for k in (first, last))
-        ranges.append(start if first == last else f"{start} to {end}")
+    numbers = [[lines.number(k) for k in dict.fromkeys(span)] for span in spans[:MOST_NAMED]]
+    ranges = [" to ".join(map(str, ends)) for ends in numbers]
     more = f" and {len(spans) - MOST_NAMED} more places" if len(spans) > MOST_NAMED else ""
     plural = "s" if int(rows.sum()) > 1 else ""
     return f"{lines.word}{plural} {', '.join(ranges)}{more}"
@@ -75,9 +74,15 @@ def scan(recording: Recording, case: Case) -> Scan:
         _require_standstills(recording)
     count, checks = len(recording.forces), unmeasured(recording)
     bad, findings = checks.bad, list(checks.findings)
-    for text, rows in _joined([*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)]):
-        findings.append(warning(Kind.DAMAGE, f"{text}; left out", places(recording.lines, rows)))
-        bad |= rows
+    channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
+    for thing, problems in (*(("channel", alike) for alike in channels), ("strut", _leaping(recording, case))):
+        if problems:  # one finding for all that err alike, in full for the one with the most rows
+            number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
+            others = ", ".join(str(k) for k, *_ in problems if k != number)
+            rows = np.any([rows for *_, rows in problems], axis=0)
+            sentence = f"{thing} {number} {text}{f' (likewise {thing} {others})' if others else ''}; left out"
+            findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
+            bad |= rows
     findings += [warning(Kind.CASE, text, places(recording.lines, rows)) for text, rows in _outside(recording, case)]
     if bad.sum() > MOST_BAD * count:
         raise RecordingError(
@@ -87,21 +92,6 @@ def scan(recording: Recording, case: Case) -> Scan:
             "mend the sensor and record again, or name the case of the machine that was recorded",
         )
     return Scan(tuple(findings), bad)
-
-
-def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
-    """Findings of one kind on several channels or struts as one, in full for the one with the most rows."""
-    kinds: dict[tuple[str, ...], list[tuple[str, Rows]]] = {}
-    for text, rows in findings:
-        thing, _, *words = text.split()
-        kinds.setdefault((thing, *words[:2]), []).append((text, rows))
-    result = []
-    for alike in kinds.values():
-        text, rows = max(alike, key=lambda finding: int(finding[1].sum()))
-        others = [other.split()[1] for other, _ in alike if other is not text]
-        likewise = f" (likewise {text.split()[0]} {', '.join(others)})" if others else ""
-        result.append((text + likewise, np.any([r for _, r in alike], axis=0)))
-    return result
 
 
 def unmeasured(recording: Recording) -> Scan:
@@ -146,7 +136,7 @@ def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
         rows: last row before each gap, counted from 0, shape (gaps,).
         count: samples that are missing in all.
     """
-    numbers = [lines.place(int(k)).rsplit(" ", 1)[1] for k in rows[:MOST_NAMED]]
+    numbers = [str(lines.number(int(k))) for k in rows[:MOST_NAMED]]
     more = f" and {len(rows) - MOST_NAMED} more places" if len(rows) > MOST_NAMED else ""
     return (
         f"behind {lines.word}{'s' if len(rows) > 1 else ''} {', '.join(numbers)}{more}: {count} "
@@ -154,17 +144,17 @@ def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
     )
 
 
-def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
+def _clipped(recording: Recording, case: Case) -> list[Problem]:
     """Forces at the end of the sensors' range."""
     most = case.sensors.range_N
     if most is None:
         return []
     newtons = range(3 if case.sensor_frame.has_moments else 6)
     channels = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
-    return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in channels if rows.any()]
+    return [(k + 1, f"is at the end of its range of {most:g} N", rows) for k, rows in channels if rows.any()]
 
 
-def _silent(recording: Recording) -> list[tuple[str, Rows]]:
+def _silent(recording: Recording) -> list[Problem]:
     """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
     if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
         return []
@@ -186,12 +176,12 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
                 rows[span] = True
         if rows.any():
             value = recording.forces[np.argmax(rows), k]
-            problems.append((f"channel {k + 1} is stuck at {value:g} while the machine moves", rows))
+            problems.append((k + 1, f"is stuck at {value:g} while the machine moves", rows))
     return problems
 
 
-def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
-    """Single samples too far from their neighbours: no noise moves forces so far, and no drive the struts."""
+def _jumping(recording: Recording, case: Case) -> list[Problem]:
+    """Single samples too far from their neighbours: no noise moves forces so far."""
     if recording.t is None or len(recording.t) < LEAST_ROWS:
         return []
     problems = []
@@ -210,11 +200,19 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         leaps = leaps[jumps[leaps] > LONELY * _around(jumps, leaps)]
         if usual > 0.0 and len(leaps):
             unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
-            text = f"channel {k + 1} jumps by up to {jumps[leaps].max():.4g} {unit} for single samples"
-            problems.append((text, _at(leaps + 1, count)))
+            text = f"jumps by up to {jumps[leaps].max():.4g} {unit} for single samples"
+            problems.append((k + 1, text, _at(leaps + 1, count)))
+    return problems
+
+
+def _leaping(recording: Recording, case: Case) -> list[Problem]:
+    """Single samples of the struts too far from their neighbours for any drive."""
     limits = None if case.limits is None else case.limits.motion
+    if recording.t is None or len(recording.t) < LEAST_ROWS:
+        return []
     if recording.struts is None or not isinstance(limits, MotionLimits):
-        return problems
+        return []
+    problems = []
     step = float(np.median(np.diff(recording.t)))
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
     gaps = np.flatnonzero(recording.lost)
@@ -224,9 +222,11 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
             jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
         leaps = _peaks(jumps, most)
         if len(leaps):
-            text = f"strut {k + 1} jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, "
-            text += f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids"
-            problems.append((text, _at(leaps + 1, count)))
+            text = (
+                f"jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, which its limit "
+            )
+            text += f"of {limits.strut_velocity_m_s:g} m/s forbids"
+            problems.append((k + 1, text, _at(leaps + 1, len(recording.forces))))
     return problems
 
 
