@@ -1,0 +1,116 @@
+"""Plans and programs come back as they were saved, whatever the motion and whatever a search said of it."""
+
+import dataclasses
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+import hexcite as hx
+from cases.loading import load_case
+from identification.criteria import Criterion
+from identification.limit_proof import PROOF_RATE
+from planner.families.settings import FamilySettings
+from planner.plan_folder import motion_entries
+from planner.planning import shipped_start
+from planner.plans import Plan
+from planner.poses.planned_poses import poses_planned
+from planner.rating import PlannedMotion, rated_plan
+from planner.request import PoseMethod, PoseRequest, Request
+from planner.search import Failed, SolverStatus, StartRecord
+from planner.search.feasibility import keep_limits
+from planner.search.solving import Start
+
+CASE = load_case("hexapod")
+DURATION = 3.0
+NUMBERS = st.floats(-1e6, 1e6)
+FAMILIES = st.sampled_from([hx.Fourier(order=5, period=DURATION), hx.PointToPoint(moves=10), hx.Spline(knots=30)])
+RECORDS = st.builds(
+    StartRecord, st.integers(0, 2**32), st.booleans(), st.none() | NUMBERS, NUMBERS, NUMBERS,
+    st.sampled_from(SolverStatus), st.booleans(), st.integers(0, 3000), st.floats(0.0, 1e5),
+)  # fmt: skip
+SEARCHES = st.tuples(
+    st.lists(RECORDS, max_size=3),
+    st.lists(st.builds(Failed, st.integers(0, 2**32), st.text(max_size=30)), max_size=2),
+    st.booleans(),
+)
+pytestmark = pytest.mark.usefixtures("cache")
+
+
+def planned(family: FamilySettings, request: Request, share: float, seed: int, search: Any) -> Plan:
+    """The plan of some motion of a family, of which a search is made up."""
+    (sets,) = family.families(CASE, DURATION)
+    begin = shipped_start(sets, CASE)
+    assert begin is not None
+    change = 1.0 + 0.02 * np.random.default_rng(seed).normal(size=begin.shape)
+    feasible = keep_limits(CASE, sets, sets.shrunk(begin * change, share), PROOF_RATE)
+    records, failed, interrupted = search
+    starts = tuple(Start(r, feasible.unknowns, sets, 1.0, feasible.unknowns, r.logdet) for r in records)
+    motion = sets.motion(feasible.unknowns)
+    found = PlannedMotion(motion, sets.settings, feasible.report, starts, tuple(failed), interrupted)
+    return rated_plan(request, CASE, found, 0.25)
+
+
+def require_same(again: Plan, plan: Plan) -> None:
+    """Every field is equal; of a motion, which knows no equality, all that defines it."""
+    for field in dataclasses.fields(Plan):
+        if field.name not in ("motion", "saved"):
+            assert getattr(again, field.name) == getattr(plan, field.name), field.name
+    assert motion_entries(again.motion) == motion_entries(plan.motion)
+    assert again.to_json() == plan.to_json()
+
+
+@given(
+    family=FAMILIES,
+    criterion=st.sampled_from(Criterion),
+    model=st.sampled_from([6, 9]),
+    payloads=st.tuples(st.integers(0, 2), st.integers(2, 5)),
+    seed=st.integers(0, 2**31),
+    share=st.floats(0.6, 1.0),
+    search=SEARCHES,
+)
+@settings(max_examples=6)
+def test_a_plan_of_any_motion_comes_back(
+    family: FamilySettings, criterion: Criterion, model: int, payloads: tuple[int, int], seed: int, share: float,
+    search: Any,
+):  # fmt: skip
+    fewest, most = payloads
+    request = Request(family, DURATION, criterion, model, most, fewest, seed=seed)
+    plan = planned(family, request, share, seed, search)
+    with tempfile.TemporaryDirectory() as folder:
+        plan.save(Path(folder) / "plan")
+        require_same(Plan.load(Path(folder) / "plan"), plan)
+
+
+@given(count=st.integers(8, 30), seed=st.integers(0, 99), criterion=st.sampled_from(Criterion))
+@settings(max_examples=5)
+def test_a_plan_of_poses_comes_back(count: int, seed: int, criterion: Criterion):
+    request = PoseRequest(criterion, count, PoseMethod.BACKWARD, candidates=100, seed=seed)
+    plan = poses_planned(request, CASE)
+    with tempfile.TemporaryDirectory() as folder:
+        plan.save(Path(folder) / "plan")
+        require_same(Plan.load(Path(folder) / "plan"), plan)
+
+
+@given(family=FAMILIES, dialect=st.sampled_from(["linuxcnc", "sinumerik", "twincat", "setpoints"]),
+       share=st.floats(0.6, 1.0), seed=st.integers(0, 2**31))  # fmt: skip
+@example(family=hx.Spline(knots=30), dialect="setpoints", share=0.9, seed=0)
+@settings(max_examples=5)
+def test_a_program_of_any_plan_comes_back(family: FamilySettings, dialect: str, share: float, seed: int):
+    plan = planned(family, Request(family, DURATION, seed=seed), share, seed, ((), (), False))
+    accept = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
+    program = hx.write(plan, dialect, accept=accept)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / f"p{program.path.suffix}"
+        program.save(file)
+        again = hx.Program.load(file, CASE)
+    assert again.content == program.content
+    assert (again.dialect, again.case) == (program.dialect, program.case)
+    same_law = dataclasses.replace(again.guarantees, law=program.guarantees.law)  # a function, which knows no equality
+    assert same_law == program.guarantees
+    assert again.forecast == program.forecast
+    assert dataclasses.replace(again.proof, file="") == dataclasses.replace(program.proof, file="")
