@@ -98,7 +98,7 @@ class Request:
 
         Earlier versions wrote what the family's settings became, not what was asked for.
         """
-        settings, kind = data["settings"], family_class(str(data["family"]))
+        settings, kind, fewest = data["settings"], family_class(str(data["family"])), data.get("payload_from")
         names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
         names["made_for"] = "controller"
         family_settings = {name: settings[key] for key, name in names.items() if key in settings}
@@ -109,7 +109,7 @@ class Request:
             Criterion(data["criterion"]),
             int(data["model"]),
             int(data["payload"]),
-            _fewest(data),
+            None if fewest in (None, data["payload"]) else int(fewest),
             tuple(str(target) for target in data["targets"]),
             entries.get("starts"),
             entries.get("seconds"),
@@ -119,11 +119,6 @@ class Request:
     def lasting(self, duration: float) -> "Request":
         """The same for another duration [s]."""
         return replace(self, duration=duration, family=self.family.lasting(duration / self.duration))
-
-
-def _fewest(data: Mapping[str, Any]) -> int | None:
-    fewest = data.get("payload_from")
-    return None if fewest is None or fewest == data["payload"] else int(fewest)
 
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
