@@ -18,7 +18,7 @@ from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
-from planner.request import LONGEST, PoseMethod, PoseRequest, Request, TypedValue, parse_targets
+from planner.request import DURATION, LONGEST, PoseMethod, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
 from planner.search.parallel import silent, without_gain
 from planner.search.solving import Start
@@ -75,7 +75,7 @@ class PoseSettings(TypedDict, total=False):
 def plan(
     case: Case,
     family: FamilySettings | None = None,
-    duration: float = 12.0,
+    duration: float = DURATION,
     *,
     progress: Callable[[str], None] | None = None,
     **settings: Unpack[Settings],

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -16,8 +16,11 @@ from cases.units import MM, UM
 from identification.criteria import Criterion
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.families.settings import FamilySettings, PointToPoint, family_class
+from planner.families.settings import FAMILIES, FamilySettings, PointToPoint, family_class
 
+OWNERS = {setting.name: name for name, kind in FAMILIES.items() for setting in fields(kind)}
+"""Settings of one family alone, and its name."""
+DURATION = 12.0  # [s] unless another is asked for
 LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 MOST_SECONDS = 86_400.0  # [s] longest search
 
@@ -33,7 +36,7 @@ class Request:
     """What to plan."""
 
     family: FamilySettings = field(default_factory=PointToPoint)  # family of motions, with its settings
-    duration: float = 12.0  # duration of the excitation [s]
+    duration: float = DURATION  # duration of the excitation [s]
     criterion: Criterion = Criterion.D  # of Table 4; its letter will do
     model: int = 9  # number in Table 2
     payload: int = 0  # number of the case's payloads that are mounted, at most

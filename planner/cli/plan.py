@@ -15,13 +15,7 @@ MOST_USED = 0.9  # share of a limit from which it is shown
 if TYPE_CHECKING:
     from planner.plans import Plan
 
-MOVING = ("fourier", "ptp", "spline")  # families that are optimised
-BELONGS = {
-    "duration": MOVING, "starts": MOVING, "seconds": MOVING, "seed": MOVING, "workers": MOVING, "target": MOVING,
-    "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",),
-    "free_order": ("fourier",), "free_period": ("fourier",),
-    "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
-}  # fmt: skip
+SEARCHED = ("duration", "starts", "seconds", "seed", "workers", "target")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
 
 
@@ -89,17 +83,17 @@ def plan(
     from planner.families.settings import family_class
     from planner.library import planned
     from planner.planning import require_plannable
-    from planner.request import Request
+    from planner.request import OWNERS, Request
     from planner.search.parallel import first_ctrl_c
 
     kind, options = family_class(family), context.params
-    sources = {name: context.get_parameter_source(name) for name in BELONGS}
+    sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
     family_source = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     loaded = load_case(case)
     request = Request(
-        kind(**{option: options[option] for option, owners in BELONGS.items() if owners == (family,)}),
+        kind(**{option: options[option] for option, owner in OWNERS.items() if owner == family}),
         duration=duration,
         criterion=Criterion(criterion),
         model=full_model(loaded) if model is None else model,
@@ -151,13 +145,16 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
         HexciteError: an option belongs to another family, or fixes a setting that another option leaves free.
     """
     from cases.errors import HexciteError
+    from planner.families.settings import FAMILIES
+    from planner.request import OWNERS
 
     for given_option in given:
         name = OPTIONS.get(given_option, given_option.replace("_", "-"))
-        if family not in BELONGS[given_option]:
+        optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
+        owners = optimised if given_option in SEARCHED else [OWNERS[given_option]]
+        if family not in owners:
             raise HexciteError(
-                f"--{name} does nothing with --family {family}; leave it out, or choose --family "
-                f"{', '.join(BELONGS[given_option])}"
+                f"--{name} does nothing with --family {family}; leave it out, or choose --family {', '.join(owners)}"
             )
         if given_option.startswith("free_") and (fixed := given_option.removeprefix("free_")) in given:
             raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")

@@ -139,7 +139,7 @@ def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool)
     return None if undisturbed else disturbances
 
 
-def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | None = None) -> Validation:
+def validate_recordings(case: Case, recordings: Path | str, methods: Sequence[str] | None = None) -> Validation:
     """Evaluates the payload experiment from a real machine's recordings.
 
     Args:
@@ -150,6 +150,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
         HexciteError: runs are missing, or cannot be evaluated.
     """
     require_weights(case)
+    recordings = Path(recordings)
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
         raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")

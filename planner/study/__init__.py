@@ -17,8 +17,8 @@ from cases.basis import KEPT, Artefact
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
 from cases.machine import Part, Positive
-from planner.families.settings import family_class
-from planner.request import Request
+from planner.families.settings import Fourier, family_class
+from planner.request import OWNERS, Request
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -37,6 +37,10 @@ Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
 Whole = Annotated[int, Field(strict=True)]
 
 
+_USUAL = Request()
+_NAMES = {"duration_s": "duration", "period_s": "period"}  # settings whose columns carry a unit
+
+
 class Grid(Part):
     """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets.
 
@@ -44,15 +48,15 @@ class Grid(Part):
     """
 
     family: Values[str] = ("fourier",)
-    criterion: Values[str] = ("D",)
+    criterion: Values[str] = (str(_USUAL.criterion),)
     model: Values[Whole | None] = (None,)
-    duration_s: Values[Positive] = (12.0,)
-    order: Values[Whole] = (5,)
+    duration_s: Values[Positive] = (_USUAL.duration,)
+    order: Values[Whole] = (Fourier().order,)
     period_s: Values[Positive | None] = (None,)
     moves: Values[Whole | None] = (None,)
     knots: Values[Whole | None] = (None,)
-    payload: Values[Whole] = (0,)
-    seed: Values[Whole] = (0,)
+    payload: Values[Whole] = (_USUAL.payload,)
+    seed: Values[Whole] = (_USUAL.seed,)
 
 
 CellSettings = dict[str, Any]
@@ -89,8 +93,6 @@ class Spec(Part):
         return math.prod(len(getattr(self.grid, name)) for name in Grid.model_fields)
 
 
-# Settings that belong to one family only; for other families they do not make another cell.
-_ONLY = {"order": "fourier", "period_s": "fourier", "moves": "ptp", "knots": "spline"}
 BUILT_IN = Path(__file__).parent / "specs"
 
 
@@ -144,7 +146,9 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
     for values in itertools.product(*(getattr(spec.grid, name) for name in names)):
         settings = dict(zip(names, values, strict=True))
         family = settings["family"]
-        settings = {k: v for k, v in settings.items() if v is not None and _ONLY.get(k, family) == family}
+        # Settings of another family do not make another cell.
+        own = [k for k in settings if OWNERS.get(_NAMES.get(k, k), family) == family]
+        settings = {k: settings[k] for k in own if settings[k] is not None}
         text = json.dumps(settings, sort_keys=True)
         if text not in texts:
             texts.add(text)
@@ -157,9 +161,9 @@ def request_of(settings: CellSettings) -> Request:
     Raises:
         HexciteError: the settings cannot be planned.
     """
-    ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
+    ours = {_NAMES.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
-    own = {name: ours.pop(name) for name in ("order", "period", "moves", "knots") if name in ours}
+    own = {name: ours.pop(name) for name in OWNERS if name in ours}
     return Request(kind(**own), starts=1, **ours)
 
 

@@ -1,17 +1,22 @@
 """Free order and period: whole numbers of periods near the frequency at which velocity and acceleration both bind."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
+from inspect import signature
+from typing import get_type_hints
 
 import numpy as np
 import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from planner.cli.plan import BELONGS, OPTIONS, refuse_foreign
+from planner.cli.compare import validate
+from planner.cli.plan import OPTIONS, SEARCHED, plan, refuse_foreign
+from planner.comparison.methods import ValidationSettings
+from planner.families import ptp, spline
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
-from planner.request import Request
+from planner.request import OWNERS, Request
 from planner.search import SolverStatus, StartRecord
 from planner.search.parallel import Listener, Outcome, silent
 from planner.search.solving import Start, Step, Task
@@ -72,6 +77,32 @@ def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
         refuse_foreign([f"free_{what}", what], "fourier")
     with pytest.raises(HexciteError, match=f"free_{what} .*family ptp"):
         refuse_foreign([f"free_{what}"], "ptp")
+
+
+MOVING = ("fourier", "ptp", "spline")
+BELONGS = dict.fromkeys(SEARCHED, MOVING) | {
+    "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",), "free_order": ("fourier",),
+    "free_period": ("fourier",), "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",),
+    "sequence": ("manual",),
+}  # fmt: skip
+
+
+def test_every_setting_of_a_family_is_an_option():
+    assert set(BELONGS) == {*SEARCHED, *OWNERS}
+    assert set(BELONGS) <= set(signature(plan).parameters)
+
+
+def test_defaults_and_ranges_of_a_command_are_those_of_the_library():
+    defaults = {name: parameter.default for name, parameter in signature(plan).parameters.items()}
+    usual = Request()
+    assert (defaults["duration"], defaults["criterion"]) == (usual.duration, usual.criterion)
+    assert (defaults["seed"], defaults["order"]) == (usual.seed, Fourier().order)
+    defaults = {name: parameter.default for name, parameter in signature(validate).parameters.items()}
+    settings = asdict(ValidationSettings())
+    assert {name: defaults[name] for name in settings} == settings
+    texts = get_type_hints(plan, include_extras=True)
+    for option, kind in (("moves", ptp), ("knots", spline)):
+        assert f", {kind.FEWEST} to {kind.MOST};" in texts[option].__metadata__[0].help
 
 
 @pytest.mark.parametrize("family", FAMILIES)
