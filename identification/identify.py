@@ -228,8 +228,9 @@ def _samples(
     if conditioning.periodic:
         return periodic_run(recording, case, model, conditioning, found)
     if recording.struts is None:
+        narrow = wrist_run(recording, case, model, MOST_DELAY, method.biases, bad=found.bad)
         wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=delay_band(recording), bad=found.bad)
-        return replace(wrist_run(recording, case, model, MOST_DELAY, method.biases, bad=found.bad), wide=wide)
+        return replace(narrow, wide=wide)
     run = moving_run(recording, case, model, found=found)
     return replace(run, smoothing=conditioning.flexible, flexible=conditioning.flexible)
 
