@@ -183,7 +183,7 @@ def _column_oddities(column: Column) -> Iterator[str]:
         return
     blank = 1.0 - float(np.isfinite(values).mean())
     if blank > _MOST_BLANK:
-        yield f"{shown(column.name)}: {100 * blank:.2g} % of its fields hold no number"
+        yield f"{shown(column.name)}: {100 * blank:.3g} % of its fields hold no number"
     good = values[np.isfinite(values)]
     if column.ours not in (TRIGGER, CLOCK) and len(good) > 1 and not np.ptp(good):
         yield f"{shown(column.name)}: never changes ({good[0]:g}); a channel that is not connected?"

@@ -118,7 +118,7 @@ def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float
     text = "a period later the struts are" if part.periods > 1 else "at its ends the struts are"
     raise RecordingError(
         f"--period {period:g}",
-        f"{text} {part.misfit * 1e3:.3g} mm rms from where they were, {100 * part.relative:.2g} % "
+        f"{text} {part.misfit * 1e3:.3g} mm rms from where they were, {100 * part.relative:.3g} % "
         f"of their motion, at most {100 * TOLERATED:g} % may be{best}; give another, or leave --period out",
     )
 
@@ -208,5 +208,5 @@ def _refusal(x: Array, step: float, motion: float, best: RepeatingPart | None) -
         period, misfit = (lag + 1) * every * step, float(np.sqrt(deviations[lag]))
     return (
         f"not periodic: after the best period, {period:.4g} s, the struts are {misfit * 1e3:.3g} mm rms from where "
-        f"they were, {100 * misfit / motion:.2g} % of their motion, at most {100 * TOLERATED:g} % may be; {REMEDY}"
+        f"they were, {100 * misfit / motion:.3g} % of their motion, at most {100 * TOLERATED:g} % may be; {REMEDY}"
     )
