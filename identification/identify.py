@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
+from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
 from cases.basis import Artefact, recording_basis, result_basis
-from cases.errors import IdentificationError, NegativeMass, RecordingError
+from cases.errors import FileProblem, IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import accelerometer_bias, drift_findings, mass_finding
@@ -108,17 +109,23 @@ def identify(
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
-    record = entries_of(
-        estimate,
-        files_of(run.paths),
-        computed_from=result_basis(case),
-        case_file=case.origin,
-        plan_hash=run.record.get("plan_hash"),
-        measuring_s=seconds,
-        **({"stale": stale} if stale else {}),
-        **({"run": {k: run.record[k] for k in ("simulated", *RUN_ENTRIES) if k in run.record}} if run.record else {}),
-        **({} if standing is None else {"standstills": standing}),
-    )
+    taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES) if key in run.record}
+    about = {"run": taken} if run.record else {}
+    try:
+        record = entries_of(
+            estimate,
+            files_of(run.paths),
+            computed_from=result_basis(case),
+            case_file=case.origin,
+            plan_hash=run.record.get("plan_hash"),
+            measuring_s=seconds,
+            **({"stale": stale} if stale else {}),
+            **about,
+            **({} if standing is None else {"standstills": standing}),
+        )
+    except ValidationError as error:  # only what recording.json says can be of another kind
+        place = ".".join(map(str, error.errors()[0]["loc"]))
+        raise FileProblem(recording.source, f"recording.json: entry {place} is damaged", "run again") from error
     return Result(case, record, estimate)
 
 

@@ -1,5 +1,6 @@
 """A result that is saved and loaded is the same, and nobody can change it."""
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,11 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from cases.errors import FileProblem
 from cases.loading import load_case
 from identification.finding import Finding, Kind, Severity, note
+from identification.hexapod import Hexapod
+from identification.identify import identify
 from identification.model import identification_model
 from identification.outcome import Result
 from identification.result import ResultEntries, entries_of_parameters, physical_values
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
@@ -102,3 +109,10 @@ def test_nobody_can_change_a_result(result: Result) -> None:
         result.record.inputs[0]["file"] = "another"
     with pytest.raises(TypeError):
         note(Kind.CASE, "x", series={"values": [1.0]}).quantity["series"]["values"] = ()
+
+
+def test_a_damaged_entry_of_the_recording_is_named() -> None:
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.0))
+    run = simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv")
+    with pytest.raises(FileProblem, match=r"run.csv: recording.json: entry plan_hash is damaged; run again"):
+        identify(replace(run, record={"case": CASE.name, "plan_hash": 5}), CASE)
