@@ -277,7 +277,7 @@ def test_a_number_changed_by_hand_is_noticed(
 
 
 def test_warnings_and_findings_belong_together(saved: Result, tmp_path: Path) -> None:
-    with pytest.raises(FileProblem, match=r"warnings is not what findings say: changed by hand; identify"):
+    with pytest.raises(FileProblem, match=r"warnings .*findings.*; identify"):
         Result.load(damaged(saved, tmp_path, ("warnings",), ["another"]), CASE)
 
 

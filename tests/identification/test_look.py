@@ -225,7 +225,7 @@ def test_a_slow_recording_gets_a_low_pass_that_its_rate_carries(hexapod_case: Ca
     """At most a fifth of 50 Hz; the case has 40 Hz. At 50 Hz nobody takes seconds for milliseconds."""
     file = RECORDERS[0].write(run(hexapod_case)[::20], tmp_path)
     recording = read(file, hexapod_case)
-    with pytest.raises(RecordingError, match=r"too high for 50 samples a second; at most 10$"):
+    with pytest.raises(RecordingError, match=r"too high .*\b50 samples.*at most 10$"):
         checked_filter(recording, hexapod_case)
     form = RecordingFormat(filter_cutoff_Hz=look(file, hexapod_case).settings["filter_cutoff_Hz"])
     assert checked_filter(recording, hexapod_case.model_copy(update={"recording": form})).cutoff > 5.0

@@ -80,7 +80,7 @@ def test_a_recording_of_another_case_that_can_be_evaluated_is_named_first() -> N
     assert not any("recorded with" in w for w in identify(replace(run(), record=record), CASE).warnings)
     turned = replace(run(), record=record | {KEPT: recording_basis(CASE) | {"setup": "2x", "gravity_m_s2": None}})
     first, *_ = identify(turned, CASE).warnings
-    assert "it was recorded with the case other, not hexapod: setup was 2x, is 1b (1 more); leave --case out" in first
+    assert tells(first, "case other, not hexapod", "setup was 2x, is 1b (1 more)", "leave --case out")
 
 
 def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:

@@ -233,20 +233,19 @@ def test_a_search_has_the_processes_that_it_is_given(
 
 def test_a_search_needs_a_process(hexapod_case: Case):
     for refuse in (hx.ValidationSettings, functools.partial(hx.plan, hexapod_case)):
-        with pytest.raises(HexciteError, match="0 workers; choose workers 1 to 1000"):
+        with pytest.raises(HexciteError, match="0 workers; choose workers 1 to"):
             refuse(workers=0)
-    assert "0 workers; choose --workers 1 to 1000" in refused("plan", "hexapod", "--workers", 0)
-    assert "0 workers; choose --workers 1 to 1000" in refused("validate", "hexapod", "--workers", 0)
-    assert "--workers does nothing with --family manual" in refused(
-        "plan", "hexapod", "--family", "manual", "--workers", 2
-    )
+    assert tells(refused("plan", "hexapod", "--workers", 0), "0 workers; ", "--workers 1 to 1000")
+    assert tells(refused("validate", "hexapod", "--workers", 0), "0 workers; ", "--workers 1 to 1000")
+    by_hand = refused("plan", "hexapod", "--family", "manual", "--workers", 2)
+    assert tells(by_hand, "--workers ", "--family manual")
 
 
 def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_case: Case):
     result = hx.Result.load(folder / "result")
     program = hx.Program.load(folder / "run.ngc", hexapod_case)
     recording = hx.run(program, hexapod_case)
-    with pytest.raises(HexciteError, match="is proven for case hexapod, whose machine or limits are others"):
+    with pytest.raises(HexciteError, match=r"case hexapod, .*machine or limits"):
         hx.run(program, hx.load_case("strut_sensors").model_copy(update={"workspace": None}))
     for value in (hexapod_case, by_hand, program, recording, result):
         text = repr(value)

@@ -105,7 +105,7 @@ def run_linuxcnc(
         speed = speedup / 2**attempt
         usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + standing) / speed
         limit = usual if time_limit is None else time_limit
-        log, report = _session(path, lines, case, headroom, timed, speed, limit)
+        log, report = one_session(path, lines, case, headroom, timed, speed, limit)
         window = report["started"], report["ended"]
         if lost := lost_cycles(report, speed):
             problem = f"{path}: {lost}"
@@ -117,7 +117,7 @@ def run_linuxcnc(
     raise ExecutionError(problem)
 
 
-def _session(
+def one_session(
     program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
 ) -> tuple[ControllerLog, dict[str, Any]]:
     """Runs the lines once; returns the log and the report of `read_report`."""

@@ -80,7 +80,11 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
         report = REPORT | {"samples": 4, "lost": int(len(speeds) <= losses), "started": 0, "ended": 4}
         return log_of([0, 2, 2, 0]), report
 
-    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", pretended)):
+    for name, value in (
+        ("linuxcnc_missing", lambda: None),
+        ("preload_works", lambda: True),
+        ("one_session", pretended),
+    ):
         monkeypatch.setattr(session, name, value)
     program = write("G21 G90 G94\nG1 X1 F600\nM2\n")
     if losses < 3:
