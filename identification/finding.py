@@ -97,8 +97,3 @@ def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
 def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
     """Sentences for people, of one severity."""
     return tuple(f.sentence for f in findings if f.severity is severity and f.sentence)
-
-
-def quantities_of(findings: Iterable[Finding]) -> dict[str, Any]:
-    """Entries for programs."""
-    return {key: value for finding in findings for key, value in finding.quantity.items()}

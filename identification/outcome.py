@@ -18,7 +18,7 @@ from identification.estimation.biases import Biases
 from identification.finding import Finding, Severity, sentences
 from identification.model import Model, identification_model
 from identification.parameters import offset_columns
-from identification.result import Estimate, ResultEntries, Value, identifiability_of, residuals_of
+from identification.result import Estimate, ResultEntries, Value, identifiability_of
 from identification.saved_result import AGAIN, read_entries, require_agreement
 from identification.signals import Residuals
 
@@ -77,7 +77,8 @@ class Result:
     @cached_property
     def residuals(self) -> Residuals | None:
         """Residuals of the recorded forces; None where it was loaded."""
-        return None if self.estimate is None else residuals_of(self.estimate)
+        made = self.estimate
+        return None if made is None else made.evaluated.series(made.at, made.fit.values)
 
     @property
     def findings(self) -> tuple[Finding, ...]:

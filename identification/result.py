@@ -16,13 +16,12 @@ from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit, Uncertain
-from identification.finding import AS_OBJECT, FROZEN, Entries, Finding, Severity, quantities_of, sentences
+from identification.finding import AS_OBJECT, FROZEN, Entries, Finding, Severity, sentences
 from identification.fitting import Fitted
 from identification.model import Model, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.noise_sources import NoiseSources, attenuation_of
 from identification.samples import Samples
-from identification.signals import Residuals
 
 
 class Value(NamedTuple):
@@ -101,7 +100,7 @@ class Estimate:
     @property
     def quantities(self) -> dict[str, Any]:
         """Entries of the findings for programs, by their keys in result files."""
-        return quantities_of(self.findings)
+        return {key: value for finding in self.findings for key, value in finding.quantity.items()}
 
 
 def physical_values(model: Model, u: Array, covariance: Array, robust: Array) -> dict[str, Value]:
@@ -281,11 +280,6 @@ def entries_of_parameters(
         "covariance": tuple(map(tuple, covariance.tolist())),
         "covariance_robust": tuple(map(tuple, robust.tolist())),
     }
-
-
-def residuals_of(estimate: Estimate) -> Residuals:
-    """Recorded forces of a run beside those of its own estimate."""
-    return estimate.evaluated.series(estimate.at, estimate.fit.values)
 
 
 def identifiability_of(estimate: Estimate) -> Identifiability:

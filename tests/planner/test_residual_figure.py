@@ -7,7 +7,6 @@ from scipy.signal import welch
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.result import residuals_of
 from identification.signals import Residuals
 from identification.simulate import simulate_recording
 from planner.reports.identify import distribution_chart
@@ -25,7 +24,7 @@ def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Cas
     execution = PoseExecution(Hexapod.of(hexapod_case), Harmonic(seed=1, duration=2.0))
     recording = simulate_recording(hexapod_case, execution, np.array([[0.1, 1.9]]), 0)
     estimate = estimate_parameters(recording, hexapod_case)
-    found = residuals_of(estimate)
+    found = estimate.evaluated.series(estimate.at, estimate.fit.values)
     rms = np.sqrt(np.mean(found.evaluated**2, axis=0))
     np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.fit.residuals**2, axis=0)), rtol=0.05)
     assert (rms < 0.5 * np.sqrt(np.mean(found.values**2, axis=0))).all()  # white noise: most lies above the pass band

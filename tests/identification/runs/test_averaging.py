@@ -11,7 +11,7 @@ from cases.loading import load_case
 from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
-from identification.result import Estimate, residuals_of
+from identification.result import Estimate
 from identification.runs.averaging import periodic_run
 from identification.runs.periods import each_period
 from identification.samples import Conditioning
@@ -166,7 +166,7 @@ def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() ->
 
 
 def test_residuals_are_told_at_every_sample_of_the_periods(clean: Estimate) -> None:
-    left = residuals_of(clean)
+    left = clean.evaluated.series(clean.at, clean.fit.values)
     assert len(left.t) == clean.evaluated.samples == 8000
     assert left.values.std() == pytest.approx(CASE.simulation.force_noise_N, rel=0.05)
     assert clean.s0_N == pytest.approx(left.values.std(), rel=1e-3)
