@@ -9,6 +9,7 @@ import pytest
 
 import hexcite as hx
 from cases.errors import HexciteError
+from cases.poses import load_poses
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
@@ -138,6 +139,26 @@ def test_a_study_is_the_same_from_both(tmp_path: Path, hexapod_case: Case, monke
         key: again[key] for key in ("cells", "computed", "done", "failed", "rows")
     }
     assert "2 of 2 cells done" in repr(first)
+
+
+def test_poses_of_ones_own_are_rated_the_same_by_both(tmp_path: Path, hexapod_case: Case):
+    file = tmp_path / "three.csv"
+    file.write_text("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n50,20,930,9,5,-9\n-40,60,880,-8,9,4\n20,-70,950,5,-9,9\n")
+    answer = call("poses", "hexapod", "--at", file, "--model", 0, "-o", tmp_path / "plan", "--json").json()
+    read, given = (hx.plan_poses(hexapod_case, at, model=0) for at in (file, load_poses(file)))
+    for plan in (read, given):
+        assert plan.to_json()["predicted_std"] == answer["predicted_std"]
+        assert (answer["method"], answer["count"]) == (plan.request.method, len(plan.poses)) == ("given", 3)
+
+
+def test_a_motion_is_retimed_by_another_model(made: Path, hexapod_case: Case, tmp_path: Path):
+    plan = hx.plan(hexapod_case, hx.Manual())
+    plan.save(tmp_path / "plan")
+    options = ("retime", tmp_path / "plan", "--model", 0, "-o", tmp_path / "command", "--json")
+    assert call(*options).json()["model"] == 0
+    ours, theirs = hx.retime(plan, model=0), hx.Plan.load(tmp_path / "command")
+    assert ours.model == theirs.model == 0
+    assert ours.predicted_std == pytest.approx(theirs.predicted_std, rel=1e-6)
 
 
 @pytest.mark.parametrize(
