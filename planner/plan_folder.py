@@ -21,9 +21,8 @@ from identification.criteria import Criterion, reference_scaling, singular_value
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Standstill, Trajectory
-from identification.trajectories.arcs import CircularMove, Plane
 from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
-from identification.trajectories.moves import Profile, StraightMove, unit_profile
+from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
 from planner.noise import standing_model
 from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
 from planner.pose_criteria import pose_regressors, total_information

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from enum import StrEnum
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -97,3 +98,49 @@ def parameter_words(name: str, rods: bool = False) -> str:
     elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):
         words = f"deformation: channel {factor[1]} by {factor[2]}"
     return name if words is None else f"{words} ({name})"
+
+
+class SolverStatus(StrEnum):
+    """How a run of IPOPT ended: its own return statuses as CasADi names them, in small letters, and ours."""
+
+    CONVERGED = "solve succeeded"
+    ACCEPTABLE = "solved to acceptable level"
+    INFEASIBLE = "infeasible problem detected"
+    TINY_STEPS = "search direction becomes too small"
+    DIVERGING = "diverging iterates"
+    STOPPED = "user requested stop"
+    FEASIBLE = "feasible point found"
+    ITERATION_LIMIT = "maximum iterations exceeded"
+    RESTORATION_FAILED = "restoration failed"
+    STEP_FAILED = "error in step computation"
+    CPU_LIMIT = "maximum cputime exceeded"
+    TIME_LIMIT = "maximum walltime exceeded"
+    TOO_FEW_FREEDOMS = "not enough degrees of freedom"
+    INVALID_PROBLEM = "invalid problem definition"
+    INVALID_OPTION = "invalid option"
+    INVALID_NUMBER = "invalid number detected"
+    EXCEPTION = "unrecoverable exception"
+    FOREIGN_EXCEPTION = "nonipopt exception thrown"
+    NO_MEMORY = "insufficient memory"
+    INTERNAL_ERROR = "internal error"
+    SETTLED = "no more gained"
+    NOT_RUN = ""
+    UNKNOWN = "unknown"
+
+    @classmethod
+    def _missing_(cls, value: object) -> "SolverStatus":
+        """The member of a status as IPOPT writes it, such as `Solve_Succeeded`."""
+        plain = str(value).replace("_", " ").lower()
+        return next((status for status in cls if status.value == plain), cls.UNKNOWN)
+
+    @property
+    def words(self) -> str:
+        """What people are shown: to stop at the iterations that a stage has is not a failure."""
+        return _SHOWN.get(self, str(self))
+
+
+_SHOWN = {
+    SolverStatus.ITERATION_LIMIT: "at its iteration limit",
+    SolverStatus.STOPPED: "stopped by the time limit or by Ctrl-C",
+    SolverStatus.CONVERGED: "converged",
+}

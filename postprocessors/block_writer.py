@@ -16,8 +16,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array, Standstill
-from identification.trajectories.arcs import CircularMove, Plane
-from identification.trajectories.moves import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
 from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 

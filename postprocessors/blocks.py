@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
-from identification.trajectories.arcs import CircularMove
 from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
-from identification.trajectories.moves import Profile, StraightMove
+from identification.trajectories.moves import CircularMove, Profile, StraightMove
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,9 +12,8 @@ from cases.controller import LinuxCnc
 from cases.schema import Case
 from cases.units import MINUTE
 from identification.motion import Slowed
-from identification.trajectories.arcs import CircularMove
 from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, comment_lines, feed, number
 from postprocessors.blocks import NeutralProgram, TimedPath, timed_path
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD

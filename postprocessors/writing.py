@@ -11,9 +11,8 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Measurement, Standstill, Trajectory
-from identification.trajectories.arcs import CircularMove
 from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Dialect, Program
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks

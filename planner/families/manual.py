@@ -13,8 +13,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory
-from identification.trajectories.arcs import Plane, fastest_circle
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import Plane, StraightMove, fastest_circle
 
 MARGIN = 1e-3  # of every limit, as for optimised motions
 SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all

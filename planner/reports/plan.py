@@ -19,12 +19,11 @@ from planner.plans import Plan
 from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
 from planner.poses.space import places
-from planner.precision import legible, parameter_words, std_text
+from planner.precision import SolverStatus, legible, parameter_words, std_text
 from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
 from planner.reports.page import Chart, answers, note, page, plain, section, table, tiles
 from planner.request import PoseRequest
-from planner.search import SolverStatus
 
 DRAWN_RATE = 500.0  # [1/s]
 

@@ -20,8 +20,14 @@ from identification.limit import LimitReport
 from identification.limit_proof import mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
-from identification.trajectories.arcs import CircularMove
-from identification.trajectories.moves import Profile, StraightMove, UntimedMotion, limits_along, ruckig_profile
+from identification.trajectories.moves import (
+    CircularMove,
+    Profile,
+    StraightMove,
+    UntimedMotion,
+    limits_along,
+    ruckig_profile,
+)
 from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
 from planner.plans import Plan

@@ -16,7 +16,7 @@ import numpy as np
 from cases.units import Array, Indices
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import LinearStates
-from planner.search import SolverStatus
+from planner.precision import SolverStatus
 from planner.search.program import NonlinearProgram
 
 

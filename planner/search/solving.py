@@ -20,7 +20,8 @@ from identification.model import identification_model
 from planner.families import Family, LinearFamily
 from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
-from planner.search import Failed, SolverStatus, StartRecord
+from planner.precision import SolverStatus
+from planner.search import Failed, StartRecord
 from planner.search.annealing import EqualMoves, annealed_start
 from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
 from planner.search.ipopt import Watch, solve

@@ -16,8 +16,7 @@ from identification.limit import Limit, LimitCheck, LimitKind, Status
 from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import Loads
-from identification.trajectories.arcs import CircularMove
-from identification.trajectories.moves import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 
 SAMPLES = 64  # samples of a move: forces change with the pose alone, by less than a hundredth between two of them
 PATH_SAMPLES = 1000  # samples of a timed path

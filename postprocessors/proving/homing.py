@@ -16,8 +16,7 @@ from cases.units import DEG, MM
 from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import limited_machine, prove
 from identification.motion import Array, Joined, Standstill, Trajectory
-from identification.trajectories.arcs import CircularMove
-from identification.trajectories.moves import StraightMove, limits_along
+from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.forces import forces_anywhere
 from postprocessors.proving.guarantees import Guarantees, Judge
 from postprocessors.reading import Arc, Reading, Stretch, Timed, Untimed

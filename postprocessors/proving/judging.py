@@ -22,9 +22,8 @@ from identification.limit_proof import (
     worst_case,
 )
 from identification.motion import Array, Standstill, Trajectory
-from identification.trajectories.arcs import CircularMove
 from identification.trajectories.curves import PolynomialMotion, Tabulated
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.forces import Steady, forces_along, forces_on
 from postprocessors.proving.guarantees import Judge
 from postprocessors.proving.homing import predicted, way_home

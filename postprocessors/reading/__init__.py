@@ -15,8 +15,8 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, TimedPoints
-from identification.trajectories.arcs import Plane
 from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
+from identification.trajectories.moves import Plane
 
 STILL = 1e-9  # [m, rad] below the last decimal of any program
 

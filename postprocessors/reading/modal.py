@@ -10,7 +10,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array
-from identification.trajectories.arcs import Plane
+from identification.trajectories.moves import Plane
 from postprocessors.reading import Grouping, Reading
 
 ROUND = 2e-3  # [mm] largest difference of the radii at both ends, by rounding of words; LinuxCNC accepts 5e-3

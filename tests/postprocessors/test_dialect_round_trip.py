@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Standstill, TimedPoints
-from identification.trajectories.arcs import CircularMove, Plane, fastest_circle
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed

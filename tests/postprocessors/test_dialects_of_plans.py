@@ -5,8 +5,7 @@ import pytest
 
 from cases.errors import ProgramError
 from identification.motion import Joined, Measurement, Standstill
-from identification.trajectories.arcs import Plane, fastest_circle
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import Plane, StraightMove, fastest_circle
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import DIALECTS, dialect, dialect_of_file
 from postprocessors.writing import proven_program

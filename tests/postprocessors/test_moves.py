@@ -11,9 +11,8 @@ from cases.errors import ProgramError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Joined, Trajectory
-from identification.trajectories.arcs import CircularMove, Plane, fastest_circle
 from identification.trajectories.curves import Piece, PolynomialMotion
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.proving.homing import predicted

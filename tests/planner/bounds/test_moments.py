@@ -12,8 +12,7 @@ from cases.loading import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion
-from identification.trajectories.arcs import CircularMove, Plane
-from identification.trajectories.moves import StraightMove, fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from planner.bounds.features import Moments, box_features, lagrangian, lagrangian_at, mean_square_share, motion_moments
 
 CASE = load_case("hexapod")

@@ -9,8 +9,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.limit_proof import prove
 from identification.motion import Standstill
-from identification.trajectories.arcs import CircularMove
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import CircularMove, StraightMove
 from planner.families.manual import manual_motion, sequence_file
 from tests.helpers import one_line, tells
 from tests.planner.command_line import call, refused

@@ -12,8 +12,7 @@ from cases.loading import load_case
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints
-from identification.trajectories.arcs import CircularMove, Plane
-from identification.trajectories.moves import StraightMove, fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from planner.families.settings import Manual
 from planner.plans import Plan
 from planner.request import Request

@@ -81,7 +81,7 @@ def test_killed_processes_are_gone_when_the_session_is_over() -> None:
     mark = "HEXCITE_TEST_MANY"
     many = [subprocess.Popen(["sleep", "1000"], env={mark: "1", "PATH": os.environ["PATH"]}) for _ in range(20)]
     try:
-        assert marked_processes(mark) == ["sleep"] * 20
+        wait_for(lambda: marked_processes(mark) == ["sleep"] * 20, "start")
         isolation.end_marked(f"{mark}=1")
         assert marked_processes(mark) == []
     finally:

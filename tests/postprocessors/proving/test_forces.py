@@ -6,8 +6,7 @@ import pytest
 from cases.loading import load_case
 from identification.motion import Motion, rotation_motion
 from identification.overload import Loads
-from identification.trajectories.arcs import CircularMove, Plane
-from identification.trajectories.moves import StraightMove, fastest_profile
+from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
 from postprocessors.proving.forces import Steady, forces_along, forces_anywhere, forces_on
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed
