@@ -14,8 +14,7 @@ from pydantic import AfterValidator, Field, model_validator
 from cases.machine import POSE, Number, Part, Positive, Six, Vector, frozen
 from cases.units import DEG, MM, MS, UM, Array
 
-CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
-TEMPERATURE = "temperature_degC"  # of the sensor
+CLOCK, TRIGGER, OVERRIDE, TEMPERATURE = "t_s", "trigger", "override_percent", "temperature_degC"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
@@ -27,9 +26,8 @@ ACCELEROMETER = ("ax", "ay", "az")
 BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
 WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
-    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS,
-    *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
-    *WRENCH, TRIGGER, OVERRIDE, TEMPERATURE,
+    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS, *DRIVE_VELOCITIES, *POSE, *ROTATION,
+    *ACCELEROMETER, *BAR_FORCES, *WRENCH, TRIGGER, OVERRIDE, TEMPERATURE,
 )  # fmt: skip
 VELOCITIES = (*STRUT_VELOCITIES, *DRIVE_VELOCITIES)  # known by name, and not read: motion is that of the positions
 
@@ -48,8 +46,7 @@ def setpoint_columns(coordinates: tuple[str, ...], struts: bool) -> tuple[str, .
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
 _VELOCITY = {"mm/s": MM, "m/s": 1.0, "mm/min": MM / 60.0, "m/min": 1.0 / 60.0}
 _ANGLE = {"deg": DEG, "rad": 1.0, "mrad": 1e-3}
-_FORCE = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
-_MOMENT = {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
+_FORCE, _MOMENT = {"N": 1.0, "kN": 1e3, "mN": 1e-3}, {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
 
 
 class Role(StrEnum):
@@ -94,8 +91,7 @@ def own_units(columns: Sequence[str]) -> Array:
     return np.array([next(iter(units_of(column).values()), 1.0) for column in columns])
 
 
-# A mounting matrix is typed by hand with a few digits; beyond this it is not a rotation.
-_ORTHOGONALITY = 1e-3
+_ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few digits: beyond this it is no rotation
 TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # units of time stamps [s]
 
 
@@ -251,12 +247,10 @@ class RecordingFormat(TextFile):
         requirements: dict[str, dict[str, object]] = {
             "twincat-scope": {"decimal": self.decimal},
             "sinumerik-trace": {
-                "delimiter": self.delimiter,
-                "decimal": self.decimal,
-                "header_rows": self.header_rows,
+                "delimiter": self.delimiter, "decimal": self.decimal, "header_rows": self.header_rows,
                 "clock.unit": self.clock.unit,
             },
-        }
+        }  # fmt: skip
         for key, value in requirements.get(self.format, {}).items():
             if value is None:
                 raise ValueError(f"{key} is missing; exports of {self.format} differ in it, look into one and state it")

@@ -97,14 +97,12 @@ class Request:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Request":
-        """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged.
-
-        Earlier versions wrote what the family's settings became, not what was asked for.
-        """
+        """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
         settings, kind, fewest = data["settings"], family_class(str(data["family"])), data.get("payload_from")
         names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
         names["made_for"] = "controller"
         family_settings = {name: settings[key] for key, name in names.items() if key in settings}
+        # earlier versions wrote what the family's settings became, not what was asked for
         entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
         return cls(
             kind(**entries["family"]),
@@ -232,9 +230,7 @@ class PoseRequest:
     seed: int = 0  # seed of these candidates
     # standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise
     noise: float | None = None
-
-    name: ClassVar[str] = "poses"
-    """Name in place of that of a family."""
+    name: ClassVar[str] = "poses"  # in place of that of a family
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""

@@ -24,10 +24,9 @@ NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one
 
 
 def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
-    """Entries that belong together: a plan, its runs and their results; a result knows its run by hash.
+    """Entries that belong together, by the fingerprints that they carry: a plan, its runs and their results.
 
-    A run belongs to the plan whose fingerprint it carries, a result without its run to the plan of that run. A result
-    has time and machine from its run.
+    A result without its run belongs to the plan of that run; one with it has time and machine from it.
     """
     entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
