@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_h
 
 if TYPE_CHECKING:
     from cases.errors import HexciteError as HexciteError
-    from cases.loading import load_case as load_case
     from cases.scaffold import new_arm as new_arm
     from cases.scaffold import new_case as new_case
     from cases.schema import Case as Case
+    from cases.schema import load_case as load_case
 
 
 def door(
@@ -142,8 +142,7 @@ __getattr__, __dir__ = door(
     __name__,
     {
         "cases.errors": "HexciteError",
-        "cases.loading": "load_case",
         "cases.scaffold": "new_arm new_case",
-        "cases.schema": "Case",
+        "cases.schema": "Case load_case",
     },
 )

@@ -4,9 +4,10 @@ import errno
 import hashlib
 import json
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import PackageNotFoundError, version
 from itertools import chain, count
@@ -252,6 +253,32 @@ def write_text(path: Path, text: str) -> None:
     """Writes `text` to `path` as a whole or not at all."""
     with atomic_file(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")  # of TOML, which needs no quotes
+
+
+def toml_text(values: Mapping[str, Any], table: str = "") -> str:
+    """TOML of plain values: tables as sections, those in lists inline."""
+    tables = {key: value for key, value in values.items() if isinstance(value, dict)}
+    lines = [f"{_toml_key(key)} = {toml_value(value)}" for key, value in values.items() if key not in tables]
+    lines = [*([f"[{table}]"] if table and (lines or not tables) else []), *lines]
+    for key, value in tables.items():
+        lines += ["", toml_text(value, f"{table}.{_toml_key(key)}" if table else _toml_key(key))]
+    return "\n".join(lines)
+
+
+def toml_value(value: Any) -> str:
+    """A value as TOML writes it in one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_toml_key(key)} = {toml_value(inner)}" for key, inner in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(toml_value, value)) + "]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _toml_key(key: str) -> str:
+    return key if _BARE_KEY.fullmatch(key) else toml_value(key)
 
 
 def json_text(value: Any) -> str:

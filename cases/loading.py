@@ -6,16 +6,17 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from cases.errors import CaseError
-from cases.schema import ALSO, Case
 
 BUILT_IN = Path(__file__).parent
 CASE_FILE = "case.toml"
+ALSO = "; also: "  # between problems that one rule of the case as a whole finds
+Kind = TypeVar("Kind", bound=BaseModel)
 
 # Unit suffixes of keys, ours and those that users write instead.
 _OURS = "m mm um deg kg kg_m2 s ms N Nm N_m Nm_m Hz cycles mm_min mm_s m_s m_s2 m_s3 deg_s rad_s2 rad_s3"
@@ -52,15 +53,8 @@ def lasting_name(name: str) -> str:
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 
-def load_case(name: str) -> Case:
-    """Loads and validates a case.
-
-    Args:
-        name: built-in name, folder or file.
-
-    Raises:
-        CaseError: not found, not TOML, or not a usable machine; the message names file, key, value and remedy.
-    """
+def read_case(kind: type[Kind], name: str) -> Kind:
+    """Reads and validates a case, which is of the kind `cases.schema.Case`; arguments and errors as `load_case`."""
     path = find_case(name)
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
@@ -70,15 +64,15 @@ def load_case(name: str) -> Case:
         hint = "write decimal points, not commas, and " if _decimal_comma(path) else ""
         raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
-        return Case.model_validate(data).found_at(lasting_name(name))
+        return kind.model_validate(data)
     except ValidationError as error:
-        raise _explained(path, error) from error
+        raise _explained(kind, path, error) from error
 
 
-def _explained(path: Path, error: ValidationError) -> CaseError:
+def _explained(kind: type[BaseModel], path: Path, error: ValidationError) -> CaseError:
     """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
     errors = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-    problems = [(_key(problem), words) for problem in errors for words in _words(problem).split(ALSO)]
+    problems = [(_key(problem), words) for problem in errors for words in _words(kind, problem).split(ALSO)]
     key, words = problems[0]
     if others := len(problems) - 1:
         words += f" ({others} more problem{'s' if others > 1 else ''}; hexcite case check lists all)"
@@ -104,10 +98,10 @@ _TYPES = {
 }
 
 
-def _words(problem: ErrorDetails) -> str:
+def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
     kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
-        return _unknown_key(str(problem["loc"][-1]), list(_siblings(problem["loc"])))
+        return _unknown_key(str(problem["loc"][-1]), list(_siblings(model, problem["loc"])))
     if kind == "missing":
         return "is missing; add it"
     if kind == "value_error":
@@ -150,9 +144,8 @@ def _without_unit(key: str) -> str:
     return next((key[: -len(unit) - 1] for unit in UNITS if key.endswith(f"_{unit}")), key)
 
 
-def _siblings(location: tuple[int | str, ...]) -> Iterable[str]:
+def _siblings(model: type[BaseModel], location: tuple[int | str, ...]) -> Iterable[str]:
     """Names of the fields beside the one at `location`."""
-    model: type[BaseModel] = Case
     tags = {_tag(part) for part in location}
     for part in location[:-1]:
         if not isinstance(part, str) or part not in model.model_fields:

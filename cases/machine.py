@@ -4,7 +4,7 @@ Those are strict numbers, ranges and points, each with its unit in the key that 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
@@ -400,3 +400,20 @@ class MotionLimits(StrutLengths):
         values = {name: getattr(self, name) for name in type(self).model_fields}  # not what was derived from them
         unlimited = (math.inf, math.inf, math.inf)
         return self.model_construct(**values | {"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})
+
+
+def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:
+    """Limits of motion that do not fit the workspace, in words that name the keys."""
+    for name in ("x_mm", "y_mm"):
+        inner, outer = getattr(motion, name), getattr(workspace, name)
+        if inner[0] < outer[0] or inner[1] > outer[1]:
+            yield (
+                f"limits.motion.{name} = [{inner[0]:g}, {inner[1]:g}] reaches beyond workspace.{name} = "
+                f"[{outer[0]:g}, {outer[1]:g}]; the motion box must lie inside, narrow it or widen the workspace"
+            )
+    inner, outer = motion.strut_length_mm, workspace.strut_length_mm
+    if max(inner[0], outer[0]) >= min(inner[1], outer[1]):
+        yield (
+            f"limits.motion.strut_length_mm = [{inner[0]:g}, {inner[1]:g}] and workspace.strut_length_mm = "
+            f"[{outer[0]:g}, {outer[1]:g}] have no length in common; correct one of them"
+        )

@@ -12,10 +12,10 @@ from pathlib import Path
 from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import write_text
-from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
+from cases.loading import CASE_FILE, built_in_cases, find_case
 from cases.machine import Part
 from cases.poses import Poses
-from cases.schema import Case
+from cases.schema import Case, load_case
 from cases.units import DEG, MM
 from cases.urdf import read_urdf, rpy
 

@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
+from pathlib import Path
 from typing import Annotated, Literal, NoReturn
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
@@ -16,14 +17,15 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_problems
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, frozen, kind_of
+from cases.files import atomic_file, check_file, toml_text
+from cases.loading import ALSO, lasting_name, read_case
+from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, box_problems, frozen, kind_of
 from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.
-ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
 
 
@@ -86,6 +88,26 @@ class Case(Heading):
         case = self.model_copy()
         case._origin = origin
         return case
+
+    @classmethod
+    def load(cls, name: str) -> "Case":
+        """Loads and validates a case; see `load_case`."""
+        return read_case(cls, name).found_at(lasting_name(name))
+
+    def save(self, path: Path | str, overwrite: bool = False) -> Path:
+        """Writes the case as TOML, which `load` reads back; values at their defaults are left out.
+
+        Args:
+            path: file that ends in .toml.
+            overwrite: whether a file that is there is replaced.
+
+        Raises:
+            FileProblem: the file exists, or cannot be written.
+        """
+        check_file(file := Path(path), (".toml",), overwrite=overwrite)
+        with atomic_file(file) as part:
+            part.write_text(toml_text(self.model_dump(mode="json", exclude_defaults=True)) + "\n", encoding="utf-8")
+        return file
 
     def __repr__(self) -> str:
         """Two lines: what it is, and which parts it has."""
@@ -197,21 +219,8 @@ class Case(Heading):
             )
 
     def _box(self) -> Iterator[str]:
-        if self.workspace is None or self.limits is None or not isinstance(self.limits.motion, MotionLimits):
-            return
-        for name in ("x_mm", "y_mm"):
-            inner, outer = getattr(self.limits.motion, name), getattr(self.workspace, name)
-            if inner[0] < outer[0] or inner[1] > outer[1]:
-                yield (
-                    f"limits.motion.{name} = [{inner[0]:g}, {inner[1]:g}] reaches beyond workspace.{name} = "
-                    f"[{outer[0]:g}, {outer[1]:g}]; the motion box must lie inside, narrow it or widen the workspace"
-                )
-        inner, outer = self.limits.motion.strut_length_mm, self.workspace.strut_length_mm
-        if max(inner[0], outer[0]) >= min(inner[1], outer[1]):
-            yield (
-                f"limits.motion.strut_length_mm = [{inner[0]:g}, {inner[1]:g}] and workspace.strut_length_mm = "
-                f"[{outer[0]:g}, {outer[1]:g}] have no length in common; correct one of them"
-            )
+        if self.workspace is not None and self.limits is not None and isinstance(self.limits.motion, MotionLimits):
+            yield from box_problems(self.workspace, self.limits.motion)
 
     @cached_property
     def gravity(self) -> Array:
@@ -376,3 +385,15 @@ class Case(Heading):
         if self.simulation is None:
             self.missing("simulation", purpose)
         return self.simulation
+
+
+def load_case(name: str) -> Case:
+    """Loads and validates a case.
+
+    Args:
+        name: built-in name, folder or file.
+
+    Raises:
+        CaseError: not found, not TOML, or not a usable machine; the message names file, key, value and remedy.
+    """
+    return Case.load(name)

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.model import expected_forces, full_model, identification_model, machine_of
 from identification.parameters import linear_parameters
 

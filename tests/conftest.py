@@ -8,8 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import Phase, settings
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.files import toml_value
 from cases.recording_format import CLOCK, DRIVES, ROLE_OF, STRUTS, TICKS, TRIGGER, WRENCH, Role, units_of
 from cases.schema import Case
 from cases.units import MM, Array, as_html
@@ -77,10 +78,10 @@ class Look:
     def toml(self) -> str:
         """The settings as a case file has them."""
         plain = {key: value for key, value in self.settings.items() if key != "columns"}
-        lines = ["[recording]", *(f"{key} = {_toml(value)}" for key, value in plain.items())]
+        lines = ["[recording]", *(f"{key} = {toml_value(value)}" for key, value in plain.items())]
         if "columns" in self.settings:
             columns = self.settings["columns"].items()
-            lines += ["", "[recording.columns]", *(f"{ours} = {_toml(theirs)}" for ours, theirs in columns)]
+            lines += ["", "[recording.columns]", *(f"{ours} = {toml_value(theirs)}" for ours, theirs in columns)]
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -187,16 +188,6 @@ def _column_oddities(column: Column) -> Iterator[str]:
     good = values[np.isfinite(values)]
     if column.ours not in (TRIGGER, CLOCK) and len(good) > 1 and not np.ptp(good):
         yield f"{shown(column.name)}: never changes ({good[0]:g}); a channel that is not connected?"
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(_toml(inner) for inner in value) + "]"
-    if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"').replace("\t", "\\t") + '"'
-    return repr(value)
 
 
 _NS = 1e-9

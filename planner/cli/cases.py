@@ -17,7 +17,8 @@ app = typer.Typer(help="Work with the description of a machine.", no_args_is_hel
 
 def list_cases(json: console.Json = False) -> None:
     """List the built-in cases."""
-    from cases.loading import built_in_cases, load_case
+    from cases.loading import built_in_cases
+    from cases.schema import load_case
 
     rows = [
         {"name": c.name, "setup": c.setup, "title": c.title, "file": str(file)}
@@ -93,7 +94,7 @@ def check(
 def _units_of(case: str) -> tuple[str, ...]:
     """Units that look mistaken in a case whose machine cannot stand at home, and why it may not."""
     from cases.errors import CaseError
-    from cases.loading import load_case
+    from cases.schema import load_case
     from planner.reports.case_figures import mistaken_units
 
     try:
@@ -136,7 +137,8 @@ def show(
 ) -> None:
     """Draw the machine at home, with the reach of its coordinates."""
     from cases.files import atomic_file, check_file, output_place
-    from cases.loading import find_case, load_case
+    from cases.loading import find_case
+    from cases.schema import load_case
 
     loaded = load_case(case)
     loaded.need_motion("the picture of the machine")

@@ -27,7 +27,7 @@ def compare(
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
     from cases.files import COMPARISON, check_folder, output_place
-    from cases.loading import load_case
+    from cases.schema import load_case
     from planner.comparison.comparison import compare as compared
     from planner.reports.compare import compare_page
 
@@ -92,7 +92,7 @@ def validate(
     """
     from cases.errors import HexciteError
     from cases.files import VALIDATION, check_folder, output_place
-    from cases.loading import load_case
+    from cases.schema import load_case
     from planner.comparison.methods import ValidationSettings, require_methods, unfinished
     from planner.comparison.trials import mounted_weights
     from planner.comparison.validation import disturbances_of, validate_recordings

@@ -21,7 +21,7 @@ def demo(
     """Plan, program, prove, execute, identify and report, end to end."""
     from cases.controller import ControllerName
     from cases.files import DEMO, check_folder, output_place, write_text
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.model import full_model
     from planner.cli.identification import answer_of_result
     from planner.cli.plan import answer_of_plan

@@ -25,7 +25,7 @@ def export(
 ) -> None:
     """Write the calibrated model for a controller."""
     from cases.errors import HexciteError
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.outcome import Result
     from postprocessors.export.targets import TARGETS
     from postprocessors.export.targets import export as write
@@ -95,7 +95,7 @@ def force(
 
 def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[Recording, Result]":
     """The run, and the result whose parameters are used; its case stands in where no other is named."""
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.outcome import Result, case_of_result
     from identification.recording import Recording, record_of, require_recording
 
@@ -156,7 +156,7 @@ def payload(
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.outcome import Result
     from identification.payloads import payload as between
     from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows

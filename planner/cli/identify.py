@@ -75,7 +75,7 @@ def identify(
     """
     from cases.errors import HexciteError
     from cases.files import RESULT, check_folder, output_place
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.external import verify as verified
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
@@ -133,7 +133,7 @@ def look(
     Nothing is changed: compare the proposal with what you know, and paste it into the case file.
     """
     from cases.files import atomic_file, check_file, output_place
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.formats.look import look as look_at
 
     file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)

@@ -30,7 +30,7 @@ def bound(
     from time import perf_counter
 
     from cases.files import check_file, json_text, write_text
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.model import full_model
     from planner.bounds.information_limit import bound as information_limit
     from planner.bounds.information_limit import require_time
@@ -117,7 +117,7 @@ def retime(
     Prints criteria and limits before and after; without -o nothing is written.
     """
     from cases.files import PLAN, check_folder
-    from cases.loading import load_case
+    from cases.schema import load_case
     from cases.units import DEG, MM
     from planner.plans import Plan
     from planner.reports.plan import plan_page

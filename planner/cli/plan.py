@@ -77,7 +77,7 @@ def plan(
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
     from cases.files import PLAN, check_folder, output_place
-    from cases.loading import load_case
+    from cases.schema import load_case
     from identification.criteria import Criterion
     from identification.model import full_model
     from planner.families.settings import family_class

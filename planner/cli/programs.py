@@ -41,7 +41,7 @@ def post(
     """
     from cases.controller import ControllerName
     from cases.files import check_file, output_place
-    from cases.loading import load_case
+    from cases.schema import load_case
     from planner.plan_program import language_of, write
     from planner.plans import Plan
     from postprocessors.dialects import DIALECTS
@@ -99,7 +99,7 @@ def check(
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
     from cases.errors import ProgramError
-    from cases.loading import load_case
+    from cases.schema import load_case
     from planner.plan_program import check as checked
     from planner.plan_program import of_another
 
@@ -172,7 +172,8 @@ def run(
     Sensors and encoders are simulated for the motion that the controller executed.
     """
     from cases.files import RUN, check_folder, output_place
-    from cases.loading import find_case, load_case
+    from cases.loading import find_case
+    from cases.schema import load_case
     from planner.execution import require_controller, require_seed
     from planner.execution import run as executed
 

@@ -26,7 +26,7 @@ def study(
     """
     from contextlib import ExitStack
 
-    from cases.loading import load_case
+    from cases.schema import load_case
     from planner.study import load_spec
     from planner.study.conduct import study as conducted
 

@@ -3,8 +3,7 @@
 from threading import Event
 from typing import Any
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.motion import Trajectory

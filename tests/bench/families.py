@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.model import identification_model
 from planner.bounds.information_limit import compute_bound, information_limit
 from planner.cli.console import print_table

@@ -12,7 +12,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.recording import read, write_recording
 from identification.simulate import simulate_recording

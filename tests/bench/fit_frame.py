@@ -15,9 +15,8 @@ from scipy.optimize import least_squares
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.loading import load_case
 from cases.machine import Ring
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.model import identification_model
 from identification.parameters import OFFSETS
 from planner.pose_criteria import pose_regressors

@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow.csv as pacsv
 import pyarrow.parquet as pq
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.recording import Recording, write_recording
 from identification.simulate import simulate_recording

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import hexcite as hx
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

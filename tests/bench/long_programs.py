@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.controller import SinumerikAxes
-from cases.loading import load_case
+from cases.schema import load_case
 from postprocessors.dialects import read_program
 from postprocessors.proving.proof import prove_program
 from tests.postprocessors.other_dialects import SINUMERIK

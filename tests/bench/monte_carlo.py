@@ -4,8 +4,7 @@ from threading import Event
 
 import numpy as np
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.motion import Trajectory
 from planner.cli.console import print_table
 from planner.families.settings import Fourier

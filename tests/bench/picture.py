@@ -11,7 +11,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.motion import sample
 from identification.recording import read
 from identification.simulate import truth_rows

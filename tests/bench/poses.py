@@ -5,7 +5,7 @@ import tracemalloc
 
 import numpy as np
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.model import identification_model
 from planner.cli.console import print_table
 from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from cases.loading import load_case
+from cases.schema import load_case
 from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths

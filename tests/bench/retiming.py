@@ -1,7 +1,6 @@
 """Motions of each family at another pace: what time and information it gains or costs, and what it would pass else."""
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Trajectory

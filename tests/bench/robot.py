@@ -11,7 +11,7 @@ from time import process_time
 
 import numpy as np
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model

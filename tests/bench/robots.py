@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.information_limit import information_limit

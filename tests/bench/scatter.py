@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.identify import estimate_parameters
 from planner.comparison.trials import Excitation
 from planner.execution import carried_out

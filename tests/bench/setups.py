@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 import hexcite as hx
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from cases.sensors import SensorFrame, Transducer, together
 from identification.model import identification_model
 from identification.motion import sample

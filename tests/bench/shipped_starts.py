@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 
 from cases.errors import HexciteError
 from cases.files import write_text
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.units import Array
 from identification.criteria import box_middle
 from identification.model import identification_model

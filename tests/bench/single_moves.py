@@ -20,8 +20,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.bounds.design import improved_weights

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from cases.loading import load_case
+from cases.schema import load_case
 from planner.study import DONE, PLANNED, Cells, Grid, Spec, keep, open_study, read_rows
 from planner.study.cluster import local_client, run_tasks
 from planner.study.study_run import about_study, run_study

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from identification.simulate import circumstances, simulate_recording
@@ -21,7 +21,7 @@ REPEATS = 5
 FROM_PYTHON = f"""
 import sys, time
 from pathlib import Path
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.recording import read
 case = load_case("hexapod")

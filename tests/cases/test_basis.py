@@ -8,8 +8,8 @@ import pytest
 
 from cases.basis import KEPT, Artefact, bound_hash, motion_hash, plan_basis, recording_basis, result_basis
 from cases.errors import CaseError, FileProblem
-from cases.loading import built_in_cases, load_case
-from cases.schema import Case
+from cases.loading import built_in_cases
+from cases.schema import Case, load_case
 
 
 def edited(key: str, value: Any) -> Case:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import load_case
+from cases.schema import load_case
 from tests.helpers import one_line
 
 GANTRY = """

@@ -3,8 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 
 CASE = load_case("hexapod").model_dump()
 

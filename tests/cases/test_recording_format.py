@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import load_case
 from cases.recording_format import COLUMNS
-from cases.schema import Case
+from cases.schema import Case, load_case
 from tests.cases.editing import edited
 from tests.helpers import one_line
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from cases.errors import CaseError, FileProblem
-from cases.loading import load_case
 from cases.scaffold import new_case
+from cases.schema import load_case
 from tests.helpers import one_line
 
 

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import CaseError, FileProblem
-from cases.loading import load_case
 from cases.scaffold import new_arm
+from cases.schema import load_case
 from cases.urdf import read_urdf
 from identification.serial_chain import SerialChain
 from identification.symbolic import over_samples

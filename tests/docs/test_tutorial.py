@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from cases.loading import load_case
 from cases.scaffold import readiness
+from cases.schema import load_case
 
 DOCS = Path(__file__).parents[2] / "docs"
 spec = importlib.util.spec_from_file_location("transcript", DOCS / "transcript.py")

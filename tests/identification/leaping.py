@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.trajectories.executed import Execution
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy import stats
 
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.sensors import RigidBody, Truth
 from identification.estimation.fit import Fit
 from identification.model import identification_model, regressors

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain
 from cases.errors import CaseError
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.sensors import RigidBody
 from identification.limited_chain import chain_frames, joint_efforts
 from identification.model import WRENCH_OFFSETS, Model

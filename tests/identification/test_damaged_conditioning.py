@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.recording import Recording, read, write_recording
 from identification.runs.preparation import on_one_clock

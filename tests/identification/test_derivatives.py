@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import Joined, Motion, TimedPoints

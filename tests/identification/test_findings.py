@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.errors import IdentificationError, RecordingError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.findings import contact
 from identification.findings.contact import find_contacts
 from identification.hexapod import Hexapod

@@ -13,7 +13,7 @@ import pytest
 from cases.basis import KEPT, result_basis
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.external import force, tare
 from identification.finding import Kind, Severity
 from identification.hexapod import Hexapod

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.sensors import SensorFrame
 from tests.identification.point_masses import wrench_of_bars
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.identify import estimate_parameters
 from identification.recording import Recording, read
 from tests.helpers import few, one_line, tells

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.external import force as over_recording
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

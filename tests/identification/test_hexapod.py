@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from tests.helpers import HOME, one_line, paper_poses
 

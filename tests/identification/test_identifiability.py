@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import analyse
 from identification.model import identification_model
 from tests.helpers import paper_poses

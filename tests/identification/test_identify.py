@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.estimation import pose_noise
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

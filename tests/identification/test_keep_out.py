@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
 from identification.limit import LimitReport
 from identification.limit_proof import prove

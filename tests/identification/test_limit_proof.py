@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import load_case
 from cases.machine import MotionLimits
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
 from identification.limit_proof import prove

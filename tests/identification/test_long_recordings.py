@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification import signals
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

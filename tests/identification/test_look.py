@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from cases.loading import load_case
 from cases.recording_format import RecordingFormat
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.formats.look import look
 from identification.hexapod import Hexapod
 from identification.recording import read

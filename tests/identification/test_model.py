@@ -7,8 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.model import identification_model
 from identification.parameters import MODELS
 from tests.helpers import one_line, paper_poses

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.sensors import Compensation, RigidBody, Truth
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form

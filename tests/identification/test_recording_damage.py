@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from cases.errors import RecordingError
-from cases.loading import load_case
 from cases.recording_format import ROTATION
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.recording import read
 from tests.helpers import one_line
 

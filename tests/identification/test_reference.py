@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.criteria import information, reference_scaling, uniform_states
 from identification.model import identification_model
 

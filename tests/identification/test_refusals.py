@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError, HexciteError, IdentificationError, RecordingError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Standstill

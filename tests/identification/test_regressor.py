@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.model import identification_model, regressors
 from identification.motion import Standstill, Trajectory
 from identification.symbolic import over_samples

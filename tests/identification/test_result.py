@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.files import json_text
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.result import Estimate, Value, entries_of

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from cases.errors import FileProblem
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.finding import Finding, Kind, Severity, note
 from identification.hexapod import Hexapod
 from identification.identify import identify

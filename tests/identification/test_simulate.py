@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import CaseError
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.sensors import together
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.estimation.estimators import method
 from identification.estimation.fit import StatedNoise, acceleration_to_force, components_of
 from identification.hexapod import Hexapod

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.limit import LimitKind
 from identification.limit_proof import load_shares, prove, prove_at
 from identification.model import identification_model

@@ -6,8 +6,7 @@ from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model, regressors

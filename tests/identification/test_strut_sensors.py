@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, State
 from identification.strut_sensors import rods, structure, strut_blocks

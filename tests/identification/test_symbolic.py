@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.symbolic import CHUNK, PART, gibbs, over_samples, rate_matrix, rotation, rpy

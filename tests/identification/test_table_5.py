@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Regression
 from identification.model import identification_model

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError, HexciteError, IdentificationError
-from cases.loading import load_case
 from cases.recording_format import WRENCH
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.identify import identify
 from identification.limit_proof import prove
 from identification.limited_chain import chain_frames, sensor_motion

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from tests.helpers import tells
 from tests.planner.command_line import call, refused
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.loading import load_case
 from cases.recording_format import BAR_FORCES, STRUTS
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from tests.helpers import Harmonic, tells

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.cli.plan import read_payloads

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser
 
-from cases.loading import load_case
+from cases.schema import load_case
 from planner.precision import std_text
 from planner.reports.plan import beside_manual
 from planner.request import Request

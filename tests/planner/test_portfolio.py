@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.information_limit import information_limit

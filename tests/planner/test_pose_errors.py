@@ -8,7 +8,8 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.special import gamma, kv
 
-from cases.loading import find_case, load_case
+from cases.loading import find_case
+from cases.schema import load_case
 from cases.sensors import PoseField
 from identification.criteria import box_middle, reference_scaling
 from identification.hexapod import Hexapod

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cases.basis import motion_hash
-from cases.loading import load_case
+from cases.schema import load_case
 from planner.plan_program import case_line
 from tests.helpers import tells
 from tests.planner.command_line import call, refused

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.criteria import reference_scaling
 from identification.identify import estimate_parameters
 from identification.model import identification_model

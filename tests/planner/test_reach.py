@@ -10,9 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import CaseError
-from cases.loading import load_case
 from cases.machine import POSE
-from cases.schema import Case
+from cases.schema import Case, load_case
 from cases.units import DEG, MM
 from identification.limit_proof import prove
 from identification.motion import StandingPoses

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import hexcite as hx
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import Criterion
 from identification.limit_proof import PROOF_RATE
 from planner.families.settings import FamilySettings

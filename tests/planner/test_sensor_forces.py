@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import planner.search.problem as problem_module
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.criteria import box_middle, reference_scaling
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from identification.limit_proof import load_shares, prove

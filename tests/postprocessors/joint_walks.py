@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from cases.controller import UrScript
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.motion import Standstill
 from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Language, dialect

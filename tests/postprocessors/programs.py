@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.limit_proof import prove
 from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import StraightMove

@@ -12,8 +12,8 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from cases.errors import ProgramError
-from cases.loading import load_case
 from cases.recording_format import setpoint_columns
+from cases.schema import load_case
 from identification.limit_proof import limited_machine, prove
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.moves import StraightMove

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.units import DEG, MM
 from identification.motion import Joined, Standstill
 from identification.trajectories.curves import FourierMotion

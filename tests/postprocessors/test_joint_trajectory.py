@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
 from cases.errors import CaseError, ProgramError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.motion import Joined, Motion
 from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import Program, dialect

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.errors import ProgramError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.motion import Joined, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.errors import HexciteError, ProgramError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.trajectories.curves import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.proving.homing import predicted

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import HexciteError, ProgramError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.motion import Joined, Measurement
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove

@@ -3,8 +3,7 @@
 import numpy as np
 from hypothesis import given
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Standstill
 from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pyarrow import parquet
 
 from cases.errors import CaseError, ProgramError
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.errors import CaseError, HexciteError, ProgramError
-from cases.loading import load_case
+from cases.schema import load_case
 from postprocessors.dialects import Program, dialect
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program

@@ -11,8 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading, Timed

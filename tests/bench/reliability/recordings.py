@@ -16,9 +16,8 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 from numpy.typing import NDArray
 
-from cases.loading import load_case
 from cases.recording_format import BAR_FORCES, STRUTS
-from cases.schema import Case
+from cases.schema import Case, load_case
 from cases.units import MM
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

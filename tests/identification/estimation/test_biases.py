@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError, IdentificationError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.estimation.biases import OFFSET_NAMES, Biases, accelerometer_bias
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod

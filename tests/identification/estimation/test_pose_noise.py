@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.estimation.coloured_noise import Turned, coloured_covariance, turned
 from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Regression, matern

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.estimation.channel_weights import per_channel
 from identification.estimation.compressed import gauss_markov
 from identification.estimation.fit import Regression

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.findings.fit_checks import recorded_overrides
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

@@ -8,9 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
 from cases.recording_format import Drives
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.findings.cable_orders import Order, orders_of
 from identification.findings.wiring import other_wiring
 from identification.identify import estimate_parameters

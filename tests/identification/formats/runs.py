@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.loading import load_case
 from cases.recording_format import BAR_FORCES, STRUTS, RecordingFormat
-from cases.schema import Case
+from cases.schema import Case, load_case
 
 HEXAPOD = load_case("hexapod")
 COUNT = 40

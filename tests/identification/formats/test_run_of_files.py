@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from cases.loading import load_case
 from cases.recording_format import BAR_FORCES, STRUTS
+from cases.schema import load_case
 from identification.recording import Recording, read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, Truth, case_with, csv, written

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.errors import RecordingError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from cases.errors import RecordingError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.motion import Motion

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.identify import estimate_parameters
 from identification.recording import Recording
 from identification.samples import Conditioning

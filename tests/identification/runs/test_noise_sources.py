@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

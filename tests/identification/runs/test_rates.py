@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.formats.table import Stream
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

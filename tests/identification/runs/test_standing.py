@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError, RecordingError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters

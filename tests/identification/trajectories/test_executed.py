@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.limit import LimitReport
 from identification.limit_proof import prove
 from identification.motion import Joined, Motion, Standstill, TimedPoints

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.errors import CaseError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import reference_scaling, uniform_states
 from identification.limit_proof import prove
 from identification.model import identification_model

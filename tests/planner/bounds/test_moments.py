@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion

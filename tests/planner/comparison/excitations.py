@@ -4,8 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import StraightMove

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.criteria import reference_scaling
 from identification.limit_proof import prove
 from identification.model import identification_model

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.model import Model, identification_model
 from planner.pose_criteria import candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates, sampled_candidates

@@ -7,8 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import CaseError, HexciteError, InfeasiblePlan
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.hexapod import Hexapod
 from identification.limit_proof import prove_at
 from identification.motion import Standstill

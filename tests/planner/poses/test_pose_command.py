@@ -75,7 +75,7 @@ def test_the_folder_is_a_plan_with_poses(planned: dict[str, Any]) -> None:
 def test_every_dialect_measures_at_each_pose_with_the_trigger_on_and_moves_with_it_off(
     folder: Path, quick: Path, planned: dict[str, Any], dialect: str, suffix: str
 ) -> None:
-    from cases.loading import load_case
+    from cases.schema import load_case
     from postprocessors.dialects import read_program
 
     program = folder / f"dialect{suffix}"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.result import Estimate
 from planner.pose_criteria import POSE_CRITERIA, candidate_scaling
 from planner.poses.removal import reduce_best

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile
 from planner.retiming.pacing import PacedMotion, PathConstraints, paced

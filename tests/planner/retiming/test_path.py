@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import InfeasiblePlan
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Joined, TimedPoints
 from identification.trajectories.moves import StraightMove

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cases.errors import HexciteError, InfeasiblePlan
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from cases.errors import FileProblem, HexciteError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from planner.families.settings import FAMILIES
 from planner.request import Request
 from planner.study import ExecutionSpec, Grid, Spec, load_spec, request_of, settings_of

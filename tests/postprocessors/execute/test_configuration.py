@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from postprocessors.execute.linuxcnc import configuration
 from tests.postprocessors.changed_case import changed
 

@@ -108,7 +108,7 @@ SCRIPT = """
 import signal, sys, tempfile
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background inherits that it is ignored
 from pathlib import Path
-from cases.loading import load_case
+from cases.schema import load_case
 from postprocessors.execute.linuxcnc import isolation
 from tests.postprocessors.execute.runs import run_text
 program, isolation.MARK, tempfile.tempdir, spaces = sys.argv[1:]

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.loading import load_case
 from cases.recording_format import Drives
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.model import Model, identification_model
 from identification.outcome import Result
 from identification.parameters import body_parameters

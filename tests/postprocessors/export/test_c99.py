@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.loading import load_case
-from cases.schema import Case
+from cases.schema import Case, load_case
 from identification.external import tare
 from identification.hexapod import Hexapod
 from identification.model import expected_forces

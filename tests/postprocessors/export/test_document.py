@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.model import identification_model
 from postprocessors.export import calibration as module
 from postprocessors.export.calibration import json_document

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.model import identification_model
 from postprocessors.export.targets import isg_load, principal_axes
 from tests.helpers import one_line

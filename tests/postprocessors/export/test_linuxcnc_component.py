@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cases.loading import load_case
+from cases.schema import load_case
 from cases.units import DEG, MM
 from identification.model import identification_model
 from identification.parameters import linear_parameters

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.external import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.model import identification_model
 from postprocessors.export.targets import urscript_payload
 from tests.helpers import one_line

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.schema import load_case
 from identification.motion import Motion, rotation_motion
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
