@@ -144,6 +144,8 @@ class Case(Heading):
         motion = None if self.limits is None else self.limits.motion
         if (self.setup == "2x") != (self.sensor_frame.struts is not None):
             yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
+        if self.setup == "R" and self.sensor_frame.transducer is None and self.chain is None:
+            yield 'setup "R" is a force/torque sensor: add [sensor_frame.transducer], or write the setup of the bars'
         if self.sensor_frame.struts is not None and self.hexapod is None:
             yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
         if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:

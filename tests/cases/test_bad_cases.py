@@ -103,6 +103,7 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "pose error in mN": ("weights =", f"pose_error_N = 6e3\n{LENGTH}\nweights =", "", "more than sensors.range"),
     "another unit of noise": ("range_N = 5000.0", "strut_noise_mm = 0.1", "sensors.strut_noise_mm", "noise_um"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
+    "setup of another sensor": ('setup = "1b"', 'setup = "R"', "", r"sensor_frame\.transducer"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b', '2x' or 'R'"),
     "safe feed that is too fast": ("safe_feed_mm_min = ", "safe_feed_mm_min = 99", "", "faster than limits.motion.vel"),
     "name with a blank": ('name = "hexapod"', 'name = "Hexa pod"', "name", "'Hexa pod'"),
