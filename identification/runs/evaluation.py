@@ -306,21 +306,25 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
         return run
     assert part.recording.struts is not None
-    noise = strut_noise(part) * np.random.default_rng(0).standard_normal(part.recording.struts.shape)
-    noisy = replace(part, recording=replace(part.recording, struts=part.recording.struts + noise))
+    noise, draw, struts = strut_noise(part), np.random.default_rng(0), part.recording.struts.copy()
+    for first in range(0, len(struts), BLOCK):
+        block = struts[first : first + BLOCK]
+        block += noise * draw.standard_normal(block.shape)
+    noisy = replace(part, recording=replace(part.recording, struts=struts))
     error = (noisy.regressors(delay) @ fit.values[:size] - expected) @ root.T
     bias = float(np.sum(error[inner] * (2.0 * error[inner] - error[inner + 1] - error[inner - 1]))) / run.step**2
     return replace(run, smoothing=True) if bias < max(std, smoothing / CLEAR) * information else run
 
 
 DIFFERENCES = 8  # repeated differences of the struts, which leave nothing of a motion far below the sampling rate
+BLOCK = 100_000  # rows that are looked at for it, and to which it is added at a time: limits the memory
 NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
 
 
 def strut_noise(run: Run) -> Array:
     """Standard deviation of white noise of each recorded strut, shape (struts,) [m]; few leaps do not count."""
     assert run.recording.struts is not None
-    moving = run.recording.struts[run.filter.margin + run.rows[0] : run.filter.margin + run.rows[-1]]
+    moving = run.recording.struts[run.filter.margin + run.rows[0] : run.filter.margin + run.rows[-1]][:BLOCK]
     changes = np.median(np.abs(np.diff(moving, DIFFERENCES, axis=0)), axis=0)
     return np.asarray(changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES))))
 
