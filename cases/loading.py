@@ -16,7 +16,7 @@ from cases.errors import CaseError
 BUILT_IN = Path(__file__).parent
 CASE_FILE = "case.toml"
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
-Kind = TypeVar("Kind", bound=BaseModel)
+AnyCase = TypeVar("AnyCase", bound=BaseModel)
 
 # Unit suffixes of keys, ours and those that users write instead.
 _OURS = "m mm um deg kg kg_m2 s ms N Nm N_m Nm_m Hz cycles mm_min mm_s m_s m_s2 m_s3 deg_s rad_s2 rad_s3"
@@ -53,8 +53,8 @@ def lasting_name(name: str) -> str:
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 
-def read_case(kind: type[Kind], name: str) -> Kind:
-    """Reads and validates a case, which is of the kind `cases.schema.Case`; arguments and errors as `load_case`."""
+def read_case(model: type[AnyCase], name: str) -> AnyCase:
+    """Reads and validates a case by its model, `cases.schema.Case`; arguments and errors as `load_case`."""
     path = find_case(name)
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
@@ -64,15 +64,15 @@ def read_case(kind: type[Kind], name: str) -> Kind:
         hint = "write decimal points, not commas, and " if _decimal_comma(path) else ""
         raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
-        return kind.model_validate(data)
+        return model.model_validate(data)
     except ValidationError as error:
-        raise _explained(kind, path, error) from error
+        raise _explained(model, path, error) from error
 
 
-def _explained(kind: type[BaseModel], path: Path, error: ValidationError) -> CaseError:
+def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> CaseError:
     """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
     errors = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-    problems = [(_key(problem), words) for problem in errors for words in _words(kind, problem).split(ALSO)]
+    problems = [(_key(problem), words) for problem in errors for words in _words(model, problem).split(ALSO)]
     key, words = problems[0]
     if others := len(problems) - 1:
         words += f" ({others} more problem{'s' if others > 1 else ''}; hexcite case check lists all)"

@@ -257,16 +257,16 @@ class Comparison:
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:
     """Comparison of cost, information and standard deviations, with the excitation to prefer.
 
-    A result belongs to the run it was made of, a run to the plan that its program was written from.
-
     Args:
-        things: plans, and folders of plans, poses, runs and results, in any mix.
+        things: plans, and folders of plans, poses, runs and results, in any mix; at least one.
         case: replaces the case that a folder names.
         stale: whether to go on although a case has changed since.
 
     Raises:
-        HexciteError: one cannot be used, or is named twice.
+        HexciteError: none is named, one cannot be used, or is named twice.
     """
+    if not things:
+        raise HexciteError("compare", "nothing is named", "name plans, runs or results, or their folders")
     folders = [Path(thing) for thing in things if not isinstance(thing, Plan)]
     for k, folder in enumerate(folders):
         if any(folder.resolve() == other.resolve() for other in folders[:k]):
