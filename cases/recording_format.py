@@ -193,6 +193,11 @@ class TextFile(Part):
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
     """Encoding of the text."""
 
+    @property
+    def separator(self) -> str:
+        """Character between two fields, where it is not looked for in the file."""
+        return self.delimiter or (" " if self.format == "halsampler" else ",")
+
 
 class RecordingFormat(TextFile):
     """How recordings of this case are to be read.

@@ -3,13 +3,17 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
+
+import numpy as np
 
 from cases.errors import RecordingError
-from identification.formats.table import TextFormat, is_number, unreadable
-from identification.formats.text import SIZE, read_head
+from cases.recording_format import TextFile
+from identification.formats.looked import Column
+from identification.formats.reading import whole
+from identification.formats.table import is_number, is_value, split, unreadable
+from identification.formats.text import SIZE, cells, read_blocks, read_head, rows_of
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SAMPLE = 200  # lines from which the fields are known
@@ -20,38 +24,8 @@ _UNIT = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class TextLayout:
-    """How a text file is laid out."""
-
-    format: Literal["csv", "halsampler", "twincat-scope"]  # as `recording.format` names it
-    dialect: TextFormat  # separator, decimal sign and encoding
-    header_rows: int  # lines above the numbers
-    names_row: int  # which of them holds the names, counted from 1; 0: none does
-    names: tuple[str, ...]  # names of the columns; numbered where the file has none
-    units: tuple[str, ...]  # units of the columns, where a line of the header holds them; else empty
-    numeric: tuple[bool, ...]  # whether each column holds numbers
-    trailing_rows: int  # lines below the numbers
-    cut_off: bool  # whether the last line ends early
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """What differs from `csv` by default, as `[recording]` has it."""
-        settings: dict[str, Any] = {} if self.format == "csv" else {"format": self.format}
-        usual = {"csv": ",", "halsampler": " "}.get(self.format, self.dialect.delimiter)
-        if self.dialect.delimiter != usual:
-            settings["delimiter"] = self.dialect.delimiter
-        if self.dialect.decimal != "." or self.format == "twincat-scope":
-            settings["decimal"] = self.dialect.decimal
-        if self.format == "csv":
-            settings |= {"header_rows": self.header_rows} if self.header_rows != 1 else {}
-            settings |= {"names_row": self.names_row} if self.names_row not in (0, self.header_rows) else {}
-            settings |= {"trailing_rows": self.trailing_rows} if self.trailing_rows else {}
-        return settings | ({"encoding": self.dialect.encoding} if self.dialect.encoding != "utf-8" else {})
-
-
-def layout_of(file: Path) -> TextLayout:
-    """The layout of a text file, from its beginning and its end.
+def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
+    """Columns of a text file with the units in its header, settings for `[recording]` that read it, and what is odd.
 
     Raises:
         RecordingError: it cannot be read, or holds no table of numbers that the readers know.
@@ -63,20 +37,43 @@ def layout_of(file: Path) -> TextLayout:
     while lines and not lines[-1].strip():
         lines.pop()
     scope = next((d for d in "\t;," if lines[0].split(d)[0] == "Name" and d in lines[0]), None)
-    dialect, numeric = _dialect(file, lines, encoding, scope)
+    form, numeric = _dialect(file, lines, encoding, scope)
     count = len(numeric)
-    first = next(k for k, line in enumerate(lines) if _is_row(dialect, line, numeric))
-    head = [[cell.strip() for cell in dialect.split(line)] for line in lines[:first]]
+    first = next(k for k, line in enumerate(lines) if _is_row(form, line, numeric))
+    head = [cells(line, form) for line in lines[:first]]
     names_row = max(k for k, row in enumerate(head, 1) if row[:1] == ["Name"]) if scope else _names_row(head, count)
-    names = tuple(head[names_row - 1]) if names_row else tuple(f"column {k}" for k in range(1, count + 1))
+    names = head[names_row - 1] if names_row else [f"column {k}" for k in range(1, count + 1)]
     below = (row for row in head[names_row:] if len(row) == count and any(row))
-    units = next((tuple(row) for row in below if all(map(_UNIT.fullmatch, row))), ())
-    blank_at_end = dialect.delimiter == " " and not first and lines[0].endswith(" ")
-    trailing, cut_off = _below(file, dialect, numeric)
-    form: Literal["csv", "halsampler", "twincat-scope"] = (
-        "twincat-scope" if scope else "halsampler" if blank_at_end else "csv"
-    )
-    return TextLayout(form, dialect, first, names_row, names, units, numeric, trailing, cut_off)
+    units = next((row for row in below if all(map(_UNIT.fullmatch, row))), [""] * len(names))
+    blank_at_end = not scope and form.separator == " " and not first and lines[0].endswith(" ")
+    trailing, cut_off = _below(file, form, numeric)
+    odd = []
+    if cut_off:
+        odd = ["the last line ends early: the recorder was stopped while it wrote; the settings leave this line out"]
+    elif trailing and not scope and not blank_at_end:
+        odd = [f"lines without numbers at the end: {trailing}; the settings leave them out"]
+    settings: dict[str, Any] = {}
+    if scope or blank_at_end:
+        settings["format"] = "twincat-scope" if scope else "halsampler"
+    elif form.separator != ",":
+        settings["delimiter"] = form.separator
+    if form.decimal != "." or scope:
+        settings["decimal"] = form.decimal
+    if not settings.get("format"):
+        settings |= {"header_rows": first} if first != 1 else {}
+        settings |= {"names_row": names_row} if names_row not in (0, first) else {}
+        settings |= {"trailing_rows": trailing} if trailing else {}
+    settings |= {"encoding": encoding} if encoding != "utf-8" else {}
+    wanted = {str(k): k for k in range(count) if numeric[k] and (names[k] or not names_row)}
+    blocks = read_blocks(file, first, trailing)
+    values = whole(list(rows_of(file, blocks, names, wanted, form, None))).values if wanted else {}
+    numbers = {wanted[k]: column for k, column in values.items() if np.isfinite(column).any()}
+    if blank_at_end and not numeric[-1]:
+        names = names[:-1]
+    if not names_row:
+        settings["column_names"] = names
+    columns = [Column(name, None, units[k], False, numbers.get(k, np.zeros(0))) for k, name in enumerate(names)]
+    return columns, settings, odd
 
 
 def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
@@ -90,39 +87,40 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
     raise RecordingError(file, "is not text", "export the recording as CSV or Parquet")
 
 
-def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[TextFormat, tuple[bool, ...]]:
-    """The dialect in which most columns are numbers, and which of them are."""
+def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[TextFile, list[bool]]:
+    """The separator and decimal sign by which most columns are numbers, and which of them are."""
     sample = [line for line in lines if line.strip()][-_SAMPLE:-1] or list(lines[-1:])
     best, most = None, 1
-    numeric: tuple[bool, ...] = ()
+    numeric: list[bool] = []
     for separator in _SEPARATORS if scope is None else (scope,):
         for decimal in ".,":
             if decimal == separator:
                 continue
-            dialect = TextFormat(separator, decimal, ("", " "), encoding)
-            rows = [dialect.split(line) for line in sample]
+            form = TextFile(delimiter=separator, decimal=decimal, encoding=encoding)
+            rows = [split(line, separator) for line in sample]
             count = Counter(len(row) for row in rows).most_common(1)[0][0]
             same = [row for row in rows if len(row) == count]
             columns = [[row[k] for row in same] for k in range(count)]
-            numbers = tuple(_share(dialect, c) >= _NUMERIC and any(map(str.strip, c)) for c in columns)
+            numbers = [
+                sum(is_value(field, form) for field in column) >= _NUMERIC * len(column) and any(map(str.strip, column))
+                for column in columns
+            ]
             if sum(numbers) > most and len(same) > len(rows) / 2:
-                best, most, numeric = dialect, sum(numbers), numbers
-    if best is None or (best.delimiter == " " and any("  " in line.strip() for line in sample)):
+                best, most, numeric = form, sum(numbers), numbers
+    if best is None or (best.separator == " " and any("  " in line.strip() for line in sample)):
         aligned = sum(len(n := line.split()) > 1 and all(map(is_number, n)) for line in sample) > len(sample) / 2
         reason = "its columns are aligned by several blanks" if aligned else "no table of numbers is found in it"
         raise RecordingError(file, reason, "export with one character, such as a comma, between two fields")
     return best, numeric
 
 
-def _share(dialect: TextFormat, fields: Sequence[str]) -> float:
-    return sum(dialect.is_number(field) for field in fields) / max(len(fields), 1)
-
-
-def _is_row(dialect: TextFormat, line: str, numeric: Sequence[bool]) -> bool:
+def _is_row(form: TextFile, line: str, numeric: Sequence[bool]) -> bool:
     """Whether a line is one of the table's: as many fields, numbers where others have such, not all of them empty."""
-    fields = dialect.split(line)
+    fields = split(line, form.separator)
     numbers = [field for field, number in zip(fields, numeric, strict=False) if number]
-    return len(fields) == len(numeric) and any(map(str.strip, numbers)) and all(map(dialect.is_number, numbers))
+    return (
+        len(fields) == len(numeric) and any(map(str.strip, numbers)) and all(is_value(field, form) for field in numbers)
+    )
 
 
 def _names_row(head: Sequence[Sequence[str]], count: int) -> int:
@@ -131,7 +129,7 @@ def _names_row(head: Sequence[Sequence[str]], count: int) -> int:
     return distinct.index(max(distinct)) + 1 if any(distinct) else 0
 
 
-def _below(file: Path, dialect: TextFormat, numeric: Sequence[bool]) -> tuple[int, bool]:
+def _below(file: Path, form: TextFile, numeric: Sequence[bool]) -> tuple[int, bool]:
     """Lines without numbers at the end of a file, and whether the last is a row that ends early."""
     try:
         with file.open("rb") as stream:
@@ -139,9 +137,9 @@ def _below(file: Path, dialect: TextFormat, numeric: Sequence[bool]) -> tuple[in
             data = stream.read()
     except OSError as error:
         raise unreadable(file, error) from error
-    lines = data.decode(dialect.encoding, "replace").splitlines()
+    lines = data.decode(form.encoding, "replace").splitlines()
     while lines and not lines[-1].strip():
         lines.pop()
-    trailing = next((k for k, line in enumerate(reversed(lines)) if _is_row(dialect, line, numeric)), 0)
-    short = dialect.split(lines[-1]) if trailing == 1 else []
-    return trailing, 1 < len(short) < len(numeric) and dialect.is_number(short[0])
+    trailing = next((k for k, line in enumerate(reversed(lines)) if _is_row(form, line, numeric)), 0)
+    short = split(lines[-1], form.separator) if trailing == 1 else []
+    return trailing, 1 < len(short) < len(numeric) and is_value(short[0], form)

@@ -29,11 +29,10 @@ from cases.recording_format import (
 from cases.schema import Case
 from cases.units import Array
 from identification.formats.assembly import switched
-from identification.formats.layout import TextLayout, layout_of
+from identification.formats.layout import look_at_text
 from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
-from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables, whole
-from identification.formats.text import read_blocks, rows_of
+from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 _USUAL_RATE = 1000.0
@@ -55,67 +54,56 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     file = bag_of(Path(file))
     if is_bag(file):
         return _bag(file, case)
-    layout = None if is_parquet(file) else layout_of(file)
-    names, columns = _parquet(file) if layout is None else _numbers(file, layout)
+    columns, settings, odd = _parquet(file) if is_parquet(file) else look_at_text(file)
+    names = [column.name for column in columns]
+    numbers = {k: column.values for k, column in enumerate(columns) if len(column.values)}
     chain = None if case is None else case.chain
     joints = None if chain is None else dict(zip((j.name for j in chain.joints), chain.columns, strict=True))
-    places, units = matched(names, layout.units if layout is not None else (), joints)
-    places = {ours: k for ours, k in places.items() if k in columns}
-    scope = layout is not None and layout.format == "twincat-scope"
-    if scope:
+    places, units = matched(names, [column.unit for column in columns], joints)
+    places = {ours: k for ours, k in places.items() if k in numbers}
+    if settings.get("format") == "twincat-scope":
         places = {CLOCK: names.index("Name")} | {ours: k for ours, k in places.items() if ours != CLOCK}
     if case is not None and case.sensor_frame.transducer is not None:
         places = {ours: k for ours, k in places.items() if ours not in BAR_FORCES}
         if WRENCH[0] not in places:
-            places |= dict(zip(WRENCH, next(iter(wrenches(names, sorted(columns))), ()), strict=False))
-    guessed = _by_values(names, columns, places, case)
-    units |= _units(columns, places, units, case, guessed)
-    settings = ({} if layout is None else layout.settings) | _meaning_settings(names, places, units, scope, layout)
+            places |= dict(zip(WRENCH, next(iter(wrenches(names, list(numbers))), ()), strict=False))
+    guessed = _by_values(names, numbers, places, case)
+    units |= _units(numbers, places, units, case, guessed)
+    _add_meaning(settings, names, places, units)
     settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
     ours = {k: name for name, k in places.items()}
-    shown_columns = tuple(
-        Column(name, ours.get(k), _unit(ours.get(k), units), ours.get(k) in guessed, columns.get(k, np.zeros(0)))
-        for k, name in enumerate(names)
-        if name or k in columns
-    )
-    rows = max((len(values) for values in columns.values()), default=0)
-    result = Look(file, rows, shown_columns, settings, (), True)
+    columns = [
+        replace(column, ours=ours.get(k), unit=_unit(ours.get(k), units), guessed=ours.get(k) in guessed)
+        for k, column in enumerate(columns)
+        if column.name or k in numbers
+    ]
+    rows = max((len(values) for values in numbers.values()), default=0)
+    result = Look(file, rows, tuple(columns), settings, (), True)
     if result.rate is not None and result.rate < 5.0 * settings["filter_cutoff_Hz"]:
         settings["filter_cutoff_Hz"] = float(f"{0.19 * result.rate:.2g}")  # the low-pass takes a fifth at most
     if result.rate is not None and not 0.99 < result.rate / _USUAL_RATE < 1.01:
         settings["rate_Hz"] = float(f"{result.rate:.4g}")
     elif result.rate is None and rows > _STANDSTILLS:
         settings["clock"] = {"period_ms": 1e3 / (case.recording.rate_Hz if case is not None else _USUAL_RATE)}
-    problem = _problem(file, settings, case)
-    odd = (*oddities(result, layout, case), *([f"not read with these settings: {problem}"] if problem else []))
-    return replace(result, odd=odd, reads=problem is None)
+    return _tried(result, [*odd, *oddities(result, case)], _problem(file, settings, case))
 
 
 def _bag(bag: Path, case: Case | None) -> Look:
     columns, settings, odd = look_at_bag(bag, case)
     settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
     problem = "name the robot with --case, for the order of its joints" if case is None else None
-    problem = problem or _problem(bag, settings, case)
-    odd += [f"not read with these settings: {problem}"] if problem else []
-    return Look(bag, len(columns[0].values), columns, settings, tuple(odd), problem is None)
+    result = Look(bag, len(columns[0].values), columns, settings, (), True)
+    return _tried(result, odd, problem or _problem(bag, settings, case))
 
 
-def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int, Array]]:
-    """Names, and position -> numbers of the columns that hold numbers."""
-    positions = [
-        k for k, numeric in enumerate(layout.numeric) if numeric and (layout.names[k] or layout.names_row == 0)
-    ]
-    last_blank = layout.format == "halsampler" and not layout.numeric[-1]
-    names = layout.names[:-1] if last_blank else layout.names
-    blocks = read_blocks(file, layout.header_rows, layout.trailing_rows)
-    chosen = {str(k): k for k in positions}
-    if not chosen:
-        return names, {}
-    columns = whole(list(rows_of(file, blocks, layout.names, chosen, layout.dialect, None))).values
-    return names, {k: columns[str(k)] for k in positions if np.isfinite(columns[str(k)]).any()}
+def _tried(result: Look, odd: Sequence[str], problem: str | None) -> Look:
+    """The look with what is odd, and with why the file is not read with its settings."""
+    unread = [f"not read with these settings: {problem}"] if problem else []
+    return replace(result, odd=(*odd, *unread), reads=problem is None)
 
 
-def _parquet(file: Path) -> tuple[tuple[str, ...], dict[int, Array]]:
+def _parquet(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
+    """Columns of a Parquet file, which needs no settings, and nothing odd."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -123,14 +111,16 @@ def _parquet(file: Path) -> tuple[tuple[str, ...], dict[int, Array]]:
         table = pq.read_table(file)
     except (pa.ArrowException, OSError) as error:
         raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
-    kinds = {k: field.type for k, field in enumerate(table.schema)}
-    plain = {k for k, t in kinds.items() if pa.types.is_integer(t) or pa.types.is_floating(t) or pa.types.is_boolean(t)}
-    columns = {k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy()) for k in plain}
-    return tuple(table.schema.names), columns
+    columns = []
+    for field, column in zip(table.schema, table.columns, strict=True):
+        plain = pa.types.is_integer(field.type) or pa.types.is_floating(field.type) or pa.types.is_boolean(field.type)
+        values = np.asarray(column.cast(pa.float64(), safe=False).to_numpy()) if plain else np.zeros(0)
+        columns.append(Column(field.name, None, "", False, values))
+    return columns, {}, []
 
 
 def _by_values(
-    names: tuple[str, ...], columns: Mapping[int, Array], places: dict[str, int], case: Case | None
+    names: Sequence[str], columns: Mapping[int, Array], places: dict[str, int], case: Case | None
 ) -> set[str]:
     """Adds to `places` what the names do not say but the values do; our names of what was added."""
     before = set(places)
@@ -229,12 +219,11 @@ def _unit(ours: str | None, units: Mapping[str, str]) -> str:
     return units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
 
 
-def _meaning_settings(
-    names: tuple[str, ...], places: Mapping[str, int], units: Mapping[str, str], scope: bool, layout: TextLayout | None
-) -> dict[str, Any]:
-    """Columns, units and clock of `[recording]`."""
-    settings: dict[str, Any] = {}
-    unnamed = layout is not None and layout.names_row == 0
+def _add_meaning(
+    settings: dict[str, Any], names: Sequence[str], places: Mapping[str, int], units: Mapping[str, str]
+) -> None:
+    """Adds columns, units and clock of `[recording]` to the settings."""
+    unnamed, scope = "column_names" in settings, settings.get("format") == "twincat-scope"
     if unnamed:  # the columns get our names where they have a meaning, and others where not
         ours = {k: name for name, k in places.items()}
         settings["column_names"] = [ours.get(k, name) for k, name in enumerate(names)]
@@ -242,19 +231,13 @@ def _meaning_settings(
     renamed = {ours: names[places[ours]] for ours in ordered if names[places[ours]] != ours and not unnamed}
     settings |= {"columns": renamed} if renamed else {}
     differing: dict[str, str] = {}
-    for role in ROLE_UNITS:
-        members = [ours for ours in ordered if ROLE_OF.get(ours) == role]
-        group_units = {units[ours] for ours in members if ours in units}
-        if (
-            len(group_units) == 1
-            and group_units != {next(iter(ROLE_UNITS[role]))}
-            and group_units <= ROLE_UNITS[role].keys()
-        ):
-            differing[str(role)] = group_units.pop()
+    for role, factors in ROLE_UNITS.items():
+        stated = {units[ours] for ours in ordered if ROLE_OF.get(ours) == role and ours in units}
+        if len(stated) == 1 and stated <= factors.keys() - {next(iter(factors))}:
+            differing[str(role)] = stated.pop()
     settings |= {"units": differing} if differing else {}
     if CLOCK in places and units.get(CLOCK, "s") != "s" and not scope:
         settings["clock"] = {"unit": units[CLOCK]}
-    return settings
 
 
 def _problem(file: Path, settings: Mapping[str, Any], case: Case | None) -> str | None:

@@ -23,7 +23,6 @@ from identification.formats.binary import (
     topics_of,
     wrench_rows,
 )
-from identification.formats.layout import TextLayout
 from identification.formats.naming import matched
 from identification.formats.table import Stamps, listed, lost_samples, shown
 
@@ -94,13 +93,9 @@ class Look:
     _repr_html_ = as_html
 
 
-def oddities(look: Look, layout: TextLayout | None, case: Case | None) -> Iterator[str]:
+def oddities(look: Look, case: Case | None) -> Iterator[str]:
     """Sentences on what a person should check."""
     columns = {c.ours: c for c in look.columns if c.ours is not None}
-    if layout is not None and layout.cut_off:
-        yield "the last line ends early: the recorder was stopped while it wrote; the settings leave this line out"
-    elif layout is not None and layout.trailing_rows and layout.format == "csv":
-        yield f"lines without numbers at the end: {layout.trailing_rows}; the settings leave them out"
     clock = columns.get(CLOCK)
     if clock is None and "clock" in look.settings:
         period = look.settings["clock"]["period_ms"]
@@ -132,7 +127,7 @@ def oddities(look: Look, layout: TextLayout | None, case: Case | None) -> Iterat
     for column in look.columns:
         if not len(column.values):
             yield f"{shown(column.name)}: holds text; where it is the time, export it as a number"
-    for column in look.columns:
+    for column in columns.values():
         yield from _column_oddities(column)
     guesses = [c.name for c in look.columns if c.guessed and c.ours != CLOCK]
     if guesses:
@@ -180,7 +175,7 @@ def _clock_oddities(clock: Column, rate: float | None) -> Iterator[str]:
 
 def _column_oddities(column: Column) -> Iterator[str]:
     values = column.values
-    if not len(values) or column.ours is None:
+    if not len(values):
         return
     blank = 1.0 - float(np.isfinite(values).mean())
     if blank > _MOST_BLANK:

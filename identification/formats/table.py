@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
+from cases.recording_format import TextFile
 from cases.units import Array
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
@@ -62,29 +63,26 @@ class Lines:
 _NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*|\s*[+-]?(nan|inf(inity)?)\s*", re.I)
 
 
-@dataclass(frozen=True, slots=True)
-class TextFormat:
-    """How a text file writes its numbers."""
+def split(line: str, separator: str) -> list[str]:
+    """The fields of a line."""
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return line.split(separator)
 
-    delimiter: str  # delimiter between the fields of a line
-    decimal: str = "."  # sign, point or comma
-    missing: tuple[str, ...] = ()  # fields that stand for no value; without them an empty field is an error
-    encoding: str = "utf-8"  # encoding of the text
 
-    def split(self, line: str) -> list[str]:
-        """The fields of a line."""
-        try:
-            return next(csv.reader([line], delimiter=self.delimiter), [])
-        except csv.Error:
-            return line.split(self.delimiter)
+def missing_fields(form: TextFile) -> tuple[str, ...]:
+    """Fields that stand for no value; of a sampler, which measures every one, an empty field is an error."""
+    return () if form.format == "halsampler" else ("", " ")
 
-    def is_number(self, text: str) -> bool:
-        """Whether a field can be read."""
-        if text in self.missing:
-            return True
-        if self.decimal == ",":
-            return "." not in text and is_number(text.replace(",", ".", 1))
-        return is_number(text)
+
+def is_value(text: str, form: TextFile) -> bool:
+    """Whether a field can be read."""
+    if text in missing_fields(form):
+        return True
+    if form.decimal == ",":
+        return "." not in text and is_number(text.replace(",", ".", 1))
+    return is_number(text)
 
 
 def is_number(text: str) -> bool:
@@ -92,21 +90,18 @@ def is_number(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None
 
 
-@dataclass(frozen=True, slots=True)
-class TextBlock:
-    """Whole lines of a file."""
-
-    first_line: int  # number of the first of them, counted from 1
-    data: bytes  # the lines; only the very last of the file may lack its line break
+Block = tuple[int, bytes]
+"""Number of a line, counted from 1, and whole lines from there on; only the last of a file may lack its line break."""
 
 
-def lines_of(block: TextBlock, rows: int) -> Lines:
+def lines_of(block: Block, rows: int) -> Lines:
     """Where the rows of a block stand: pyarrow leaves blank lines out."""
-    count = block.data.count(b"\n") + (not block.data.endswith(b"\n"))
+    first, data = block
+    count = data.count(b"\n") + (not data.endswith(b"\n"))
     if count == rows:
-        return Lines(block.first_line)
-    blank = [k for k, line in enumerate(block.data.split(b"\n")[:count]) if not line.rstrip(b"\r")]
-    return Lines(block.first_line, tuple(block.first_line + k for k in blank))
+        return Lines(first)
+    blank = [k for k, line in enumerate(data.split(b"\n")[:count], first) if not line.rstrip(b"\r")]
+    return Lines(first, tuple(blank))
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,8 +157,27 @@ class Stream:
 
     @property
     def step(self) -> float:
-        """Time between samples [s]; raises RecordingError where there is no clock or it is not uniform."""
-        return uniform_step(self.source, self.t, self.lines)
+        """Time between samples, gaps apart [s].
+
+        Raises:
+            RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
+                differs.
+        """
+        if self.t is None:
+            raise RecordingError(self.source, "has no t_s column", "its rows are standstills")
+        if len(self.t) < 2:
+            raise RecordingError(self.source, "has one row, which is not a motion", "record again")
+        steps = np.diff(self.t)
+        usual = float(np.median(steps))
+        off = np.abs(steps - usual) > UNIFORMITY * usual
+        if not off.any():
+            return float((self.t[-1] - self.t[0]) / (len(self.t) - 1))
+        gaps = steps > GAP * usual
+        changed = crowded(gaps)
+        if changed is not None or np.any(off & ~gaps):
+            row = int(np.argmax(off & ~gaps)) if changed is None else changed
+            raise RecordingError(_uneven(f"{self.source}, {self.lines.place(row + 1)}", steps, usual, off, row))
+        return float(steps[~gaps].mean())
 
 
 def require_file(file: Path) -> None:
@@ -224,30 +238,6 @@ def lost_samples(t: Array | None, least: float = GAP, step: float | None = None)
     return np.where(steps > least * usual, counts, 0.0).astype(np.int64)
 
 
-def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
-    """Time between samples, gaps apart [s].
-
-    Raises:
-        RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
-            differs.
-    """
-    if t is None:
-        raise RecordingError(source, "has no t_s column", "its rows are standstills")
-    if len(t) < 2:
-        raise RecordingError(source, "has one row, which is not a motion", "record again")
-    steps = np.diff(t)
-    usual = float(np.median(steps))
-    off = np.abs(steps - usual) > UNIFORMITY * usual
-    if not off.any():
-        return float((t[-1] - t[0]) / (len(t) - 1))
-    gaps = steps > GAP * usual
-    changed = crowded(gaps)
-    if changed is not None or np.any(off & ~gaps):
-        row = int(np.argmax(off & ~gaps)) if changed is None else changed
-        raise RecordingError(_uneven(source, steps, usual, off, row, lines))
-    return float(steps[~gaps].mean())
-
-
 def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
     """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
 
@@ -299,12 +289,11 @@ def crowded(gaps: NDArray[np.bool_]) -> int | None:
     return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))
 
 
-def _uneven(source: str, steps: Array, usual: float, off: NDArray[np.bool_], row: int, lines: Lines) -> str:
+def _uneven(place: str, steps: Array, usual: float, off: NDArray[np.bool_], row: int) -> str:
     """What to say of a clock that is not uniform: another rate, or single steps that differ."""
     count = int(off.sum())
     local_step = float(np.median(steps[row : row + _TYPICAL_STEPS]))
-    text = f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
-    text += f"{usual * 1e3:.4g} ms"
+    text = f"{place}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has {usual * 1e3:.4g} ms"
     if (
         count >= _FEW_STEPS
         and off[row : row + _TYPICAL_STEPS].mean() > 0.5

@@ -13,8 +13,17 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
-from identification.formats.table import ColumnTable, TextBlock, TextFormat, lines_of, require_file, shown, unreadable
+from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat, TextFile
+from identification.formats.table import (
+    Block,
+    ColumnTable,
+    lines_of,
+    missing_fields,
+    require_file,
+    shown,
+    split,
+    unreadable,
+)
 from identification.formats.text_errors import explain, not_text, unnamed
 
 SIZE = 1 << 22  # bytes read at a time
@@ -53,7 +62,7 @@ def read_head(file: Path) -> list[bytes]:
 
 def read_blocks(
     file: Path, header_rows: int = 0, trailing_rows: int = 0, size: int = SIZE, kept: int = _KEPT
-) -> Iterator[TextBlock]:
+) -> Iterator[Block]:
     """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
 
     Args:
@@ -66,17 +75,17 @@ def read_blocks(
     Raises:
         RecordingError: it cannot be read, or has a line without end.
     """
-    for block in _all_blocks(file, trailing_rows, size, kept):
-        above = header_rows + 1 - block.first_line
+    for line, data in _all_blocks(file, trailing_rows, size, kept):
+        above = header_rows + 1 - line
         if above <= 0:
-            yield block
+            yield line, data
             continue
-        rows = block.data.split(b"\n", above)
+        rows = data.split(b"\n", above)
         if len(rows) > above and rows[-1]:
-            yield TextBlock(header_rows + 1, rows[-1])
+            yield header_rows + 1, rows[-1]
 
 
-def _all_blocks(file: Path, trailing_rows: int, size: int, reserve: int) -> Iterator[TextBlock]:
+def _all_blocks(file: Path, trailing_rows: int, size: int, reserve: int) -> Iterator[Block]:
     line, rest = 1, b""
     try:
         with file.open("rb") as stream:
@@ -86,7 +95,7 @@ def _all_blocks(file: Path, trailing_rows: int, size: int, reserve: int) -> Iter
                 end = max(len(rest) - reserve, 0)
                 cut = rest.rfind(b"\n", 0, end) + 1
                 if cut:
-                    yield TextBlock(line, rest[:cut])
+                    yield line, rest[:cut]
                     line += rest.count(b"\n", 0, cut)
                     rest = rest[cut:]
                 elif end > _LONGEST_LINE:
@@ -96,7 +105,7 @@ def _all_blocks(file: Path, trailing_rows: int, size: int, reserve: int) -> Iter
     except OSError as error:
         raise unreadable(file, error) from error
     if data := _without_end(rest, trailing_rows):
-        yield TextBlock(line, data)
+        yield line, data
 
 
 def _without_end(data: bytes, trailing_rows: int) -> bytes:
@@ -113,8 +122,8 @@ def _without_end(data: bytes, trailing_rows: int) -> bytes:
 
 def parse(
     file: Path,
-    block: TextBlock,
-    dialect: TextFormat,
+    block: Block,
+    form: TextFile,
     fields: Sequence[str],
     numbers: Iterable[int],
     stamps: Sequence[int],
@@ -133,30 +142,30 @@ def parse(
     names = [str(k) for k in range(len(fields))]
     try:
         table = pacsv.read_csv(
-            pa.BufferReader(block.data),
+            pa.BufferReader(block[1]),
             # one thread: batches are small, and so the first of several errors is the one that is reported
             read_options=pacsv.ReadOptions(column_names=names, use_threads=False),
-            parse_options=pacsv.ParseOptions(delimiter=dialect.delimiter),
+            parse_options=pacsv.ParseOptions(delimiter=form.separator),
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in numbers},
                 include_columns=[str(k) for k in positions],
-                null_values=list(dialect.missing),
-                strings_can_be_null=bool(dialect.missing),
-                decimal_point=dialect.decimal,
+                null_values=list(missing_fields(form)),
+                strings_can_be_null=bool(missing_fields(form)),
+                decimal_point=form.decimal or ".",
             ),
         )
     except (pa.ArrowException, UnicodeDecodeError) as error:
-        raise explain(file, block, fields, positions, dialect, str(error)) from error
+        raise explain(file, block, fields, positions, form, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
     for k in stamps:
         if pa.types.is_null(columns[k].type):
             columns[k] = columns[k].cast(pa.float64())
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
-            raise explain(file, block, fields, positions, dialect, f"column {k} holds no numbers")
+            raise explain(file, block, fields, positions, form, f"column {k} holds no numbers")
     return columns
 
 
-def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str]:
+def decoded(file: Path, lines: Sequence[bytes], form: TextFile) -> list[str]:
     """Header lines as text.
 
     Raises:
@@ -171,15 +180,15 @@ def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str
                 f"{file}, line {k}", "is not a CSV table but binary data", "export the recording as text"
             )
         try:
-            texts.append(line.decode(dialect.encoding))
+            texts.append(line.decode(form.encoding))
         except UnicodeDecodeError:
-            raise not_text(f"{file}, line {k}", dialect) from None
+            raise not_text(f"{file}, line {k}", form) from None
     return texts
 
 
-def cells(line: str, dialect: TextFormat) -> list[str]:
+def cells(line: str, form: TextFile) -> list[str]:
     """Fields of a header line."""
-    return [name.strip() for name in dialect.split(line)]
+    return [name.strip() for name in split(line, form.separator)]
 
 
 def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
@@ -200,29 +209,25 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
     return positions
 
 
-NOTHING = ("", " ")  # fields of what was not measured
-
-
 def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
     """
-    dialect = TextFormat(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
-    header_rows, names = _header(file, form, dialect)
+    header_rows, names = _header(file, form)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
     blocks = read_blocks(file, header_rows, form.trailing_rows)
-    yield from rows_of(file, blocks, names, chosen, dialect, tick)
+    yield from rows_of(file, blocks, names, chosen, form, tick)
 
 
 def rows_of(
     file: Path,
-    blocks: Iterable[TextBlock],
+    blocks: Iterable[Block],
     names: Sequence[str],
     chosen: Mapping[str, int],
-    dialect: TextFormat,
+    form: TextFile,
     tick: float | None,
 ) -> Iterator[ColumnTable]:
     """Turns lines of numbers into tables.
@@ -238,7 +243,7 @@ def rows_of(
     at = chosen.get(CLOCK)
     count = 0
     for block in blocks:
-        columns = parse(file, block, dialect, names, positions.values(), [] if at is None else [at])
+        columns = parse(file, block, form, names, positions.values(), [] if at is None else [at])
         rows = len(next(iter(columns.values())))
         values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
         stamps, lines = None if tick is None else np.arange(count, count + rows), lines_of(block, rows)
@@ -255,19 +260,19 @@ def rows_of(
         raise RecordingError(file, "has a header but no rows", "record again")
 
 
-def _header(file: Path, form: RecordingFormat, dialect: TextFormat) -> tuple[int, list[str]]:
+def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:
     """Number of header lines, and names of the columns."""
     rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
     lines = read_head(file)
     if len(lines) < rows:
         raise RecordingError(file, f"has {len(lines)} lines, no more than recording.header_rows = {rows}")
-    header = decoded(file, lines[:rows], dialect)
+    header = decoded(file, lines[:rows], form)
     if form.column_names is not None:
         return rows, list(form.column_names)
     row = form.names_row or rows
     if row == 0:
         raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
-    names = cells(header[row - 1], dialect)
+    names = cells(header[row - 1], form)
     if not any(form.file_name(ours) in names for ours in COLUMNS):
         raise unnamed(file, names, lines, form, row)
     return rows, names

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from cases.errors import RecordingError
-from cases.recording_format import COLUMNS, RecordingFormat
-from identification.formats.table import TextBlock, TextFormat, is_number, listed, shown
+from cases.recording_format import COLUMNS, RecordingFormat, TextFile
+from identification.formats.table import Block, is_number, is_value, listed, shown, split
 
 _DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
@@ -23,17 +23,16 @@ def unnamed(
         row: line in which the names were sought, counted from 1.
     """
     ours = {form.file_name(c) for c in COLUMNS}
-    expected = form.delimiter or ","
     for k, line in enumerate(lines[:_SEARCHED_LINES], 1):
         for separator, word in _SEPARATORS.items():
-            fields = {c.strip() for c in TextFormat(separator).split(line.decode(form.encoding, "replace"))}
+            fields = {c.strip() for c in split(line.decode(form.encoding, "replace"), separator)}
             if not (fields & ours) or len(fields) < 2:
                 continue
-            if separator != expected:
+            if separator != form.separator:
                 return RecordingError(
                     f"{file}, line {k}",
                     f"its columns are separated by {word}, where the case expects them separated by "
-                    f"{_SEPARATORS.get(expected, repr(expected))}",
+                    f"{_SEPARATORS.get(form.separator, repr(form.separator))}",
                     f"set recording.delimiter = {separator!r} in the case",
                 )
             return RecordingError(
@@ -53,7 +52,7 @@ def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] =
 
 
 def explain(
-    file: Path, block: TextBlock, names: Sequence[str], wanted: Sequence[int], dialect: TextFormat, cause: str
+    file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: TextFile, cause: str
 ) -> RecordingError:
     """The error for a block that could not be read: its first line that is to blame.
 
@@ -67,50 +66,51 @@ def explain(
         if not raw.strip(b"\0"):
             return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
         try:
-            text = raw.decode(dialect.encoding)
+            text = raw.decode(form.encoding)
         except UnicodeDecodeError:
-            return not_text(place, dialect)
-        fields = dialect.split(text)
+            return not_text(place, form)
+        fields = split(text, form.separator)
         if len(fields) != len(names):
-            return RecordingError(
-                place, f"expected {len(names)} columns, got {len(fields)}", _why(fields, names, dialect, text, ends)
-            )
+            remedy = _remedy(len(fields), len(names), form.separator, text, ends)
+            return RecordingError(place, f"expected {len(names)} columns, got {len(fields)}", remedy)
         for k in wanted:
-            if not dialect.is_number(fields[k]):
-                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(fields[k], dialect))
+            if not is_value(fields[k], form):
+                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(fields[k], form))
     reason = shown(cause.splitlines()[0] if cause else "", 120)
     return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
 
 
-def not_text(place: str, dialect: TextFormat) -> RecordingError:
+def not_text(place: str, form: TextFile) -> RecordingError:
     """The error for bytes that the file's encoding does not know."""
-    return RecordingError(place, f"is not {dialect.encoding.upper()} text", "save the file as UTF-8")
+    return RecordingError(place, f"is not {form.encoding.upper()} text", "save the file as UTF-8")
 
 
-def _lines(block: TextBlock) -> Iterator[tuple[int, bytes, bool]]:
+def _lines(block: Block) -> Iterator[tuple[int, bytes, bool]]:
     """Number, text and whether it ends with a line break, of each line that is not blank."""
-    lines = block.data.split(b"\n")
+    first, data = block
+    lines = data.split(b"\n")
     for k, line in enumerate(lines):
         if line.rstrip(b"\r"):
-            yield block.first_line + k, line.rstrip(b"\r"), k < len(lines) - 1
+            yield first + k, line.rstrip(b"\r"), k < len(lines) - 1
 
 
-def _why(fields: Sequence[str], names: Sequence[str], dialect: TextFormat, text: str, ends: bool) -> str:
-    if len(fields) < len(names) and not ends:
+def _remedy(count: int, wanted: int, separator: str, text: str, ends: bool) -> str:
+    """What to do about a line of so many fields where so many are wanted."""
+    if count < wanted and not ends:
         return "the file is cut off in its last line: remove that line"
-    if len(fields) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
+    if count > wanted and separator == "," and _DECIMAL_COMMAS.search(text):
         return "does it have decimal commas? export with semicolons and set recording.delimiter and recording.decimal"
-    if len(fields) > len(names) and dialect.delimiter == " " and "  " in text:
+    if count > wanted and separator == " " and "  " in text:
         return "there are several blanks between numbers: export with one character between them"
     return "correct or remove the row"
 
 
-def _not_a_number(text: str, dialect: TextFormat) -> str:
+def _not_a_number(text: str, form: TextFile) -> str:
     if not text.strip():
         return "is empty where a number is needed; correct or remove the row"
     value = f"{shown(text)!r} is not a number"
-    if dialect.decimal == "." and text.count(",") == 1 and is_number(text.replace(",", ".")):
+    if form.decimal != "," and text.count(",") == 1 and is_number(text.replace(",", ".")):
         return f"{value}: it has a decimal comma; set recording.decimal = ',' in the case, or export with points"
-    if dialect.decimal == "," and is_number(text):
+    if form.decimal == "," and is_number(text):
         return f"{value}: it has a decimal point; set recording.decimal = '.' in the case, or export with commas"
     return f"{value}; correct or remove the row"

@@ -34,12 +34,11 @@ import pyarrow as pa
 
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
-from identification.formats.table import ColumnTable, Stamps, TextBlock, TextFormat, is_number, lines_of
+from identification.formats.table import Block, ColumnTable, Stamps, is_number, lines_of, split
 from identification.formats.text import cells, decoded, parse, read_blocks, read_head, rows_of, select
 from identification.formats.text_errors import without
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
-_MISSING = ("", " ")
 _LATE = 2  # samples by which the last of channels with one clock may differ
 # FILETIME of the year 2000 in its own units; stamps in ms stay below for four million years.
 _LEAST_FILETIME = 1.26e17
@@ -52,22 +51,22 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
         RecordingError: it cannot be read, with the place and the remedy.
     """
     lines = read_head(file)
-    dialect = _dialect(file, lines[0], form)
-    header_rows, names, channels, positions, clock_of = _layout(file, lines, dialect, form)
+    form = form.model_copy(update={"delimiter": _separator(file, lines[0], form)})
+    header_rows, names, channels, positions, clock_of = _layout(file, lines, form)
     clocks = sorted(set(clock_of.values()))
     groups: list[tuple[str, ...]] = []
     for block in read_blocks(file, header_rows, form.trailing_rows):
-        filled = _filled(block, len(names), dialect)
-        if not filled.data.strip():
+        filled = first, data = _filled(block, len(names), form.separator)
+        if not data.strip():
             continue
-        columns = parse(file, filled, dialect, names, positions.values(), clocks)
+        columns = parse(file, filled, form, names, positions.values(), clocks)
         stamps = {k: _present(file, filled, columns[k]) for k in clocks}
         groups = groups or _groups({ours: stamps[k] for ours, k in clock_of.items()})
         for group in groups:
             clock = min((stamps[clock_of[ours]] for ours in group), key=len)
             if not all(_alike(clock, stamps[clock_of[ours]]) for ours in group):
                 raise RecordingError(
-                    f"{file}, lines from {filled.first_line}",
+                    f"{file}, lines from {first}",
                     f"the clocks of {', '.join(group)} part",
                     "export them again",
                 )
@@ -81,7 +80,7 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
         raise RecordingError(file, "has a header but no rows", "export the recording again")
 
 
-def _dialect(file: Path, line: bytes, form: RecordingFormat) -> TextFormat:
+def _separator(file: Path, line: bytes, form: RecordingFormat) -> str:
     separator = form.delimiter or line[len(_NAME) : len(_NAME) + 1].decode(errors="replace")
     if not line.startswith(_NAME.encode()) or not separator or separator.isalnum():
         raise RecordingError(
@@ -91,21 +90,21 @@ def _dialect(file: Path, line: bytes, form: RecordingFormat) -> TextFormat:
         )
     if separator == " ":
         raise RecordingError(file, "its columns are separated by blanks", "export with tabulators or semicolons")
-    return TextFormat(separator, form.decimal or ".", _MISSING, form.encoding)
+    return separator
 
 
 def _layout(
-    file: Path, lines: list[bytes], dialect: TextFormat, form: RecordingFormat
+    file: Path, lines: list[bytes], form: RecordingFormat
 ) -> tuple[int, list[str], tuple[str, ...], dict[str, int], dict[str, int]]:
     """Number of header lines, names of fields, names of channels, and position and clock of each wanted column."""
-    start = (_NAME + dialect.delimiter).encode()
+    start = (_NAME + form.separator).encode()
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
         raise RecordingError(file, "has no second line that starts with Name", "export it with its header")
-    first = next((k for k in range(top + 1, len(lines)) if _is_data(lines[k], dialect)), None)
+    first = next((k for k in range(top + 1, len(lines)) if _is_data(lines[k], form.separator)), None)
     if first is None:
         raise RecordingError(file, "has a header but no rows of numbers", "export the recording again")
-    names = cells(decoded(file, lines[: top + 1], dialect)[top], dialect)
+    names = cells(decoded(file, lines[: top + 1], form)[top], form)
     while names and not names[-1]:  # some exports end each line with a separator
         names.pop()
     clocks = [k for k, name in enumerate(names) if name == _NAME]
@@ -113,8 +112,8 @@ def _layout(
     own = [name if k not in clocks else "" for k, name in enumerate(names)]
     positions = select(file, own, form)
     for line in lines[top + 1 : first]:
-        if line.startswith((_SYMBOL + dialect.delimiter).encode()):
-            symbols = cells(line.decode(dialect.encoding, "replace"), dialect)
+        if line.startswith((_SYMBOL + form.separator).encode()):
+            symbols = cells(line.decode(form.encoding, "replace"), form)
             positions = select(file, [*symbols, *names][: len(names)], form) | positions
     positions.pop(CLOCK, None)
     channels = tuple(name for name in own if name)
@@ -124,18 +123,18 @@ def _layout(
     return first, labels, channels, positions, {ours: above[k] for ours, k in positions.items()}
 
 
-def _is_data(line: bytes, dialect: TextFormat) -> bool:
+def _is_data(line: bytes, separator: str) -> bool:
     """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
-    fields = [f for f in dialect.split(line.decode(errors="replace")) if f.strip()]
+    fields = [f for f in split(line.decode(errors="replace"), separator) if f.strip()]
     return bool(fields) and all(is_number(f.replace(",", ".", 1)) for f in fields)
 
 
-def _filled(block: TextBlock, count: int, dialect: TextFormat) -> TextBlock:
+def _filled(block: Block, count: int, delimiter: str) -> Block:
     """The block with all lines of equal length: without EOF, missing fields at the end added, surplus ones removed."""
-    separator = dialect.delimiter.encode()
-    lines = block.data.split(b"\n")
+    first, data = block
+    separator, lines = delimiter.encode(), data.split(b"\n")
     rows = sum(1 for line in lines if line.strip(b"\r"))
-    if block.data.count(separator) == rows * (count - 1) and _END not in block.data:
+    if data.count(separator) == rows * (count - 1) and _END not in data:
         return block
     for k, line in enumerate(lines):
         text = line.rstrip(b"\r")
@@ -144,10 +143,10 @@ def _filled(block: TextBlock, count: int, dialect: TextFormat) -> TextBlock:
         elif text:
             missing = count - 1 - text.count(separator)
             lines[k] = text + separator * missing if missing >= 0 else text.removesuffix(separator)
-    return TextBlock(block.first_line, b"\n".join(lines))
+    return first, b"\n".join(lines)
 
 
-def _present(file: Path, block: TextBlock, column: pa.ChunkedArray) -> Stamps:
+def _present(file: Path, block: Block, column: pa.ChunkedArray) -> Stamps:
     """The stamps of a clock up to its last sample."""
     valid = column.is_valid().to_numpy()
     count = int(valid.sum())
@@ -193,23 +192,22 @@ _NUMBER_OF_SAMPLE = "sample number"
 def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file of LinuxCNC's halsampler batch by batch; errors as `tables`."""
     assert form.column_names is not None  # the case is checked
-    dialect = TextFormat(form.delimiter or " ", form.decimal or ".")
-    names, numbered = _columns(file, list(form.column_names), dialect)
+    names, numbered = _columns(file, list(form.column_names), form.separator)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
     if numbered:
         chosen.setdefault(CLOCK, 0)
     lines = read_blocks(file, form.header_rows or 0, form.trailing_rows)
     blocks = (_without_overruns(file, block, CLOCK in chosen) for block in lines)
-    yield from rows_of(file, (b for b in blocks if b.data.strip()), names, chosen, dialect, tick)
+    yield from rows_of(file, (b for b in blocks if b[1].strip()), names, chosen, form, tick)
 
 
-def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[str], bool]:
+def _columns(file: Path, names: list[str], separator: str) -> tuple[list[str], bool]:
     """Names of all fields of a line, and whether the first is the number of the sample."""
     lines = (line for line in read_head(file) if line.strip() and not line.startswith(_OVERRUN))
     text = next(lines, b"").decode(errors="replace")
-    end = [""] if text.endswith(dialect.delimiter) else []
-    values = dialect.split(text)
+    end = [""] if text.endswith(separator) else []
+    values = split(text, separator)
     count = len(values) - len(end)
     if count == len(names):
         return [*names, *end], False
@@ -222,15 +220,16 @@ def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[st
     )
 
 
-def _without_overruns(file: Path, block: TextBlock, counted: bool) -> TextBlock:
+def _without_overruns(file: Path, block: Block, counted: bool) -> Block:
     """The block with its lines `overrun` blanked; the first line of a file may be one without a loss."""
-    if _OVERRUN not in block.data:
+    first, data = block
+    if _OVERRUN not in data:
         return block
-    lines = block.data.split(b"\n")
+    lines = data.split(b"\n")
     for k, line in enumerate(lines):
         if line.strip() != _OVERRUN:
             continue
-        number = block.first_line + k
+        number = first + k
         if number > 1 and not counted:
             raise RecordingError(
                 f"{file}, line {number}",
@@ -238,4 +237,4 @@ def _without_overruns(file: Path, block: TextBlock, counted: bool) -> TextBlock:
                 "record with halsampler -t and a longer queue (depth of the sampler)",
             )
         lines[k] = b""
-    return TextBlock(block.first_line, b"\n".join(lines))
+    return first, b"\n".join(lines)

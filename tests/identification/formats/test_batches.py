@@ -79,11 +79,11 @@ def test_blocks_hold_each_line_once_with_its_number(
     text = b"\n".join(lines) + b"\n" * newline
     file = written(tmp_path, text or b"\n")
     found = {}
-    for block in read_blocks(file, above, below, size, kept=400):
-        for k, line in enumerate(block.data.split(b"\n")):
+    for first, data in read_blocks(file, above, below, size, kept=400):
+        for k, line in enumerate(data.split(b"\n"), first):
             if line:
-                assert block.first_line + k not in found
-                found[block.first_line + k] = line
+                assert k not in found
+                found[k] = line
     filled = [k for k, line in enumerate(lines) if line]
     kept = filled[: len(filled) - below] if below else filled
     assert found == {k + 1: lines[k] for k in kept if k >= above}
