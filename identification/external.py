@@ -87,15 +87,14 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     """
     model, case = result.model, result.case
     recording = on_one_clock(recording, case)
-    checks = unmeasured(recording)
-    findings = checks.findings
+    findings = unmeasured(recording)
     if recording.t is None or case.setup == "1a":
-        still = standstills(recording, case, model, checks)
+        still = standstills(recording, case, model)
         t, forces, matrices, poses = still.t, still.recorded, still.matrices, None
         if model.struts is not None and recording.struts is not None:
-            poses = model.struts.hexapod.coordinates(recording.struts[~checks.bad])
+            poses = model.struts.hexapod.coordinates(recording.struts[~recording.bad])
     else:
-        run = moving_run(recording, case, model, whole, checks)
+        run = moving_run(recording, case, model, whole)
         findings += run.window
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
         poses = None if model.struts is None else run.kinematics(result.delay).pose
@@ -120,11 +119,10 @@ def tare(recording: Recording, result: Result) -> Result:
     """
     model, case = result.model, result.case
     recording = on_one_clock(recording, case)
-    checks = unmeasured(recording)
-    count = int(np.sum(~checks.bad))
+    count = int(np.sum(~recording.bad))
     if count < 2:
         raise IdentificationError(recording.source, f"{count} sample; a tare needs a standstill of two or more")
-    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~checks.bad], axis=0).max())
+    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~recording.bad], axis=0).max())
     if travel > STILL:
         drives, unit = case.drive_words
         raise IdentificationError(
@@ -132,7 +130,7 @@ def tare(recording: Recording, result: Result) -> Result:
             f"{drives} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
             "standstill; cut the motion off",
         )
-    still = standstills(recording, case, model, checks)
+    still = standstills(recording, case, model)
     residuals = still.recorded - still.matrices @ result.values
     change = residuals.mean(axis=0)
     variance = np.maximum(residuals.var(axis=0, ddof=1) / count, variance_of_mean(residuals))

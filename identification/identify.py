@@ -37,7 +37,7 @@ from identification.runs.averaging import periodic_run
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
-from identification.runs.sample_checks import Scan, scan
+from identification.runs.sample_checks import scan
 from identification.runs.standstills import average, find_standstills, match, standstills
 from identification.runs.wrist import delay_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
@@ -224,28 +224,26 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     return replace(_evaluated(recording, softer, model, method, conditioning), case=case)
 
 
-def _samples(
-    recording: Recording, case: Case, model: Model, conditioning: Conditioning, found: Scan, method: Method
-) -> Samples:
+def _samples(recording: Recording, case: Case, model: Model, conditioning: Conditioning, method: Method) -> Samples:
     """Samples of a recording, ready to be evaluated."""
     if recording.t is None or case.setup == "1a":
-        return standstills(recording, case, model, found)
+        return standstills(recording, case, model)
     if conditioning.flexible and (method.priors or conditioning.periodic or recording.struts is None):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if conditioning.periodic:
-        return periodic_run(recording, case, model, conditioning, found)
+        return periodic_run(recording, case, model, conditioning)
     if recording.struts is None:
-        narrow = wrist_run(recording, case, model, MOST_DELAY, method.biases, bad=found.bad)
-        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=delay_band(recording), bad=found.bad)
+        narrow = wrist_run(recording, case, model, MOST_DELAY, method.biases)
+        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=delay_band(recording))
         return replace(narrow, wide=wide)
-    run = moving_run(recording, case, model, found=found)
+    run = moving_run(recording, case, model)
     return replace(run, smoothing=conditioning.flexible, flexible=conditioning.flexible)
 
 
 def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
-    scanned = scan(recording, case)
+    scanned, recording = scan(recording, case)
     problem = FitProblem.of(model, case, method)
-    samples = _samples(recording, case, model, conditioning, scanned, method)
+    samples = _samples(recording, case, model, conditioning, method)
     delay = None if samples.wide is None else fit_samples(samples.wide, GAUSS_MARKOV, problem).delay
     fitted, contacts = free_of_contact(recording, fit_samples(samples, method, problem, fixed_delay=delay))
     if contacts and samples.wide is not None:
@@ -255,13 +253,12 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         rich = fitted.samples.refined(fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich is not fitted.samples:
             fitted = fitted.again(rich)
-    findings = [*scanned.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
+    findings = [*scanned, *fitted.samples.findings(fitted.fit, fitted.w)]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contact_sentences(recording, contacts)]
     noise = None
     if case.sensors.state_noise and fitted.samples.noise_stated:
         if method.name in SANDWICHED and not method.priors:
-            averaged = 1.0 if recording.averaged is None else recording.averaged.ratio
-            noise = noise_sources(fitted.samples, fitted.fit, fitted.w, fitted.at, case.sensors, averaged)
+            noise = noise_sources(fitted.samples, fitted.fit, fitted.w, fitted.at, case.sensors, recording.averaged)
             findings += noise.findings
         else:
             findings.append(warning(Kind.NOISE, NOT_COMPARED))
@@ -273,6 +270,6 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     findings += fit_findings(recording, case, fitted)
     bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
-        good = ~scanned.bad
+        good = ~recording.bad
         bias = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
     return estimate_of(fitted, recording.source, case, noise, bias, tuple(findings))

@@ -10,7 +10,7 @@ names, units and clocks. A run may come as several files with their own clocks.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,19 +37,6 @@ from cases.units import MM, Array, as_html
 from identification.formats.table import Channel, Stream, lost_samples, unreadable
 
 
-class Averaged(NamedTuple):
-    """Forces that were averaged over the motion's sampling interval."""
-
-    ratio: float  # samples of the forces in an interval
-    interval: float  # interval of the motion [s]
-    noise: Array  # noise of a sample, from the differences of neighbours, shape (6,) [N, or N and N m]
-
-    @property
-    def expected(self) -> Array:
-        """Noise of an average below the motion's Nyquist frequency if that of the samples is white, shape (6,)."""
-        return np.asarray(self.noise / np.sqrt(self.ratio))
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Recording(Stream):
     """A run: the samples of the forces, with all channels of their clock, and streams of other clocks."""
@@ -58,7 +45,8 @@ class Recording(Stream):
     others: tuple[Stream, ...] = ()  # what was sampled by other clocks, on the same time axis
     # weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,)
     weights: Array | None = None
-    averaged: Averaged | None = None  # how forces were averaged that were sampled faster than the motion
+    averaged: float = 1.0  # samples of the forces that were averaged over an interval of the motion
+    sample_noise: Array | None = None  # noise of these, where they were averaged, shape (6,) [N, or N and N m]
     case: Case | None = None  # case that it is from; None where that is not known
     paths: tuple[Path, ...] = ()  # paths of the files that it was read from
     record: Mapping[str, Any] = field(default_factory=dict)  # what `recording.json` says; empty where there is none

@@ -135,7 +135,7 @@ def other_rate(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     if recording.t is None or recording.struts is None or not fitted.samples.nuisances:
         return []
     rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
-    if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
+    if recording.averaged > 1.0 or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
         return []
     sentence = f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
     sentence += f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
@@ -167,19 +167,21 @@ def like_noise(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
 
 def averaged(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Noise of forces averaged over the motion's interval, beside that which white samples would leave."""
-    about = recording.averaged
-    if about is None or not fitted.samples.nuisances:
+    ratio, noise = recording.averaged, recording.sample_noise
+    if noise is None or recording.t is None or not fitted.samples.nuisances:
         return []
-    expected = float(np.sqrt(np.trace(fitted.w @ np.diag(about.expected**2)) / 6.0))
+    interval = float(np.median(np.diff(recording.t)))
+    white = noise / np.sqrt(ratio)  # below the motion's Nyquist frequency
+    expected = float(np.sqrt(np.trace(fitted.w @ np.diag(white**2)) / 6.0))
     entries = {
-        "ratio": about.ratio,
-        "interval_s": about.interval,
-        "sample_noise": about.noise.tolist(),
-        "expected_noise": about.expected.tolist(),
+        "ratio": ratio,
+        "interval_s": interval,
+        "sample_noise": noise.tolist(),
+        "expected_noise": white.tolist(),
     }
     sentence = (
-        f"forces: {about.ratio:.4g} samples averaged for each of the motion ({about.interval * 1e3:.4g} ms, centred: "
-        f"no group delay); noise of a sample {float(np.median(about.noise)):.3g} N; were it white, s0 would be "
+        f"forces: {ratio:.4g} samples averaged for each of the motion ({interval * 1e3:.4g} ms, centred: "
+        f"no group delay); noise of a sample {float(np.median(noise)):.3g} N; were it white, s0 would be "
         f"{expected:.3g}, it is {fitted.fit.s0:.3g}"
     )
     return [note(Kind.CLOCK, sentence, averaged=entries)]

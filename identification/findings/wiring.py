@@ -147,23 +147,23 @@ def _in_words(data: Data, weighted: float, newtons: float) -> str:
 
 
 def _data(recording: Recording, case: Case, model: Model) -> Data:
-    checks = scan(recording, case)
+    _, recording = scan(recording, case)
     slopes = drives = motion = matrices = None
     most = INSTANTS if case.chain is None else OF_CHAINS
     if recording.t is None or case.setup == "1a":
-        valid = np.flatnonzero(~checks.bad)
+        valid = np.flatnonzero(~recording.bad)
         if recording.struts is None:
-            matrices = standstills(recording, case, model, checks).matrices
+            matrices = standstills(recording, case, model).matrices
         else:
             valid = valid[:: max(1, -(-len(valid) // most))]
             places = recording.struts[valid]
             drives = [places, np.zeros_like(places), np.zeros_like(places)]
         forces = recording.forces[valid]
     elif recording.struts is None:
-        wrist = wrist_run(recording, case, model, MOST_DELAY, bad=checks.bad)
+        wrist = wrist_run(recording, case, model, MOST_DELAY)
         matrices, forces = wrist.regressors(0.0), wrist.forces
     else:
-        run = moving_run(recording, case, model, found=checks)
+        run = moving_run(recording, case, model)
         assert run.recording.struts is not None
         rows = run.rows[:: max(1, -(-len(run.rows) // most))]
         drives = decimated(run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)])

@@ -156,6 +156,11 @@ class Stream:
         return len(next(iter(self.channels.values()), ()))
 
     @property
+    def bad(self) -> Rows:
+        """Rows that no estimate may use, shape (n,)."""
+        return np.zeros(self.rows, dtype=bool) if self.missing is None else self.missing
+
+    @property
     def step(self) -> float:
         """Time between samples, gaps apart [s].
 

@@ -31,15 +31,16 @@ from identification.runs.fourier_series import FourierSeries, fit_series
 from identification.runs.noise_sources import acceleration_effects, series_squares, twist_rate_squares
 from identification.runs.periods import (
     FEWEST,
-    PeriodScatter,
     each_period,
     kept_periods,
     longest_window,
+    noise_spectra,
+    rows_of_periods,
     telling_harmonics,
 )
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 from identification.runs.repeating import RepeatingPart, find_part, given_part
-from identification.runs.sample_checks import Scan, bridged
+from identification.runs.sample_checks import bridged
 from identification.samples import Conditioning, PlainSamples
 from identification.signals import MOST_SAMPLES, Residuals
 from identification.symbolic import Kinematics
@@ -65,7 +66,8 @@ class PeriodicRun(PlainSamples):
     # their motion, with some harmonics more than the forces: oscillations mix in the regressor [m]
     struts: FourierSeries
     forces_series: FourierSeries  # Fourier series of the forces, of H harmonics [N, or N and N m]
-    scatter: PeriodScatter | None  # scatter of the periods' forces; None where there is one period
+    # coefficients of the forces of each period, shape (periods, 2 H + 1 or more, 6); None where there is one period
+    scatter: Array | None
     chosen: bool  # whether the number of harmonics was chosen here
     limited: bool  # whether the filter's cut-off bounded it
     window: tuple[Finding, ...] = ()
@@ -149,7 +151,7 @@ class PeriodicRun(PlainSamples):
         squares = twist_rate_squares(self.model, self.kinematics(delay), w, sensors, self.filtered.gain)
         if sensors.strut_variance is None:
             return squares, 0.0
-        periods = 1 if self.scatter is None else len(self.scatter.series)
+        periods = 1 if self.scatter is None else len(self.scatter)
         repeats = periods if self.part.misfit < SAME_STEP * sensors.strut_step else 1
         recorded = sensors.strut_variance + (repeats - 1) * sensors.strut_step**2 / 12.0
         orders = np.arange(-self.struts.harmonics, self.struts.harmonics + 1)
@@ -177,7 +179,7 @@ class PeriodicRun(PlainSamples):
             return None
         _, half = orthonormal(matrices, weights)
         response = rfft((matrices * weights[:, None]) @ half, axis=0) / len(matrices)
-        spectra = self.scatter.smoothed(self.harmonics, len(matrices))
+        spectra = noise_spectra(self.scatter, self.harmonics, len(matrices))
         if whitening is not None:
             spectra = whitening @ spectra @ whitening.T
         share = np.where(np.arange(len(spectra)) == 0, 1.0, 2.0)
@@ -193,7 +195,7 @@ class PeriodicRun(PlainSamples):
         """Findings: what repeats, how it was evaluated, and residuals beyond what does not repeat."""
         p, series, scatter = self.part, self.struts, self.scatter
         t = self._clock[self.used]
-        count = 1 if scatter is None else len(scatter.series)
+        count = 1 if scatter is None else len(scatter)
         repeats = (
             f"struts repeat within {p.misfit * 1e3:.2g} mm rms, {100 * p.relative:.2g} % of their motion"
             if p.periods > 1
@@ -217,7 +219,7 @@ class PeriodicRun(PlainSamples):
             "misfit_of_motion": p.relative,
             "noise_between_periods": None
             if scatter is None
-            else np.sqrt(np.diag(scatter.covariance(self.harmonics))).tolist(),
+            else np.sqrt(np.diag(self._not_repeated(scatter))).tolist(),
         }
         return (
             note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=entries),
@@ -229,12 +231,16 @@ class PeriodicRun(PlainSamples):
             *self._beyond_noise(fit, w),
         )
 
+    def _not_repeated(self, scatter: Array) -> Array:
+        """What does not repeat, up to the harmonics, as covariance of white noise, shape (6, 6)."""
+        return np.asarray(noise_spectra(scatter, self.harmonics, 1).real.mean(axis=0) * self.samples)
+
     def _beyond_noise(self, fit: Fit, w: Array) -> list[Finding]:
         if self.scatter is None:
             return []
-        noise = float(np.trace(w @ self.scatter.covariance(self.harmonics))) / 6.0
+        noise = float(np.trace(w @ self._not_repeated(self.scatter))) / 6.0
         ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
-        free = 6 * (len(self.scatter.series) - 1) * self.points
+        free = 6 * (len(self.scatter) - 1) * self.points
         if ratio < MODEL_ERROR**2 or float(fdtrc(fit.freedom, free, ratio)) > UNLIKELY:
             return []
         return [
@@ -246,13 +252,12 @@ class PeriodicRun(PlainSamples):
         ]
 
 
-def periodic_run(recording: Recording, case: Case, model: Model, wish: Conditioning, found: Scan | None) -> PeriodicRun:
-    """The part of a moving run that repeats itself.
+def periodic_run(recording: Recording, case: Case, model: Model, wish: Conditioning) -> PeriodicRun:
+    """The part of a moving run that repeats itself, without periods in which long stretches are missing.
 
     Args:
         case: machine; its filter's cut-off bounds the harmonics.
         wish: period and harmonics, where they are given.
-        found: samples that may not be used; periods with longer stretches of them are not used.
 
     Raises:
         RecordingError: no struts, no uniform clock, no period, none without damage, or too many harmonics.
@@ -269,7 +274,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Condition
             "samples are missing before this one, and periods are counted over the whole run",
             "cut it there, or leave --period out",
         )
-    bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
+    bad = recording.bad
     long = binary_opening(bad, np.ones(MOST_BRIDGED + 1))
     struts = bridged(recording.struts, bad & ~long)
     recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad & ~long))
@@ -286,20 +291,19 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Condition
             f"a period of {part.period:.4g} s holds {most} of them up to "
             f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}",
         )
-    periods = each_period(t, recording.forces, part, most)
-    numbers, warnings = kept_periods(recording, periods, long)
-    mask = np.zeros(len(t), dtype=bool)
-    for k in numbers:
-        mask[periods.rows[k]] = True
-    rows = np.flatnonzero(mask)
-    more = most + BESIDE
+    periods = rows_of_periods(t, part)
+    scatter = each_period(t, recording.forces, periods, part, most)
+    numbers, warnings = kept_periods(recording, periods, scatter, long)
+    periods, scatter = [periods[k] for k in numbers], scatter[numbers]
+    rows, more = np.concatenate(periods), most + BESIDE
+    used = np.zeros(len(t), dtype=bool)
+    used[rows] = True
     motion = fit_series(t[rows], struts[rows], part.period, float(t[rows[0]]), more)
-    count = telling_harmonics(motion, each_period(t, struts, part, more).only(numbers), t, struts)
+    count = telling_harmonics(motion, each_period(t, struts, periods, part, more), periods, t, struts)
     harmonics = wish.harmonics or min(count, most)
     motion = motion.truncated(harmonics + BESIDE)
     forces = fit_series(t[rows], recording.forces[rows], part.period, motion.start, most)
-    scatter = periods.only(numbers) if len(numbers) > 1 else None
     return PeriodicRun(
-        model, Hexapod.of(case), recording, part, mask, motion, forces.truncated(harmonics),
-        scatter, wish.harmonics is None, harmonics == most, warnings,
+        model, Hexapod.of(case), recording, part, used, motion, forces.truncated(harmonics),
+        scatter if len(numbers) > 1 else None, wish.harmonics is None, harmonics == most, warnings,
     )  # fmt: skip

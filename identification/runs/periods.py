@@ -4,7 +4,6 @@ What differs between periods is noise.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from cases.errors import RecordingError
 from cases.units import Array
 from identification.finding import Finding, Kind, warning
 from identification.recording import Recording
-from identification.runs.fourier_series import FourierSeries, fit_series
+from identification.runs.fourier_series import FourierSeries, basis, fit_series
 from identification.runs.repeating import RepeatingPart
 from identification.runs.sample_checks import places
 from identification.signals import stretches
@@ -25,72 +24,66 @@ STRANGE = 8.0  # standard deviations of the periods' scatter, anywhere in a peri
 MAJORITY = 3  # periods that are needed to say which of them is strange
 
 
-class PeriodScatter(NamedTuple):
-    """A signal, period by period."""
-
-    series: tuple[FourierSeries, ...]  # one of each period, all with the same phase
-    rows: tuple[NDArray[np.int64], ...]  # samples of each
-
-    def only(self, numbers: Sequence[int]) -> "PeriodScatter":
-        """The periods with these numbers."""
-        return PeriodScatter(tuple(self.series[k] for k in numbers), tuple(self.rows[k] for k in numbers))
-
-    def smoothed(self, harmonics: int, points: int) -> NDArray[np.complex128]:
-        """Spectral matrices of the noise of the mean period, averaged over neighbouring harmonics.
-
-        Args:
-            points: length of the discrete Fourier transform whose values they are the covariances of.
-
-        Returns:
-            Shape (harmonics + 1, channels, channels), Hermitian.
-        """
-        count = len(self.series)
-        coefficients = np.array([s.coefficients for s in self.series])
-        values = points * (coefficients[:, 1::2] - 1j * coefficients[:, 2::2]) / 2.0
-        values = np.concatenate([points * coefficients[:, :1].astype(complex), values], axis=1)
-        deviations = values - values.mean(axis=0)
-        raw = np.einsum("khi,khj->hij", deviations, deviations.conj()) / (count * (count - 1))
-        beside = int(np.ceil((INDEPENDENT / (count - 1) - 1) / 2))
-        total = np.concatenate([np.zeros((1, *raw.shape[1:])), np.cumsum(raw, axis=0)])
-        h = np.arange(harmonics + 1)
-        first, end = np.maximum(h - beside, 0), np.minimum(h + beside + 1, len(raw))
-        return np.asarray((total[end] - total[first]) / (end - first)[:, None, None])
-
-    def covariance(self, harmonics: int) -> Array:
-        """What does not repeat, up to a harmonic, as covariance of white noise, shape (channels, channels)."""
-        samples = sum(len(rows) for rows in self.rows)
-        return np.asarray(self.smoothed(harmonics, 1).real.mean(axis=0) * samples)
+Index = NDArray[np.int64]
 
 
-def each_period(t: Array, values: Array, part: RepeatingPart, harmonics: int) -> PeriodScatter:
-    """The series of each period.
+def rows_of_periods(t: Array, part: RepeatingPart) -> list[Index]:
+    """Samples of each period, counted from the first of all samples, whose times are t, shape (n,) [s]."""
+    inside = np.arange(part.first, part.end)
+    number = ((t[inside] - t[part.first]) / part.period + 1e-9).astype(np.int64)
+    number = np.clip(number, 0, part.periods - 1)
+    return [inside[number == k] for k in range(part.periods)]
+
+
+def each_period(t: Array, values: Array, periods: Sequence[Index], part: RepeatingPart, harmonics: int) -> Array:
+    """Coefficients of the Fourier series of each period, all with the same phase, shape (periods, 2 H + 1, channels).
 
     Args:
         t: time of all samples, shape (n,) [s].
         values: shape (n, channels).
+        periods: samples of each.
         part: part that repeats.
-        harmonics: harmonics of each series; less than half of the samples of a period.
+        harmonics: H; less than half of the samples of a period.
     """
     start = float(t[part.first])
-    inside = np.arange(part.first, part.end)
-    number = np.clip(((t[inside] - start) / part.period + 1e-9).astype(np.int64), 0, part.periods - 1)
-    rows = tuple(inside[number == k] for k in range(part.periods))
-    series = tuple(fit_series(t[r], values[r], part.period, start, harmonics) for r in rows)
-    return PeriodScatter(series, rows)
+    return np.array([fit_series(t[r], values[r], part.period, start, harmonics).coefficients for r in periods])
 
 
-def strangers(periods: PeriodScatter) -> dict[int, float]:
+def noise_spectra(periods: Array, harmonics: int, points: int) -> NDArray[np.complex128]:
+    """Spectral matrices of the noise of the mean period, averaged over neighbouring harmonics.
+
+    Args:
+        periods: coefficients of each period, as of `each_period`.
+        points: length of the discrete Fourier transform whose values they are the covariances of.
+
+    Returns:
+        Shape (harmonics + 1, channels, channels), Hermitian.
+    """
+    count = len(periods)
+    values = points * (periods[:, 1::2] - 1j * periods[:, 2::2]) / 2.0
+    values = np.concatenate([points * periods[:, :1].astype(complex), values], axis=1)
+    deviations = values - values.mean(axis=0)
+    raw = np.einsum("khi,khj->hij", deviations, deviations.conj()) / (count * (count - 1))
+    beside = int(np.ceil((INDEPENDENT / (count - 1) - 1) / 2))
+    total = np.concatenate([np.zeros((1, *raw.shape[1:])), np.cumsum(raw, axis=0)])
+    h = np.arange(harmonics + 1)
+    first, end = np.maximum(h - beside, 0), np.minimum(h + beside + 1, len(raw))
+    return np.asarray((total[end] - total[first]) / (end - first)[:, None, None])
+
+
+def strangers(periods: Array) -> dict[int, float]:
     """Periods that differ from the others by more than noise: contact, a transient of the start.
+
+    Args:
+        periods: coefficients of each period, as of `each_period`.
 
     Returns:
         By number from 0 the largest difference to the median of all periods; empty for fewer than three periods.
     """
-    count = len(periods.series)
+    count, points, _ = periods.shape
     if count < MAJORITY:
         return {}
-    one = periods.series[0]
-    t = one.start + one.period * np.arange(2 * one.harmonics + 1) / (2 * one.harmonics + 1)
-    values = np.array([s.at(t) for s in periods.series])
+    values = basis(np.arange(points) / points, 1.0, points // 2) @ periods
     # The median over the period of the variances between periods: a contact moves few of them.
     spread = np.median(values.var(axis=0, ddof=1), axis=0)
     spread *= (count - 1) / float(chdtri(count - 1, 0.5))
@@ -121,21 +114,24 @@ def longest_window(recording: Recording) -> NDArray[np.int64]:
     return np.arange(longest.start, longest.stop)
 
 
-def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[Finding, ...]]:
+def kept_periods(
+    recording: Recording, periods: Sequence[Index], forces: Array, bad: Rows
+) -> tuple[list[int], tuple[Finding, ...]]:
     """Numbers of the periods that are averaged, and findings about the others.
 
     Args:
+        periods: samples of each.
+        forces: coefficients of their forces, as of `each_period`.
         bad: samples that may not be used, shape (n of the recording,).
 
     Raises:
         RecordingError: every period has some of these.
     """
-    count = len(periods.rows)
-    sound = [k for k in range(count) if not bad[periods.rows[k]].any()]
+    count = len(periods)
+    sound = [k for k in range(count) if not bad[periods[k]].any()]
     if not sound:
         raise RecordingError(recording.source, f"every one of the {count} periods has samples left out")
-    outliers = strangers(periods.only(sound))
-    strange = {sound[k]: size for k, size in outliers.items()}
+    strange = {sound[k]: size for k, size in strangers(forces[sound]).items()}
     warnings: tuple[Finding, ...] = ()
     if len(strange) > len(sound) / 2:
         most = max(strange.values())
@@ -149,14 +145,14 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
         if k in strange or k not in sound:
             reason = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
             rows = np.zeros(len(bad), dtype=bool)
-            rows[periods.rows[k]] = True
+            rows[periods[k]] = True
             warnings += (
                 warning(Kind.DAMAGE, f"period {k + 1} of {count} {reason}; left out", places(recording.lines, rows)),
             )
     return [k for k in sound if k not in strange], warnings
 
 
-def telling_harmonics(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> int:
+def telling_harmonics(motion: FourierSeries, scatter: Array, periods: Sequence[Index], t: Array, struts: Array) -> int:
     """The number of harmonics whose accelerations come closest to the true ones (Mallows 1973, Technometrics 15:661).
 
     A harmonic is worth its place if it is larger than its own noise: noise of accelerations grows with the square of
@@ -164,26 +160,27 @@ def telling_harmonics(motion: FourierSeries, periods: PeriodScatter, t: Array, s
 
     Args:
         motion: series of all harmonics that may be used.
-        periods: the same, period by period.
+        scatter: coefficients of each period, as of `each_period`.
+        periods: samples of each.
         t: time of the recording, shape (n,) [s].
         struts: struts of the recording, shape (n, 6) [m].
     """
-    count = len(periods.series)
+    count = len(periods)
     floor = _floor(motion, periods, t, struts)
     if count > 1:
-        scatter = np.diagonal(periods.smoothed(motion.harmonics, 2), axis1=1, axis2=2).real.sum(axis=1)[1:]
+        noise = np.trace(noise_spectra(scatter, motion.harmonics, 2), axis1=1, axis2=2).real[1:]
         # Steps of encoders repeat with the motion; what does not repeat has been counted already.
-        noise = scatter + max(0.0, floor - count * float(np.median(scatter)))
+        noise = noise + max(0.0, floor - count * float(np.median(noise)))
     else:
         noise = np.full(motion.harmonics, floor)
     gain = (motion.power.sum(axis=1) - 2.0 * noise) * np.arange(1, motion.harmonics + 1) ** 4.0
     return max(FEWEST, int(np.argmax(np.cumsum(gain))) + 1)
 
 
-def _floor(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> float:
+def _floor(motion: FourierSeries, periods: Sequence[Index], t: Array, struts: Array) -> float:
     """Power of a harmonic of one period by white noise [m^2]: from half of the Nyquist frequency on nothing moves."""
     power = []
-    for rows in periods.rows:
+    for rows in periods:
         spectrum = 2.0 / len(rows) * rfft(struts[rows] - motion.at(t[rows]), axis=0)
         power.append(np.median(np.sum(np.abs(spectrum[len(rows) // 4 : (len(rows) - 1) // 2]) ** 2, axis=1)))
     return float(np.mean(power)) / MEDIAN_POWER

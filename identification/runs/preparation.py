@@ -16,7 +16,7 @@ from identification.model import Model, machine_of
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.rates import at_the_forces, at_the_motion
-from identification.runs.sample_checks import Scan, bridged
+from identification.runs.sample_checks import bridged
 from identification.signals import Filter, stretches
 
 OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
@@ -103,12 +103,11 @@ def _rhythm_of(struts: Array) -> tuple[int, int] | None:
     return ratio, phase
 
 
-def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
-    """A moving run with its window.
+def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False) -> Run:
+    """A moving run with its window; filtered samples that missing ones disturb are left out.
 
     Args:
         whole: evaluate all samples, not only the excitation.
-        found: samples that may not be used; filtered samples that they disturb are left out too.
 
     Raises:
         RecordingError: no struts, no filter in the case, a filter that does not fit the rate, a trigger that is never
@@ -124,7 +123,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         )
     low_pass = checked_filter(recording, case)
     warnings: tuple[Finding, ...] = ()
-    bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
+    bad = recording.bad
     invalid = spoilt_by(bad, recording.lost, low_pass)
     struts = bridged(recording.struts, bad)
     recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad))

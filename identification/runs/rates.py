@@ -17,7 +17,7 @@ from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import Array
 from identification.formats.table import Channel, Stream
-from identification.recording import Averaged, Recording
+from identification.recording import Recording
 
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
 FULL_RANGE = 0.999
@@ -47,13 +47,14 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     override, temperature = (_latest(recording, name, motion.t) for name in ("override", "temperature"))
     if trigger is None:
         trigger = _latest(recording, "trigger", motion.t)
+    # from the differences of neighbours
     noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
     assert motion.struts is not None
     return replace(
         recording, source=motion.source, t=motion.t[inside], struts=motion.struts[inside], forces=means,
         rotations=None, poses=None, specific_forces=None, others=(), lines=motion.lines.later(int(inside[0])),
         trigger=None if trigger is None else trigger[inside],
-        averaged=Averaged(interval / step, interval, noise),
+        averaged=interval / step, sample_noise=noise,
         override=None if override is None else override[inside],
         temperature=None if temperature is None else temperature[inside],
         missing=missing, missing_in=(*motion.missing_in, *(("the forces averaged there",) if hidden.any() else ())),

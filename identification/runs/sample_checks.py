@@ -5,7 +5,6 @@ Samples that no estimate may use are marked and named with their place; what mak
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,13 +43,6 @@ SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be sho
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
 
 
-class Scan(NamedTuple):
-    """Findings about a recording, and its bad samples."""
-
-    findings: tuple[Finding, ...]
-    bad: Rows  # samples that no estimate may use, shape (n,)
-
-
 def places(lines: Lines, rows: Rows) -> str:
     """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
     spans = [(span.start, span.stop - 1) for span in stretches(rows)]
@@ -61,8 +53,8 @@ def places(lines: Lines, rows: Rows) -> str:
     return f"{lines.word}{plural} {', '.join(ranges)}{more}"
 
 
-def scan(recording: Recording, case: Case) -> Scan:
-    """Looks through a recording.
+def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recording]:
+    """Findings about a recording, and the recording with all samples marked missing that no estimate may use.
 
     Args:
         case: range of the sensors, workspace and limits of the machine.
@@ -72,8 +64,7 @@ def scan(recording: Recording, case: Case) -> Scan:
     """
     if recording.t is None:
         _require_standstills(recording)
-    count, checks = len(recording.forces), unmeasured(recording)
-    bad, findings = checks.bad, list(checks.findings)
+    bad, findings = recording.bad.copy(), list(unmeasured(recording))
     channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
     for thing, problems in (*(("channel", alike) for alike in channels), ("strut", _leaping(recording, case))):
         if problems:  # one finding for all that err alike, in full for the one with the most rows
@@ -84,22 +75,20 @@ def scan(recording: Recording, case: Case) -> Scan:
             findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
             bad |= rows
     findings += [warning(Kind.CASE, text, places(recording.lines, rows)) for text, rows in _outside(recording, case)]
-    if bad.sum() > MOST_BAD * count:
+    if bad.mean() > MOST_BAD:
         raise RecordingError(
             recording.source,
-            f"{100 * bad.sum() / count:.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
+            f"{100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
             f"be: {findings[0]}",
             "mend the sensor and record again, or name the case of the machine that was recorded",
         )
-    return Scan(tuple(findings), bad)
+    return tuple(findings), replace(recording, missing=bad)
 
 
-def unmeasured(recording: Recording) -> Scan:
-    """What was not measured, whatever the rest looks like: values that are missing, and gaps."""
-    bad = np.zeros(len(recording.forces), dtype=bool) if recording.missing is None else recording.missing.copy()
-    own, *others = recording.streams
-    elsewhere = [replace(f, sentence=f"{other.source}, {f}") for other in others for f in missing_values(other)]
-    return Scan((*missing_values(own), *elsewhere), bad)
+def unmeasured(recording: Recording) -> tuple[Finding, ...]:
+    """Findings about what was not measured, whatever the rest looks like: values that are missing, and gaps."""
+    elsewhere = [replace(f, sentence=f"{s.source}, {f}") for s in recording.others for f in missing_values(s)]
+    return *missing_values(recording), *elsewhere
 
 
 def bridged(values: Array, bad: Rows) -> Array:
@@ -109,14 +98,15 @@ def bridged(values: Array, bad: Rows) -> Array:
 
 def missing_values(stream: Stream) -> list[Finding]:
     """Values that were not measured, and samples that were lost."""
-    findings = []
-    count = len(stream.missing) if stream.missing is not None else 0
-    inserted = np.zeros(count, dtype=bool)
-    inserted[[k // stream.lines.every for k in stream.lines.inserted if k % stream.lines.every == 0]] = True
-    if stream.missing is not None and np.any(stream.missing & ~inserted):
+    findings, every = [], stream.lines.every
+    inserted = _at(np.array([k // every for k in stream.lines.inserted if k % every == 0], dtype=int), stream.rows)
+    if np.any(stream.bad & ~inserted):
         names = ", ".join(dict.fromkeys(stream.missing_in))
-        place = places(stream.lines, stream.missing & ~inserted)
-        findings.append(warning(Kind.DAMAGE, f"no measured value in {names}; left out", place))
+        findings.append(
+            warning(
+                Kind.DAMAGE, f"no measured value in {names}; left out", places(stream.lines, stream.bad & ~inserted)
+            )
+        )
     if inserted.any():
         before = np.flatnonzero(np.diff(np.r_[False, inserted].astype(np.int8)) > 0)
         sentence = f"{behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"

@@ -14,7 +14,6 @@ from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
 from identification.recording import Recording
 from identification.runs.preparation import MOVING, delimited, require_position
-from identification.runs.sample_checks import Scan, unmeasured
 from identification.samples import Standstills
 from identification.signals import stretches
 
@@ -82,8 +81,7 @@ def average(recording: Recording, windows: Sequence[slice]) -> Recording:
         RecordingError: a standstill has too few samples with all values.
     """
     assert recording.struts is not None
-    bad = unmeasured(recording).bad
-    rows = [w.start + np.flatnonzero(~bad[w]) for w in windows]
+    rows = [w.start + np.flatnonzero(~recording.bad[w]) for w in windows]
     for w, measured in zip(windows, rows, strict=True):
         if len(measured) < BATCHES:
             raise RecordingError(
@@ -166,14 +164,14 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     return replace(averages, struts=struts, forces=forces, weights=weights, temperature=degrees), part
 
 
-def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
-    """Averaged standstills, ready to be evaluated.
+def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
+    """Averaged standstills, ready to be evaluated, without the missing ones.
 
     Raises:
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
     """
     require_position(recording, model)
-    valid = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
+    valid = ~recording.bad
     still = np.zeros((int(valid.sum()), 6))
     if recording.struts is not None:
         none = np.zeros_like(recording.struts[valid])

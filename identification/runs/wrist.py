@@ -141,7 +141,6 @@ def wrist_run(
     reach: float,
     biases: Biases | None = None,
     cutoff: float | None = None,
-    bad: Rows | None = None,
 ) -> WristRun:
     """A moving run with its window: from the first turn out of rest to rest again.
 
@@ -150,7 +149,6 @@ def wrist_run(
         reach: largest delay that will be asked for [s].
         biases: those of the accelerometer are taken from its readings.
         cutoff: cutoff of the filter [Hz]; by default the case's.
-        bad: samples of the forces that may not be used, shape (n,).
 
     Raises:
         RecordingError: a stream or the filter is missing, or too slow or too short for it.
@@ -179,9 +177,8 @@ def wrist_run(
     t, step = _equal_steps(force_stream)
     low_pass = _filter(force_stream, cutoff, step, reach)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
-    bad = np.zeros(len(t), dtype=bool) if bad is None else bad
-    invalid = spoilt_by(bad, _lost(force_stream), low_pass)
-    recorded = bridged(recording.forces, bad)
+    invalid = spoilt_by(recording.bad, _lost(force_stream), low_pass)
+    recorded = bridged(recording.forces, recording.bad)
     smooth, t = low_pass.apply(recorded), t[inner]
     invalid |= _spoilt_at(t, quaternion, of_orientation) | _spoilt_at(t, specific, of_acceleration)
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
@@ -216,9 +213,8 @@ def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple
     """A stream behind the filter, at any instant, and whether damage or a gap disturbs its samples, shape (m,)."""
     t, step = _equal_steps(stream)
     low_pass = _filter(stream, cutoff, step, reach)
-    bad = np.zeros(len(t), dtype=bool) if stream.missing is None else stream.missing
-    signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, bad)))
-    return signal, spoilt_by(bad, _lost(stream), low_pass)
+    signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, stream.bad)))
+    return signal, spoilt_by(stream.bad, _lost(stream), low_pass)
 
 
 def _spoilt_at(t: Array, signal: CubicSpline, spoilt: Rows) -> Rows:

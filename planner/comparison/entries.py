@@ -210,11 +210,11 @@ def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
 
 def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:
     """Regressors that are evaluated, strut lengths there, and the number of samples that they stand for."""
-    checks = scan(recording, case)
+    _, recording = scan(recording, case)
     if recording.t is None:
-        struts = None if recording.struts is None else recording.struts[~checks.bad]
-        return standstills(recording, case, model, checks).matrices, struts, int(np.sum(~checks.bad))
-    run = moving_run(recording, case, model, found=checks)
+        struts = None if recording.struts is None else recording.struts[~recording.bad]
+        return standstills(recording, case, model).matrices, struts, int(np.sum(~recording.bad))
+    run = moving_run(recording, case, model)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
     return run.regressors(0.0), struts, run.samples
 

@@ -55,7 +55,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
         matrices = columns = standstills(recording, case, model).matrices
         weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
     else:
-        run = moving_run(recording, case, model, found=scan(recording, case))
+        run = moving_run(scan(recording, case)[1], case, model)
         run = replace(run, smoothing="smoothing_s2" in estimate.quantities)
         delay = estimate.at
         forces, columns = run.forces, run.linearised(delay, estimate.fit.values)

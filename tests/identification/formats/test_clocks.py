@@ -94,7 +94,7 @@ def test_a_line_is_counted_in_the_file_whatever_stands_above_it(tmp_path: Path) 
     lines = stamped([f"{t:.3f}" for t in times]).splitlines()
     text = "\n".join(["title", "", *lines[:11], "", "", *lines[11:]])
     recording = read(written(tmp_path, text), case_with(header_rows=3))
-    (told,) = map(str, unmeasured(recording).findings)
+    (told,) = map(str, unmeasured(recording))
     assert tells(told, f"line {text.splitlines().index(lines[20]) + 1}: 1000 samples", "no filter")
 
 
@@ -110,7 +110,7 @@ def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.struts[13:], RUN.struts[10:], rtol=1e-9)
     assert recording.lines.place(12) == "line 11"
     assert recording.lines.place(13) == "line 12"
-    (told,) = map(str, unmeasured(recording).findings)
+    (told,) = map(str, unmeasured(recording))
     assert tells(told, "line 11: 3 samples", "bridged")
 
 

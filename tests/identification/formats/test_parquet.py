@@ -85,7 +85,7 @@ def gap(name: str, value: object) -> dict[str, object]:
 def test_what_was_not_measured_is_marked(value: float | None, tmp_path: Path) -> None:
     recording = read(parquet(tmp_path, gap("f2_N", value)), HEXAPOD)
     assert np.flatnonzero(recording.missing).tolist() == [7]
-    (warning,) = map(str, unmeasured(recording).findings)
+    (warning,) = map(str, unmeasured(recording))
     assert tells(warning, "row 8: ", "f2_N", "left out")
     others = np.arange(RUN.count) != 7
     np.testing.assert_allclose(recording.forces[others], RUN.forces[others], rtol=1e-6)

@@ -13,7 +13,8 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.result import Estimate
 from identification.runs.averaging import periodic_run
-from identification.runs.periods import each_period
+from identification.runs.fourier_series import FourierSeries
+from identification.runs.periods import each_period, rows_of_periods
 from identification.samples import Conditioning
 from tests.helpers import few, ideal, one_line, simulated, tells
 from tests.identification.repeating import LEAD, Repeating, recorded
@@ -129,7 +130,7 @@ def test_clean_runs_lose_no_period() -> None:
     model, run = MODEL, recorded(ideal(CASE), Repeating())
     for seed in range(4):
         noisy = replace(run, forces=run.forces + np.random.default_rng(seed).normal(size=run.forces.shape))
-        assert periodic_run(noisy, CASE, model, AUTO, None).window == ()
+        assert periodic_run(noisy, CASE, model, AUTO).window == ()
 
 
 def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
@@ -146,7 +147,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
 @pytest.mark.slow
 def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() -> None:
     """Noise behind a 20 Hz first-order filter: the robust covariance is that of the estimates, (28) is too small."""
-    run = periodic_run(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO, None)
+    run = periodic_run(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO)
     matrices, t = run.regressors(0.0), run.recording.t
     flat = matrices.reshape(-1, 20)
     inverse = np.linalg.pinv(flat)
@@ -154,8 +155,9 @@ def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() ->
     estimates, predicted = [], []
     for _ in range(40):
         noise = lfilter([1 - pole], [1, -pole], draw.normal(size=(len(t) + 300, 6)), axis=0)[300:]
-        scatter = each_period(t, noise, run.part, 60)
-        mean = np.mean([s.truncated(run.harmonics).at(run.t) for s in scatter.series], axis=0)
+        scatter = each_period(t, noise, rows_of_periods(t, run.part), run.part, 60)
+        mean = FourierSeries(scatter.mean(axis=0), run.part.period, t[run.part.first])
+        mean = mean.truncated(run.harmonics).at(run.t)
         estimates.append(inverse @ mean.ravel())
         noisy = replace(run, scatter=scatter)
         predicted.append(np.diag(noisy.robust_covariance(matrices, mean, np.ones(6), None).covariance))

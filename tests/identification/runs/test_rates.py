@@ -61,7 +61,7 @@ def test_averages_are_the_forces_of_the_instant(ratio: float) -> None:
     joined = on_one_clock(two_rates(ratio), CASE)
     truth = true_forces(CASE, EXECUTION, joined.t)
     np.testing.assert_allclose(joined.forces, truth, atol=2e-5 * np.ptp(truth))
-    assert joined.averaged.ratio == pytest.approx(ratio, rel=1e-6)
+    assert joined.averaged == pytest.approx(ratio, rel=1e-6)
     assert joined.trigger.sum() == pytest.approx(2.6 / 2e-3, abs=2)
 
 
@@ -72,8 +72,8 @@ def test_the_noise_of_averages_falls_with_the_root_of_their_number() -> None:
     slow = left[: len(left) // 20 * 20].reshape(-1, 20, 6).mean(axis=1)
     assert slow.std() * np.sqrt(20) == pytest.approx(1.0, rel=0.1)
     assert left.std() == pytest.approx(np.sqrt(1.0 + 4 / 24 + 6 / 24**2), rel=0.05)
-    np.testing.assert_allclose(noisy.averaged.noise, 4.0, rtol=0.1)
-    np.testing.assert_allclose(noisy.averaged.expected, 1.0, rtol=0.1)
+    np.testing.assert_allclose(noisy.sample_noise, 4.0, rtol=0.1)
+    np.testing.assert_allclose(noisy.sample_noise / np.sqrt(noisy.averaged), 1.0, rtol=0.1)
 
 
 def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
@@ -111,7 +111,7 @@ def held(ratio: int) -> Recording:
 def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
     recording = held(ratio)
     joined = on_one_clock(recording, CASE)
-    assert joined.averaged.ratio == pytest.approx(ratio)
+    assert joined.averaged == pytest.approx(ratio)
     np.testing.assert_allclose(joined.struts, EXECUTION.struts(joined.t), atol=1e-12)
     assert (
         joined.lines.place(7) == f"line {2 + 3 % ratio + ratio + 7 * ratio}"
@@ -137,7 +137,7 @@ def test_struts_that_are_faster_than_the_forces_are_read_at_the_forces() -> None
         Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
     )
     np.testing.assert_allclose(joined.struts, EXECUTION.struts(t), atol=1e-9)
-    assert joined.averaged is None
+    assert joined.averaged == 1.0
 
 
 def test_an_average_over_a_clipped_sample_counts_as_clipped() -> None:
