@@ -10,7 +10,6 @@ residuals show this too.
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -69,18 +68,6 @@ def fitting_case(lengths: Array, case: Case) -> str | None:
     return None
 
 
-class Data(NamedTuple):
-    """Some instants of a run."""
-
-    forces: Array  # shape (n, 6) [N, or N and N m]
-    slopes: Array | None  # their derivative, which a delay adds, shape (n, 6); None of standstills
-    weights: Array  # weights of each channel, shape (6,)
-    # lengths (of a chain positions), velocities and accelerations, each of shape (n, k); None without drives
-    drives: list[Array] | None
-    motion: Kinematics | None  # of a chain's sensor, at n instants
-    regressors: Array | None  # A as recorded, shape (n, 6, u); None where the struts do not close
-
-
 def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
     """How struts or force channels seem to be exchanged or compensated, with the remedy; None without such signs.
 
@@ -90,22 +77,28 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
         negative: whether the mass came out negative for certain.
     """
     try:
-        data = _data(recording, case, model)
+        signals, drives, matrices = _instants(recording, case, model)
+        if drives is not None and case.chain is not None:
+            motion = machine_of(case).kinematics(*drives)
+            if (explanation := _compensated(signals, motion, case, model)) is not None:
+                return explanation
+            matrices = regressors(model, motion)
+        elif drives is not None:
+            (matrices,) = _regressors_of(drives, case, model, [STRAIGHT])
     except HexciteError:
         return None
-    if data.motion is not None and (explanation := _compensated(data, data.motion, case, model)) is not None:
-        return explanation
-    if data.forces.size - len(model.names) < LEAST:
+    if signals[0].size - len(model.names) < LEAST:
         return None
     mass = model.names.index("m") if "m" in model.names else None
-    weighted, newtons = _rms(data, data.regressors)
-    if not negative and weighted <= SMALL * float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0)))):
+    weights = _weights(signals[0], case)
+    weighted, newtons = _rms(signals, weights, matrices)
+    if not negative and weighted <= SMALL * float(np.sqrt(np.mean(weights * signals[0].var(axis=0)))):
         return None
-    candidates = [(_rms(data, data.regressors, order, mass), "force", order) for order in orders_of(turned=True)]
-    if data.drives is not None and case.chain is None:  # the order of a chain's joints is not looked at
+    candidates = [(_rms(signals, weights, matrices, order, mass), "force", order) for order in orders_of(turned=True)]
+    if drives is not None and case.chain is None:  # the order of a chain's joints is not looked at
         orders = list(orders_of(turned=case.recording.drives is not None))
-        tried = zip(_regressors_of(data, case, model, orders), orders, strict=True)
-        candidates += [(_rms(data, matrices, mass=mass), "strut", order) for matrices, order in tried]
+        tried = zip(_regressors_of(drives, case, model, orders), orders, strict=True)
+        candidates += [(_rms(signals, weights, other, mass=mass), "strut", order) for other, order in tried]
     least, *_ = min(candidates, key=lambda f: f[0])[0]
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
@@ -118,10 +111,10 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     rivals = [_likeliest([f for f in candidates if f[1] == side]) for side in {f[1] for f in candidates}]
     alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
     names = " or ".join(order.words(SIDES[side]) for _, side, order in alike)
-    recorded = _in_words(data, weighted, newtons)
+    recorded = _in_words(weights, weighted, newtons)
     instead = f" instead of {recorded}" if np.isfinite(newtons) else ", while no pose fits them as recorded"
     remedies = " or ".join(remedy(case, side, order) for _, side, order in alike)
-    return f"{names}: residuals {_in_words(data, *alike[0][0])}{instead}; {remedies}"
+    return f"{names}: residuals {_in_words(weights, *alike[0][0])}{instead}; {remedies}"
 
 
 _Candidate = tuple[tuple[float, float], str, Order]  # residuals as `_rms` has them, side, order that leaves them
@@ -137,54 +130,51 @@ def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
     return min(same or candidates, key=lambda c: c[2].mistakes)
 
 
-def _in_words(data: Data, weighted: float, newtons: float) -> str:
+def _in_words(weights: Array, weighted: float, newtons: float) -> str:
     """Rms residuals of forces, and of the moments among the channels."""
-    if np.ptp(data.weights) == 0.0:
+    if np.ptp(weights) == 0.0:
         return f"{newtons:.2g} N"
-    of_forces, of_moments = data.weights[[0, 3]]
+    of_forces, of_moments = weights[[0, 3]]
     moments = np.sqrt(max(2.0 * weighted**2 - of_forces * newtons**2, 0.0) / of_moments)
     return f"{newtons:.2g} N and {moments:.2g} N m"
 
 
-def _data(recording: Recording, case: Case, model: Model) -> Data:
+def _instants(recording: Recording, case: Case, model: Model) -> tuple[list[Array], list[Array] | None, Array | None]:
+    """Some instants of a run.
+
+    Returns:
+        Forces, of a run that moves with their derivative, which a delay adds, each of shape (n, 6); lengths (of a chain
+        positions), velocities and accelerations, each of shape (n, k), None without drives; A without drives, shape
+        (n, 6, u).
+    """
     _, recording = scan(recording, case)
-    slopes = drives = motion = matrices = None
     most = INSTANTS if case.chain is None else OF_CHAINS
     if recording.t is None or case.setup == "1a":
         valid = np.flatnonzero(~recording.bad)
         if recording.struts is None:
-            matrices = standstills(recording, case, model).matrices
-        else:
-            valid = valid[:: max(1, -(-len(valid) // most))]
-            places = recording.struts[valid]
-            drives = [places, np.zeros_like(places), np.zeros_like(places)]
-        forces = recording.forces[valid]
-    elif recording.struts is None:
+            return [recording.forces[valid]], None, standstills(recording, case, model).matrices
+        valid = valid[:: max(1, -(-len(valid) // most))]
+        places = recording.struts[valid]
+        return [recording.forces[valid]], [places, np.zeros_like(places), np.zeros_like(places)], None
+    if recording.struts is None:
         wrist = wrist_run(recording, case, model, MOST_DELAY)
-        matrices, forces = wrist.regressors(0.0), wrist.forces
-    else:
-        run = moving_run(recording, case, model)
-        assert run.recording.struts is not None
-        rows = run.rows[:: max(1, -(-len(run.rows) // most))]
-        drives = decimated(run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)])
-        forces, slopes = decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)])
-    if drives is not None and case.chain is not None:
-        motion = machine_of(case).kinematics(*drives)
-        matrices = regressors(model, motion)
-    weights = _weights(forces) if case.sensor_frame.has_moments else np.ones(6)
-    data = Data(forces, slopes, weights, drives, motion, matrices)
-    if drives is not None and matrices is None:
-        data = data._replace(regressors=_regressors_of(data, case, model, [STRAIGHT])[0])
-    return data
+        return [wrist.forces], None, wrist.regressors(0.0)
+    run = moving_run(recording, case, model)
+    assert run.recording.struts is not None
+    rows = run.rows[:: max(1, -(-len(run.rows) // most))]
+    drives = decimated(run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)])
+    return decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)]), drives, None
 
 
-def _weights(forces: Array) -> Array:
+def _weights(forces: Array, case: Case) -> Array:
     """Weights of newtons beside newton metres: one over the squared change of forces and of moments, shape (6,)."""
+    if not case.sensor_frame.has_moments:
+        return np.ones(6)
     spread = np.repeat(forces.var(axis=0).reshape(2, 3).mean(axis=1), 3)
     return np.asarray(1.0 / np.maximum(spread, max(DULL * float(spread.max()), np.finfo(float).tiny)))
 
 
-def _compensated(data: Data, motion: Kinematics, case: Case, model: Model) -> str | None:
+def _compensated(signals: Sequence[Array], motion: Kinematics, case: Case, model: Model) -> str | None:
     """What has been done to the readings of a chain's sensor, with the remedy; None where nothing speaks for it."""
     turn = Rotation.from_euler("xyz", motion.pose[:, 3:]).as_matrix()
     if case.nominal is None or "m" not in model.names or np.sqrt(turn[:, 2].var(axis=0).sum()) < TURNS:
@@ -194,23 +184,26 @@ def _compensated(data: Data, motion: Kinematics, case: Case, model: Model) -> st
     offsets = offset_columns(model)
     weightless[:, :, offsets] = whole[:, :, offsets]
     expected = whole @ nominal_parameters(model, case.nominal)
-    changes = [np.sqrt(v.var(axis=0).reshape(2, 3).sum(axis=1)) for v in (data.forces, expected)]
+    changes = [np.sqrt(v.var(axis=0).reshape(2, 3).sum(axis=1)) for v in (signals[0], expected)]
     if np.all(changes[0] < NOTHING * changes[1]):
         return (
             f"the force hardly changes, where that of the nominal load does: it is compensated, or none; {RECORD_RAW}"
         )
-    of_base, slopes = _turned(turn, data.forces), None if data.slopes is None else _turned(turn, data.slopes)
-    in_base = data._replace(forces=of_base, slopes=slopes, weights=_weights(of_base))
+    in_base = [_turned(turn, signal) for signal in signals]
+    weights, weights_of_base = _weights(signals[0], case), _weights(in_base[0], case)
     mass = model.names.index("m")
     tried = (
-        (_rms(data, weightless, mass=mass), "the weight has been taken out of the readings"),
-        (_rms(in_base, whole, mass=mass), "the readings are in the axes of the base, not in those of the sensor"),
+        (_rms(signals, weights, weightless, mass=mass), "the weight has been taken out of the readings"),
         (
-            _rms(in_base, weightless, mass=mass),
+            _rms(in_base, weights_of_base, whole, mass=mass),
+            "the readings are in the axes of the base, not in those of the sensor",
+        ),
+        (
+            _rms(in_base, weights_of_base, weightless, mass=mass),
             "the weight has been taken out of the readings, which are in the axes of the base",
         ),
     )
-    recorded, ((least, _), words) = _rms(data, whole)[0], min(tried)
+    recorded, ((least, _), words) = _rms(signals, weights, whole)[0], min(tried)
     if not least * FACTOR < recorded:
         return None
     return f"{words}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
@@ -221,13 +214,12 @@ def _turned(turn: Array, readings: Array) -> Array:
     return np.hstack([np.einsum("nji,nj->ni", turn, readings[:, k : k + 3]) for k in (0, 3)])
 
 
-def _regressors_of(data: Data, case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:
+def _regressors_of(drives: Sequence[Array], case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:
     """A where the struts were recorded in other orders, shape (n, 6, u) each; None where no pose has such struts."""
-    assert data.drives is not None
     places = np.array([order.places for order in orders])
-    signs = np.repeat([order.signs for order in orders], len(data.forces), axis=0)
+    signs = np.repeat([order.signs for order in orders], len(drives[0]), axis=0)
     lengths, velocities, accelerations = (
-        np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in data.drives
+        np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in drives
     )  # those of each order in turn
     if case.recording.drives is not None:  # a drive with the other sign mirrors its strut at the offset
         lengths = np.where(signs > 0, lengths, 2.0 * case.recording.drives.offset - lengths)
@@ -236,12 +228,16 @@ def _regressors_of(data: Data, case: Case, model: Model, orders: Sequence[Order]
     return [a if c.all() else None for a, c in zip(matrices, np.split(closed, len(orders)), strict=True)]
 
 
-def _rms(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> tuple[float, float]:
+def _rms(
+    signals: Sequence[Array], weights: Array, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None
+) -> tuple[float, float]:
     """Rms residuals of the forces in an order, weighted, and of the channels in newtons [N].
 
     Infinite where the struts do not close, or a mass would be negative.
 
     Args:
+        signals: forces, and their derivative where a delay may add some of it, each of shape (n, 6).
+        weights: those of the channels, shape (6,).
         matrices: A, shape (n, 6, u); None where the struts do not close.
         mass: its place among the parameters, where it must not be negative.
     """
@@ -249,15 +245,15 @@ def _rms(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int 
     if matrices is None:
         return nothing
     places, signs = list(order.places), np.array(order.signs)
-    forces = data.forces[:, places] * signs
-    root = np.sqrt(data.weights)
-    columns = matrices if data.slopes is None else np.dstack([matrices, data.slopes[:, places] * signs])
+    forces, *slopes = (signal[:, places] * signs for signal in signals)
+    root = np.sqrt(weights)
+    columns = np.dstack([matrices, *slopes])
     top = joint_triangle(columns, forces, root)
     scale = column_scale(top[:, :-1])
     values = scale * np.linalg.lstsq(top[:, :-1] * scale, top[:, -1], rcond=1e-9)[0]
     if mass is not None and values[mass] < 0.0:
         return nothing
     residuals = forces - columns @ values
-    channels = slice(0, 6) if np.ptp(data.weights) == 0.0 else slice(0, 3)
+    channels = slice(0, 6) if np.ptp(weights) == 0.0 else slice(0, 3)
     weighted, newtons = np.mean((residuals * root) ** 2), np.mean(residuals[:, channels] ** 2)
     return float(np.sqrt(weighted)), float(np.sqrt(newtons))
