@@ -136,9 +136,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
                     begin=shipped_start(family, case))  # fmt: skip
         answer, interrupted = run([task], lambda _: listener(None), until)
         white = next(_starts(answer), None)
-    unknowns, report, _ = keep_limits(controlled.case, best.family, best.unknowns, PROOF_RATE)
-    motion = best.family.motion(unknowns)
-    report = controlled.reported(prove(motion, case)) if controlled.step_time else report
+    motion = best.family.motion(keep_limits(controlled.case, best.family, best.unknowns, PROOF_RATE)[0])
+    report = controlled.reported(prove(motion, case))
     made_for = {} if controlled.controller is None else {"made_for": controlled.controller}
     settings = {**best.family.settings, **made_for}
     other = next((s for s in _starts(results) if s.family.name != request.family.name), None)

@@ -134,6 +134,11 @@ class SolverStatus(StrEnum):
         return next((status for status in cls if status.value == plain), cls.UNKNOWN)
 
     @property
+    def converged(self) -> bool:
+        """Whether the solver converged, or gained so little that it was stopped."""
+        return self in (SolverStatus.CONVERGED, SolverStatus.ACCEPTABLE, SolverStatus.FEASIBLE, SolverStatus.SETTLED)
+
+    @property
     def words(self) -> str:
         """What people are shown: to stop at the iterations that a stage has is not a failure."""
         return _SHOWN.get(self, str(self))

@@ -4,7 +4,6 @@ The criterion of a motion and whether it is feasible are computed anew, whatever
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -45,47 +44,36 @@ def rate(
     return CRITERIA[criterion](mu)
 
 
-class Feasible(NamedTuple):
-    """A motion that satisfies every limit."""
-
-    unknowns: Array  # unknowns of the motion
-    report: LimitReport  # report of its limits
-    share: float  # distances of the motion over those before it was shrunk
-
-
-def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Feasible:
+def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tuple[Array, float]:
     """Shrinks a motion towards the box's middle until it satisfies every limit, less a margin, on a grid of `rate`.
 
     The steps grow from small to large: strut lengths need not fall on the way, so that a smaller motion is not always
     further inside.
 
+    Returns:
+        Unknowns of the motion inside, and its distances over those before it was shrunk.
+
     Raises:
         InfeasiblePlan: the motion exceeds a limit even where hardly anything moves; the message names the limit.
     """
 
-    def attempt(share: float) -> tuple[Feasible | None, LimitReport]:
-        trial = family.shrunk(unknowns, share)
-        report = prove(family.motion(trial), case, rate)
-        good = report.worst_ratio <= 1.0 - MARGIN + TOLERANCE
-        return Feasible(trial, report, share) if good else None, report
+    def report_at(share: float) -> LimitReport:
+        return prove(family.motion(family.shrunk(unknowns, share)), case, rate)
 
-    best, report = attempt(1.0)
+    def inside(report: LimitReport) -> bool:
+        return report.worst_ratio <= 1.0 - MARGIN + TOLERANCE
+
     share, failed, step = 1.0, 1.0, CLOSE_ENOUGH
-    while best is None and share > SMALLEST:
+    while not inside(report := report_at(share)):
+        if share <= SMALLEST:
+            worst = max(report.checks, key=lambda c: c.ratio)
+            raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)} or move home")
         failed, share = share, share - step if step < share / 2 else share / 2
-        best, report = attempt(share)
         step *= 2
-    if best is None:
-        worst = max(report.checks, key=lambda c: c.ratio)
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)} or move home")
-    while failed - best.share > CLOSE_ENOUGH:
-        between = (failed + best.share) / 2
-        better, _ = attempt(between)
-        if better is None:
-            failed = between
-        else:
-            best = better
-    return best
+    while failed - share > CLOSE_ENOUGH:
+        between = (failed + share) / 2
+        failed, share = (failed, between) if inside(report_at(between)) else (between, share)
+    return family.shrunk(unknowns, share), share
 
 
 _BOX, _WORKSPACE = "limits.motion", "workspace"

@@ -7,7 +7,7 @@ depend on few unknowns as they are.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -20,18 +20,11 @@ from planner.precision import SolverStatus
 from planner.search.program import NonlinearProgram
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
-    """Result of a solver."""
-
-    unknowns: Array  # shape (n,)
-    status: SolverStatus  # how the solver ended
-    converged: bool  # whether it converged, or its gain fell below `GAIN`
-    iterations: int  # number of iterations
-
-
 Watch = Callable[[float], bool]
 """Function of the objective, called at every iteration; a true answer stops the solver."""
+
+Barrier = tuple[float, float, float]
+"""First parameter of IPOPT's barrier, and the factor and the power with which it falls (0.2 and 1.5 by default)."""
 
 INSIDE = 1e-4  # share of a limit by which an iterate may exceed it and still count
 GAIN, PATIENCE = 2e-4, 8  # of the objective: 0.02 % of an efficiency in so many iterations is not worth their time
@@ -112,12 +105,19 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
         return 0
 
 
-def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch, options: dict[str, Any]) -> Solution:
+def solve(
+    program: NonlinearProgram, start: Array, iterations: int, watch: Watch, barrier: Barrier | None = None
+) -> tuple[Array, SolverStatus, int]:
     """Solves a program from a start, which need not be inside its limits.
 
     Args:
         start: shape (n,).
+        iterations: number of iterations at most.
         watch: called with the objective of each iteration.
+        barrier: None where it shall adapt.
+
+    Returns:
+        The unknowns, of a solver that did not converge the best inside the limits; how it ended; its iterations.
     """
     own = program.unknowns
     program, start = lifted(program, start)
@@ -149,25 +149,35 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
         ),
     }
     nlp = NumpyFunction("nlp", [x, nothing], both, values)
-    iterates = _Iterates(n, bounds, watch)
+    best, best_unknowns, settled = np.inf, start, False
+    latest: list[float] = []
+
+    def iterate(unknowns: Array, value: Array, rows: Array, *_: Array) -> Sequence[Array]:
+        """Remembers the best inside the bounds, stops where the gain is small. IPOPT would swallow an exception."""
+        nonlocal best, best_unknowns, settled
+        objective = float(value[0])
+        inside = (bounds[0] - rows).max(initial=0.0) < INSIDE and (rows - bounds[1]).max(initial=0.0) < INSIDE
+        if inside and objective < best:
+            best, best_unknowns = objective, unknowns.copy()
+        latest[:] = [*latest[-PATIENCE:], objective if inside else np.inf]
+        settled = len(latest) > PATIENCE and max(latest) < min(latest) + GAIN
+        return (np.array([float(watch(objective) or settled)]),)
+
     sizes = {"f": 1, "x": n, "lam_x": n, "g": count, "lam_g": count}
     outputs = [(ca.nlpsol_out(k), sizes.get(ca.nlpsol_out(k), 0)) for k in range(ca.nlpsol_n_out())]
     settings = {
         **functions,
         **_QUIET,
-        "iteration_callback": NumpyFunction("watch", outputs, [("stop", number)], iterates),
-        "ipopt": _IPOPT | options | {"max_iter": iterations},
+        "iteration_callback": NumpyFunction("watch", outputs, [("stop", number)], iterate),
+        "ipopt": _IPOPT | _with_barrier(barrier) | {"max_iter": iterations},
     }
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
-    stats, last = solver.stats(), answer["x"].full()[:own, 0]
-    iterations = int(stats["iter_count"])
-    if iterates.settled:
-        return Solution(iterates.best_unknowns[:own], SolverStatus.SETTLED, True, iterations)
-    status = SolverStatus(stats["return_status"])
-    better = iterates.best < float(answer["f"]) or not stats["success"]
-    inside = iterates.best_unknowns[:own] if np.isfinite(iterates.best) and better else last
-    return Solution(inside, status, bool(stats["success"]), iterations)
+    stats = solver.stats()
+    status = SolverStatus.SETTLED if settled else SolverStatus(stats["return_status"])
+    better = settled or best < float(answer["f"]) or not status.converged
+    last = best_unknowns if np.isfinite(best) and better else answer["x"].full()[:, 0]
+    return last[:own], status, int(stats["iter_count"])
 
 
 def _sparsity(rows: int, columns: int, row: Indices, column: Indices) -> tuple[ca.Sparsity, Indices]:
@@ -187,25 +197,11 @@ _IPOPT = {
 }
 
 
-class _Iterates:
-    """Callback for each iterate: remembers the best inside the bounds, and stops where the gain is small.
-
-    IPOPT would swallow an exception in it.
-    """
-
-    def __init__(self, size: int, bounds: tuple[Array, Array], watch: Watch) -> None:
-        self.bounds, self.watch = bounds, watch
-        self.best, self.best_unknowns, self.settled = np.inf, np.zeros(size), False
-        self.latest: list[float] = []
-
-    def __call__(self, unknowns: Array, value: Array, rows: Array, *_: Array) -> tuple[Array]:
-        lower, upper = self.bounds
-        outside = max(float((lower - rows).max(initial=0.0)), float((rows - upper).max(initial=0.0)))
-        if outside < INSIDE and value[0] < self.best:
-            self.best, self.best_unknowns = float(value[0]), unknowns.copy()
-        self.latest = [*self.latest[-PATIENCE:], float(value[0]) if outside < INSIDE else np.inf]
-        self.settled = len(self.latest) > PATIENCE and max(self.latest) < min(self.latest) + GAIN
-        return (np.array([float(self.watch(float(value[0])) or self.settled)]),)
+def _with_barrier(barrier: Barrier | None) -> dict[str, float | str]:
+    if barrier is None:
+        return {"mu_strategy": "adaptive"}
+    names = "mu_init", "mu_linear_decrease_factor", "mu_superlinear_decrease_power"
+    return dict(zip(names, barrier, strict=True))
 
 
 def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram, Array]:

@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +22,8 @@ from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.precision import SolverStatus
 from planner.search import Failed, StartRecord
 from planner.search.annealing import EqualMoves, annealed_start
-from planner.search.feasibility import MARGIN, Feasible, keep_limits, rate, require_rest
-from planner.search.ipopt import Watch, solve
+from planner.search.feasibility import MARGIN, keep_limits, rate, require_rest
+from planner.search.ipopt import Barrier, Watch, solve
 from planner.search.problem import build_program, largest_shares
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
@@ -80,45 +79,34 @@ class Task:
         return isinstance(self.family, PointToPointFamily)
 
 
-class _Stage(NamedTuple):
-    """One run of the solver."""
-
-    letter: Criterion  # of Table 4
-    halvings: int  # see `planner.search.objective`
-    convex: bool  # see `planner.search.program.NonlinearProgram`
-    iterations: int  # largest number of iterations
-    options: dict[str, object]  # options of the solver
-
-
 OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion
 
-# Far from an optimum the barrier adapts and second derivatives are convex: that leads to better optima, sooner.
-_FAR: dict[str, object] = {"mu_strategy": "adaptive"}
-_NEAR: dict[str, object] = {"mu_init": 1e-4, "mu_linear_decrease_factor": 0.3, "mu_superlinear_decrease_power": 1.05}
-_AT_HAND: dict[str, object] = {"mu_init": 1e-5}
+# Far from an optimum the barrier adapts (None) and second derivatives are convex: better optima, sooner.
+_NEAR: Barrier = (1e-4, 0.3, 1.05)
+_AT_HAND: Barrier = (1e-5, 0.2, 1.5)
 
 
-def _stages(task: Task, close: bool) -> Iterator[_Stage]:
-    """Stages of a start, the smooth criterion D first; `close`: it is within the limits, and is refined at once."""
-    afar = _FAR if task.begin is None and not task.moves else _NEAR
-    at_hand = _Stage(Criterion.D, 0, False, REFINE, _AT_HAND)
+def _stages(task: Task, close: bool) -> Iterator[tuple[Criterion, int, int]]:
+    """Stages of a start, the smooth criterion D first: criterion, halvings of its p-norm, and iterations at most.
+
+    Args:
+        close: whether it is within the limits, and is refined at once.
+    """
     if task.step is Step.GLANCE:
         if not close and not task.moves:
-            yield _Stage(Criterion.D, 0, True, GLANCE, afar)
+            yield Criterion.D, 0, GLANCE
         return
-    if close:
-        yield at_hand._replace(iterations=task.family.iterations)
-    elif task.step is Step.EXPLORE:
-        yield _Stage(Criterion.D, 0, not task.moves, task.family.iterations, afar)
-        if not task.moves:
+    if close or task.step is Step.EXPLORE:
+        yield Criterion.D, 0, task.family.iterations
+        if not close and not task.moves:
             return
     if task.criterion == Criterion.D and task.step is Step.REFINE:
-        yield at_hand
+        yield Criterion.D, 0, REFINE
     elif task.criterion == Criterion.A:
-        yield _Stage(Criterion.A, 0, not task.moves, OTHERWISE, afar)
+        yield Criterion.A, 0, OTHERWISE
     elif task.criterion in (Criterion.K, Criterion.N):
         for halvings in SHARPER:
-            yield _Stage(task.criterion, halvings, not task.moves, OTHERWISE, afar)
+            yield task.criterion, halvings, OTHERWISE
 
 
 def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
@@ -132,25 +120,20 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     unknowns = run.begun = run.begin()
     before = run.rate(unknowns, Criterion.D)
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
-    best: tuple[float, Feasible] | None = None
+    after, inside, share = -np.inf, None, 1.0
     if run.close or (task.step is Step.GLANCE and task.moves):  # the annealed walk is enough to compare with
-        feasible = run.feasible(unknowns)
-        best = run.rate(feasible.unknowns), feasible
-    for stage in _stages(task, run.close):
-        if run.stopped and best is not None:
+        inside, share = run.feasible(unknowns)
+        after = run.rate(inside)
+    for letter, halvings, iterations in _stages(task, run.close):
+        if run.stopped and inside is not None:
             break
-        unknowns = run.solve(unknowns, stage)
-        if exploring:
-            feasible = run.feasible(unknowns)
-        else:
-            feasible = run.best_feasible(run.constrained(unknowns, stage), stage)
-            unknowns = feasible.unknowns
-        after = run.rate(feasible.unknowns)
-        if best is None or after > best[0]:
-            best = after, feasible
-    assert best is not None
-    after, feasible = best
-    if not np.isfinite(after):
+        unknowns = run.solve_for(letter, halvings, unknowns, iterations)
+        candidate = run.feasible(unknowns) if exploring else run.best_feasible(run.constrained(unknowns), iterations)
+        unknowns = unknowns if exploring else candidate[0]
+        value = run.rate(candidate[0])
+        if inside is None or value > after:
+            after, (inside, share) = value, candidate
+    if inside is None or not np.isfinite(after):
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
@@ -160,14 +143,14 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         seed=task.seed,
         refined=not exploring,
         start_logdet=before if np.isfinite(before) else None,
-        logdet=after if task.criterion == Criterion.D else run.rate(feasible.unknowns, Criterion.D),
+        logdet=after if task.criterion == Criterion.D else run.rate(inside, Criterion.D),
         criterion_value=after,
         solver=run.status,
         converged=run.converged,
         iterations=run.iterations,
         seconds=time.perf_counter() - start,
     )
-    return Start(record, feasible.unknowns, run.family, feasible.share, unknowns, promise)
+    return Start(record, inside, run.family, share, unknowns, promise)
 
 
 class _Run:
@@ -213,23 +196,29 @@ class _Run:
         moves = EqualMoves.of(task.case, self.model, self.scaling, self.family)
         return annealed_start(moves, self.family, draw, proposals, self.stops, walk)
 
-    def solve(self, unknowns: Array, stage: _Stage) -> Array:
-        """Runs the solver once."""
-        program = replace(self.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
-        solution = solve(program, unknowns, stage.iterations, self.stops, stage.options)
-        self.iterations += solution.iterations
-        self.status, self.converged = solution.status, solution.converged
-        if not np.isfinite(solution.unknowns).all():
-            self.converged = False
-            return unknowns
-        return np.asarray(np.clip(solution.unknowns, program.lower, program.upper))
+    def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
+        """Solves a stage: its problem is that of all that follows until the next."""
+        task, self.program = self.task, replace(self.program, letter=letter, halvings=halvings)
+        if letter == Criterion.D and (self.close or task.step is Step.REFINE):
+            return self.solve(unknowns, iterations, _AT_HAND)
+        barrier = None if task.begin is None and not task.moves else _NEAR
+        return self.solve(unknowns, iterations, barrier, convex=not task.moves)
 
-    def constrained(self, unknowns: Array, stage: _Stage) -> Array:
+    def solve(self, unknowns: Array, iterations: int, barrier: Barrier | None, convex: bool = False) -> Array:
+        """Runs the solver once."""
+        program = replace(self.program, convex=convex)
+        solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier)
+        self.iterations += count
+        self.converged = self.status.converged and bool(np.isfinite(solution).all())
+        if not np.isfinite(solution).all():
+            return unknowns
+        return np.asarray(np.clip(solution, program.lower, program.upper))
+
+    def constrained(self, unknowns: Array) -> Array:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
         layout = self.family.layout(self.task.case, MARGIN + SLIPPED)
         self.program = replace(self.program, lower=layout.lower, upper=layout.upper)
-        again = stage._replace(convex=False, iterations=self.family.mending, options=_AT_HAND)
         for number in range(TIGHTER):
             shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
             satisfied = max(shares) <= 1.0 - MARGIN - FINER and self.program.outside(unknowns) < SLIPPED
@@ -238,33 +227,33 @@ class _Run:
             self.program = self.program.with_rows_above(unknowns, NEAR)
             if number > 0 or self.close or self.task.step is Step.REFINE:
                 self.program = self.program.tightened(shares, 1.0 - MARGIN - SLIPPED)
-            unknowns = self.solve(unknowns, again)
+            unknowns = self.solve(unknowns, self.family.mending, _AT_HAND)
         return unknowns
 
-    def feasible(self, unknowns: Array) -> Feasible:
-        """The motion shrunk inside every limit."""
+    def feasible(self, unknowns: Array) -> tuple[Array, float]:
+        """Unknowns of the motion shrunk inside every limit, and the share to which it was shrunk."""
         return keep_limits(self.task.case, self.family.once, unknowns, QUICK_RATE)
 
-    def best_feasible(self, unknowns: Array, stage: _Stage) -> Feasible:
-        """The motion shrunk inside every limit; where much is lost by that, the best of further searches.
+    def best_feasible(self, unknowns: Array, iterations: int) -> tuple[Array, float]:
+        """As `feasible`; where much is lost by that, the best of further searches.
 
         First from the motion itself, with limits lowered by what it exceeds them; then from inside, from the better of
         the motions until then and of the one at which the search began, shrunk inside as well.
         """
 
-        def worth(candidate: Feasible) -> float:
-            return self.rate(candidate.unknowns, stage.letter)
+        def worth(candidate: tuple[Array, float]) -> float:
+            return self.rate(candidate[0], self.program.letter)
 
         candidates = [self.feasible(unknowns)]
-        for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
-            if candidates[-1].share >= DRAWN_BACK or self.stopped:
+        for count, barrier in ((REFINE, _AT_HAND), (iterations, _NEAR)):
+            if candidates[-1][1] >= DRAWN_BACK or self.stopped:
                 break
             shares = largest_shares(self.program, self.family.once.motion(unknowns), self.task.case)
             self.program = self.program.with_rows_above(unknowns, 0.0).tightened(shares, 1.0 - MARGIN - SLIPPED)
             if len(candidates) > 1:
                 candidates.append(self.feasible(self.begun))
-                unknowns = max(candidates, key=worth).unknowns
-            unknowns = self.solve(unknowns, stage_again._replace(convex=False))
+                unknowns = max(candidates, key=worth)[0]
+            unknowns = self.solve(unknowns, count, barrier)
             candidates.append(self.feasible(unknowns))
         return max(candidates, key=worth)
 

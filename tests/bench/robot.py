@@ -48,8 +48,8 @@ def robot_figures() -> None:
     chance = []
     for seed in range(WALKS):
         walk = random_start(family, np.random.default_rng(seed), lambda unknowns: 1.0)
-        inside = keep_limits(case, family, walk, 1000.0)
-        information = mean_information(model, scaling, family.motion(inside.unknowns))
+        inside, _ = keep_limits(case, family, walk, 1000.0)
+        information = mean_information(model, scaling, family.motion(inside))
         chance.append(bound.efficiency(float(np.linalg.slogdet(information)[1])))
     print(f"plan: {family.moves} moves, {seconds:.0f} s of processor time, {len(worth.search.starts)} starts")
     print(f"D-efficiency {worth.d_efficiency:.3f}, best of {WALKS} random walks {max(chance):.3f}: ", end="")

@@ -45,8 +45,8 @@ def planned(name: str, seconds: float, walks: int) -> list[str]:
     chance = []
     for seed in range(walks):
         walk = random_start(family, np.random.default_rng(seed), lambda unknowns: 1.0)
-        inside = keep_limits(case, family, walk, RATE)
-        information = mean_information(model, scaling, family.motion(inside.unknowns))
+        inside, _ = keep_limits(case, family, walk, RATE)
+        information = mean_information(model, scaling, family.motion(inside))
         chance.append(bound.efficiency(float(np.linalg.slogdet(information)[1])))
     found, best = plan.of_motion[1].d_efficiency, max(chance)
     joints = str(len(case.need_motion("the bench")[0]))

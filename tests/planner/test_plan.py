@@ -95,7 +95,7 @@ def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan:
     best = -math.inf
     for seed in range(12):
         random = random_start(family, np.random.default_rng(seed), problem.worst)
-        unknowns = keep_limits(hexapod_case, family, random / 0.8, 500.0).unknowns
+        unknowns = keep_limits(hexapod_case, family, random / 0.8, 500.0)[0]
         information = mean_information(model, scaling, family.motion(unknowns), 200.0)
         best = max(best, float(np.linalg.slogdet(information)[1]))
     assert saved_plan.worth.logdet > best + 10.0  # 20 parameters: better by a factor of 1.6 each, on average

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import hexcite as hx
 from cases.schema import load_case
 from identification.criteria import Criterion
-from identification.limit_proof import PROOF_RATE
+from identification.limit_proof import PROOF_RATE, prove
 from planner.families.settings import FamilySettings
 from planner.plan_folder import motion_entries
 from planner.planning import shipped_start
@@ -48,11 +48,11 @@ def planned(family: FamilySettings, request: Request, share: float, seed: int, s
     begin = shipped_start(sets, CASE)
     assert begin is not None
     change = 1.0 + 0.02 * np.random.default_rng(seed).normal(size=begin.shape)
-    feasible = keep_limits(CASE, sets, sets.shrunk(begin * change, share), PROOF_RATE)
+    unknowns, _ = keep_limits(CASE, sets, sets.shrunk(begin * change, share), PROOF_RATE)
     records, failed, interrupted = search
-    starts = tuple(Start(r, feasible.unknowns, sets, 1.0, feasible.unknowns, r.logdet) for r in records)
-    motion = sets.motion(feasible.unknowns)
-    found = PlannedMotion(motion, sets.settings, feasible.report, starts, tuple(failed), interrupted)
+    starts = tuple(Start(r, unknowns, sets, 1.0, unknowns, r.logdet) for r in records)
+    motion = sets.motion(unknowns)
+    found = PlannedMotion(motion, sets.settings, prove(motion, CASE), starts, tuple(failed), interrupted)
     return rated_plan(request, CASE, found, 0.25)
 
 

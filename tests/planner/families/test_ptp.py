@@ -124,7 +124,7 @@ def test_an_optimised_motion_is_proven_and_carries_far_more_than_a_random_one(
     assert report.kept
     assert 0.99 < report.worst_ratio <= 1.0
     assert found.record.refined
-    inside = keep_limits(case, family, start, 1000.0).unknowns
+    inside = keep_limits(case, family, start, 1000.0)[0]
     before, after = (
         np.linalg.slogdet(mean_information(model, scaling, some.motion(values)))[1]
         for some, values in ((family, inside), (found.family, found.unknowns))

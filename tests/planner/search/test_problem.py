@@ -194,13 +194,13 @@ def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed
     problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     at = random_start(some, np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, far / problem.worst(at))
-    inside = keep_limits(hexapod_case, some, at, 1000.0)
-    report = prove(some.motion(inside.unknowns), hexapod_case, 1000.0)
+    inside, share = keep_limits(hexapod_case, some, at, 1000.0)
+    report = prove(some.motion(inside), hexapod_case, 1000.0)
     assert report.kept
     assert report.worst_ratio <= 1.0 - MARGIN + 1e-6
-    larger = prove(some.motion(some.shrunk(at, inside.share + 2 * CLOSE_ENOUGH)), hexapod_case, 1000.0)
+    larger = prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), hexapod_case, 1000.0)
     assert larger.worst_ratio > 1.0 - MARGIN
-    assert inside.unknowns == pytest.approx(some.shrunk(at, inside.share))
+    assert inside == pytest.approx(some.shrunk(at, share))
 
 
 @pytest.mark.parametrize("name", ["fourier", "ptp"])
@@ -210,18 +210,18 @@ def test_what_is_inside_is_not_drawn_back(name: str, hexapod_case: Case):
     problem = build_program(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     at = random_start(some, np.random.default_rng(1), problem.worst)
     at = some.shrunk(at, 0.9)
-    inside = keep_limits(hexapod_case, some, at, 1000.0)
-    assert inside.share == 1.0
-    assert inside.unknowns == pytest.approx(at, abs=1e-12)
+    inside, share = keep_limits(hexapod_case, some, at, 1000.0)
+    assert share == 1.0
+    assert inside == pytest.approx(at, abs=1e-12)
 
 
 def test_a_large_motion_is_drawn_back_on_a_box_that_is_not_within_reach_as_a_whole():
     case = case_of("small", DESIGNED["small"])
     some = fourier(case, 2, 3.0)
     at = 3.0 * np.random.default_rng(2).normal(size=some.unknowns * 6)
-    inside = keep_limits(case, some, at, 1000.0)
-    assert prove(some.motion(inside.unknowns), case, 1000.0).kept
-    assert not prove(some.motion(some.shrunk(at, inside.share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (
+    inside, share = keep_limits(case, some, at, 1000.0)
+    assert prove(some.motion(inside), case, 1000.0).kept
+    assert not prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (
         1.0 - MARGIN
     )
 
