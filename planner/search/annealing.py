@@ -10,7 +10,6 @@ most of them out before anything else is computed.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
 
 import casadi as ca
@@ -28,6 +27,7 @@ WARM = 0.006  # for a walk that is good already
 EXCESS = 2.0  # loss of log det F for each whole limit of a rate or acceleration by which a move exceeds it
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 TEMPERATURES = 40
+PROPOSALS, FURTHER = 60, 5  # number of proposals for each pair of moves, the latter for a walk that is good already
 FEWEST, MOST = 16, 256  # proposals at a time
 KINDS = (0.6, 0.2, 0.2)  # shares of proposals: runs are shifted, one waypoint is chosen anew, an excursion moved
 FAR = 0.1  # share of shifts of any number of waypoints; the others shift few
@@ -40,30 +40,6 @@ STILL = 0.1  # share of coordinates that stand in a move chosen anew
 INWARD = 0.9  # share of its steps out of the box that go the other way instead
 SLACK = 1e-9  # [half widths] for rounding
 POSE_REACHED = 0.995  # share of a limit of poses that walks may use
-
-
-@dataclass(frozen=True)
-class EqualMoves:
-    """Moves that share their times."""
-
-    times: Array  # times of a segment with jerk, of constant acceleration, of constant velocity [s]
-    steps: Array  # largest way of each coordinate in these times, in half widths of the box, shape (n,)
-    size: int  # number of parameters u
-    # start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean H A^T A H of
-    # the move
-    rows: ca.Function
-    # the same -> by how much it exceeds limits of rates and accelerations, and the largest share of a limit of poses
-    excess: ca.Function
-
-    @classmethod
-    def of(cls, case: Case, model: Model, scaling: Array, family: PointToPointFamily) -> "EqualMoves":
-        """The moves of a family, each of its mean duration; times are those that give the longest steps."""
-        times, steps = family.longest_steps()
-        move = ca.SX.sym("move", 2 * len(steps))
-        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in ca.vertsplit(move, len(steps))]
-        rows = ca.Function("rows", [move], [_rows(model, scaling, ends, times)], {"cse": True})
-        excess = ca.Function("excess", [move], [_excess(case, ends, times)], {"cse": True})
-        return cls(times, steps, len(scaling), rows, excess)
 
 
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
@@ -101,26 +77,55 @@ was, and which are at a new place, shapes (P, moves + 1)."""
 
 
 class Walk:
-    """A walk of equal moves that is being annealed.
+    """A walk of equal moves, as many as a family has, that is being annealed.
+
+    All moves last the family's mean duration; of the times that they share those give the longest steps.
 
     Args:
-        moves: the moves of the walk.
-        points: waypoints in half widths, shape (moves + 1, n).
+        scaling: reference scaling, shape (u,).
         draw: random generator.
+        points: waypoints in half widths to begin with, shape (moves + 1, n), moved into the limits of poses.
     """
 
-    def __init__(self, moves: EqualMoves, points: Array, draw: np.random.Generator) -> None:
-        self.moves, self.count, self.draw = moves, len(points) - 1, draw
-        self.points, self.ways = points, moves.steps + SLACK
-        self.rows = _in_blocks(moves.rows, points[:-1], points[1:])  # R of each move, shape (n, 12, u)
-        self.passed = _in_blocks(moves.excess, points[:-1], points[1:])[:, 0]
+    def __init__(
+        self,
+        case: Case,
+        model: Model,
+        scaling: Array,
+        family: PointToPointFamily,
+        draw: np.random.Generator,
+        points: Array,
+    ) -> None:
+        self.size, self.count, self.draw = len(scaling), family.moves, draw
+        # three times of each move [s]; largest way of each coordinate in them, in half widths of the box, shape (n,)
+        self.times, self.steps = family.longest_steps()
+        move = ca.SX.sym("move", 2 * len(self.steps))
+        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in ca.vertsplit(move, len(self.steps))]
+        # start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean H A^T A H
+        # of the move; and by how much it exceeds limits of rates and accelerations, and its largest share of one of
+        # poses
+        self.rows_of = ca.Function("rows", [move], [_rows(model, scaling, ends, self.times)], {"cse": True})
+        self.excess_of = ca.Function("excess", [move], [_excess(case, ends, self.times)], {"cse": True})
+        self.points = self._inside(points)
+        starts, ends_of_moves = self.points[:-1], self.points[1:]
+        self.rows = _in_blocks(self.rows_of, starts, ends_of_moves)  # R of each move, shape (n, 12, u)
+        self.passed = _in_blocks(self.excess_of, starts, ends_of_moves)[:, 0]
         self.batch = FEWEST
         self._take()
         self.best, self.best_points = self.value, self.points
 
+    def _inside(self, points: Array) -> Array:
+        """Waypoints at most a step apart, moved together until all of them satisfy the limits of poses."""
+        points = points.copy()
+        for before, point in pairwise(points):
+            np.clip(point, before - self.steps, before + self.steps, out=point)
+        while np.abs(points).max() > 1e-3 and _in_blocks(self.excess_of, points, points)[:, 1].max() > POSE_REACHED:
+            points = points * 0.95
+        return points
+
     def _take(self) -> None:
         """Computes the information and its factors from the present moves."""
-        size = self.moves.size
+        size = self.size
         flat = self.rows.reshape(-1, size)
         self.total = flat.T @ flat / self.count + RIDGE * np.eye(size)
         factor = np.linalg.cholesky(self.total)
@@ -141,21 +146,23 @@ class Walk:
     def _try(self, points: Array, source: Indices, new: Flags, temperature: float) -> tuple[int, bool]:
         """Takes the first of `Proposals` that is accepted; returns how many were looked at, and whether one was."""
         count = len(points)
-        valid = np.all(np.abs(np.diff(points, axis=1)) <= self.ways, axis=(1, 2))  # no move is longer than a step
+        valid = np.all(
+            np.abs(np.diff(points, axis=1)) <= self.steps + SLACK, axis=(1, 2)
+        )  # no move is longer than a step
         chances = self.value + temperature * np.log1p(-self.draw.random(count))
         present = ~(new[:, :-1] | new[:, 1:]) & (np.diff(source, axis=1) == 1)
         origin = np.where(present, source[:, :-1], 0)
         number, place = np.nonzero(~present & valid[:, None])
         starts, ends = points[number, place], points[number, place + 1]
-        rows = _in_blocks(self.moves.rows, starts, ends)
-        size = self.moves.size
+        rows = _in_blocks(self.rows_of, starts, ends)
+        size = self.size
         traces = ((rows.reshape(-1, size) @ self.root) ** 2).reshape(len(rows), rows.shape[1] * size).sum(axis=1)
         gains = np.bincount(number, traces, count) + np.where(present, self.traces[origin], 0.0).sum(axis=1)
         remainder = np.where(present, self.passed[origin], 0.0).sum(axis=1)
         bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * remainder
         for k in np.flatnonzero(valid & (bound >= chances)):
             own = number == k
-            excess = _in_blocks(self.moves.excess, starts[own], ends[own])
+            excess = _in_blocks(self.excess_of, starts[own], ends[own])
             if excess[:, 1].max(initial=0.0) > POSE_REACHED:
                 continue
             all_rows = np.empty_like(self.rows)
@@ -183,8 +190,8 @@ class Walk:
         run = (at >= begin[:, None]) & (at < (begin + length)[:, None])
         points = np.repeat(self.points[None], count, axis=0)
         for chance in (1.0, TWO):
-            k = draw.integers(len(self.moves.steps), size=count)
-            by = self.moves.steps[k] * SHIFTS[draw.integers(len(SHIFTS), size=count)]
+            k = draw.integers(len(self.steps), size=count)
+            by = self.steps[k] * SHIFTS[draw.integers(len(SHIFTS), size=count)]
             by = np.where(draw.random(count) < LOOSE, draw.uniform(-WIDE, WIDE, count), by)
             by[draw.random(count) >= chance] = 0.0
             index = np.arange(count)
@@ -194,7 +201,7 @@ class Walk:
 
     def _next_to(self, places: Array) -> Array:
         """Places one move from others: most coordinates go a full step, into the box rather than out of it."""
-        draw, steps = self.draw, self.moves.steps
+        draw, steps = self.draw, self.steps
         sign = np.where(draw.random(places.shape) < 0.5, -1.0, 1.0)
         sign[draw.random(places.shape) < STILL] = 0.0
         outside = np.abs(places + sign * steps) > 1.0 + SLACK
@@ -222,16 +229,6 @@ class Walk:
         return points, source, at == place + 1
 
 
-def _inside(moves: EqualMoves, points: Array) -> Array:
-    """Waypoints at most a step apart, moved together until all of them satisfy the limits of poses."""
-    points = points.copy()
-    for before, point in pairwise(points):
-        np.clip(point, before - moves.steps, before + moves.steps, out=point)
-    while np.abs(points).max() > 1e-3 and _in_blocks(moves.excess, points, points)[:, 1].max() > POSE_REACHED:
-        points = points * 0.95
-    return points
-
-
 BLOCK = 8
 
 
@@ -244,25 +241,25 @@ def _in_blocks(function: ca.Function, starts: Array, ends: Array) -> Array:
 
 
 def annealed_start(
-    moves: EqualMoves,
+    case: Case,
+    model: Model,
+    scaling: Array,
     family: PointToPointFamily,
     draw: np.random.Generator,
-    proposals: int,
     watch: Callable[[float], bool],
     begin: Array | None = None,
 ) -> Array:
     """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
     Args:
-        moves: the family's own, as `EqualMoves.of` gives them.
-        proposals: number of proposals; the temperature falls geometrically meanwhile.
         watch: called with -log det F / u now and then; a true answer ends the annealing.
         begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
-    points = np.tile(draw.uniform(-0.5, 0.5, len(moves.steps)), (family.moves + 1, 1)) if begin is None else begin
-    walk = Walk(moves, _inside(moves, points), draw)
+    points = np.tile(draw.uniform(-0.5, 0.5, len(family.middle)), (family.moves + 1, 1)) if begin is None else begin
+    walk = Walk(case, model, scaling, family, draw, points)
+    proposals = (PROPOSALS if begin is None else FURTHER) * family.moves**2
     for temperature in np.geomspace(HOT if begin is None else WARM, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)
-        if watch(-walk.best / moves.size):
+        if watch(-walk.best / walk.size):
             break
-    return np.concatenate([walk.best_points.ravel(), np.tile(moves.times / family.unit, family.moves)])
+    return np.concatenate([walk.best_points.ravel(), np.tile(walk.times / family.unit, family.moves)])

@@ -19,7 +19,6 @@ from planner.families.states import LinearStates
 from planner.precision import SolverStatus
 from planner.search.program import NonlinearProgram
 
-
 Watch = Callable[[float], bool]
 """Function of the objective, called at every iteration; a true answer stops the solver."""
 

@@ -21,14 +21,12 @@ from planner.families.ptp import PointToPointFamily
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.precision import SolverStatus
 from planner.search import Failed, StartRecord
-from planner.search.annealing import EqualMoves, annealed_start
+from planner.search.annealing import annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, rate, require_rest
 from planner.search.ipopt import Barrier, Watch, solve
 from planner.search.problem import build_program, largest_shares
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
-PROPOSALS = 60  # proposals of the annealing that finds starts of point-to-point motions, for each pair of moves
-WARM = 5  # the same for one that has a walk to begin with
 CLOSE = 1.02  # share of limits up to which such a walk is not annealed again
 SLIPPED = 5e-4  # further unused share of each limit in the rows: for excess between constrained instants
 FINER = 1e-4  # part of that share for excess between the instants of the quick check
@@ -192,9 +190,7 @@ class _Run:
         assert isinstance(self.family, PointToPointFamily)
         # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
         walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
-        proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2
-        moves = EqualMoves.of(task.case, self.model, self.scaling, self.family)
-        return annealed_start(moves, self.family, draw, proposals, self.stops, walk)
+        return annealed_start(task.case, self.model, self.scaling, self.family, draw, self.stops, walk)
 
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""

@@ -16,7 +16,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.settings import family_class
 from planner.noise import mean_information
 from planner.planning import SHIPPED, shipped_start
-from planner.search.annealing import EqualMoves, annealed_start
+from planner.search.annealing import annealed_start
 from planner.search.problem import build_program
 from planner.search.solving import CLOSE
 from tests.bench.shipped_starts import table_of
@@ -94,7 +94,6 @@ def test_a_walk_that_is_annealed_further_is_no_worse():
     scaling, told = reference_scaling(CASE, model), []
     walk = family.split(shipped_start(family, CASE))[0]
     draw = np.random.default_rng(1)
-    moves = EqualMoves.of(CASE, model, scaling, family)
-    unknowns = annealed_start(moves, family, draw, 2000, lambda f: told.append(f) is not None, walk)
+    unknowns = annealed_start(CASE, model, scaling, family, draw, lambda f: told.append(f) is not None, walk)
     assert told == sorted(told, reverse=True)  # -log det F / u of the best until then
     assert np.abs(family.split(unknowns)[0]).max() <= 1.0 + 1e-9

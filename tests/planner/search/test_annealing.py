@@ -13,7 +13,7 @@ from identification.model import Model, identification_model
 from identification.trajectories.moves import fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.noise import mean_information
-from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Walk, annealed_start
+from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, Walk, annealed_start
 from planner.search.problem import build_program
 from tests.bench.machines.description import case_of, reachable
 from tests.bench.machines.designed import DESIGNED
@@ -30,19 +30,14 @@ def family(hexapod_case: Case) -> PointToPointFamily:
     return PointToPointFamily.of(hexapod_case, MOVES, DURATION)
 
 
-@pytest.fixture(scope="module")
-def moves(hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily) -> EqualMoves:
-    return EqualMoves.of(hexapod_case, model, scaling, family)
-
-
-def standing(moves: EqualMoves, size: float = 0.5) -> Walk:
+def standing(case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily, size: float = 0.5) -> Walk:
     draw = np.random.default_rng(5)
-    return Walk(moves, np.tile(draw.uniform(-size, size, 6), (MOVES + 1, 1)), draw)
+    return Walk(case, model, scaling, family, draw, np.tile(draw.uniform(-size, size, 6), (MOVES + 1, 1)))
 
 
 @pytest.fixture(scope="module")
-def walk(moves: EqualMoves) -> Walk:
-    some = standing(moves)
+def walk(hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily) -> Walk:
+    some = standing(hexapod_case, model, scaling, family)
     for temperature in (0.1, 0.03, 0.01):
         some.anneal(temperature, 1000)
     return some
@@ -56,41 +51,41 @@ def tight() -> Case:
     return case
 
 
-def unknowns_of(points: np.ndarray, moves: EqualMoves, family: PointToPointFamily) -> np.ndarray:
-    return np.concatenate([points.ravel(), np.tile(moves.times / family.unit, MOVES)])
+def unknowns_of(walk: Walk, family: PointToPointFamily) -> np.ndarray:
+    return np.concatenate([walk.best_points.ravel(), np.tile(walk.times / family.unit, MOVES)])
 
 
-def logdet_anew(moves: EqualMoves, points: np.ndarray) -> float:
+def logdet_anew(walk: Walk, points: np.ndarray) -> float:
     """Move by move, without what a walk remembers."""
-    rows = np.vstack([moves.rows(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
-    return float(np.linalg.slogdet(rows.T @ rows / MOVES + RIDGE * np.eye(moves.size))[1])
+    rows = np.vstack([walk.rows_of(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
+    return float(np.linalg.slogdet(rows.T @ rows / MOVES + RIDGE * np.eye(walk.size))[1])
 
 
-def excess_anew(moves: EqualMoves, points: np.ndarray) -> np.ndarray:
-    return np.array([moves.excess(np.r_[a, b]).full()[:, 0] for a, b in itertools.pairwise(points)])
+def excess_anew(walk: Walk, points: np.ndarray) -> np.ndarray:
+    return np.array([walk.excess_of(np.r_[a, b]).full()[:, 0] for a, b in itertools.pairwise(points)])
 
 
-def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(moves: EqualMoves, family: PointToPointFamily):
-    assert moves.times @ [4.0, 2.0, 1.0] == pytest.approx(family.unit)
+def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(walk: Walk, family: PointToPointFamily):
+    assert walk.times @ [4.0, 2.0, 1.0] == pytest.approx(family.unit)
     fastest = [
         fastest_profile(step, *limits).duration
-        for step, limits in zip(moves.steps * family.half, family.limits.T, strict=True)
+        for step, limits in zip(walk.steps * family.half, family.limits.T, strict=True)
     ]
     assert max(fastest) == pytest.approx(family.unit)  # that whose times all share
     assert min(fastest) > 0.8 * family.unit
 
 
-def test_a_walk_stays_in_the_box_and_no_move_is_longer_than_a_step(walk: Walk, moves: EqualMoves):
+def test_a_walk_stays_in_the_box_and_no_move_is_longer_than_a_step(walk: Walk):
     assert np.abs(walk.best_points).max() <= 1.0
     ways = np.abs(np.diff(walk.best_points, axis=0))
-    assert (ways <= moves.steps + 1e-8).all()
-    assert ways.max() > 0.5 * moves.steps.min()
+    assert (ways <= walk.steps + 1e-8).all()
+    assert ways.max() > 0.5 * walk.steps.min()
 
 
 def test_its_motion_satisfies_the_limits_of_the_coordinates_and_nearly_the_others(
-    walk: Walk, moves: EqualMoves, family: PointToPointFamily, hexapod_case: Case
+    walk: Walk, family: PointToPointFamily, hexapod_case: Case
 ):
-    report = prove(family.motion(unknowns_of(walk.best_points, moves, family)), hexapod_case, 1000.0)
+    report = prove(family.motion(unknowns_of(walk, family)), hexapod_case, 1000.0)
     for check in report.checks:
         assert check.ratio <= (1.05 if "strut" in check.name or "joint" in check.name else 1.0 + 1e-6), check.name
 
@@ -100,7 +95,7 @@ def test_no_waypoint_of_a_walk_exceeds_a_limit_of_poses_on_a_box_that_is_not_wit
     """At any temperature, at every step of the way: limits of poses are no matter of a price."""
     model = identification_model(tight, 9)
     family = PointToPointFamily.of(tight, MOVES, DURATION)
-    some = standing(EqualMoves.of(tight, model, reference_scaling(tight, model), family), 0.1)
+    some = standing(tight, model, reference_scaling(tight, model), family, 0.1)
     seen = 0
     for temperature in (1.0, 0.1, 0.01):
         for _ in range(20):
@@ -113,14 +108,14 @@ def test_no_waypoint_of_a_walk_exceeds_a_limit_of_poses_on_a_box_that_is_not_wit
     assert seen > 10
 
 
-def test_what_a_walk_remembers_is_what_is_computed_anew(walk: Walk, moves: EqualMoves):
-    assert walk.logdet == pytest.approx(logdet_anew(moves, walk.points), abs=1e-9)
-    excess = excess_anew(moves, walk.points)
+def test_what_a_walk_remembers_is_what_is_computed_anew(walk: Walk):
+    assert walk.logdet == pytest.approx(logdet_anew(walk, walk.points), abs=1e-9)
+    excess = excess_anew(walk, walk.points)
     assert walk.passed == pytest.approx(excess[:, 0], abs=1e-12)
     assert excess[:, 1].max() <= POSE_REACHED
     assert walk.value == pytest.approx(walk.logdet - EXCESS * excess[:, 0].sum(), abs=1e-9)
     assert walk.best == pytest.approx(
-        logdet_anew(moves, walk.best_points) - EXCESS * excess_anew(moves, walk.best_points)[:, 0].sum(), abs=1e-9
+        logdet_anew(walk, walk.best_points) - EXCESS * excess_anew(walk, walk.best_points)[:, 0].sum(), abs=1e-9
     )
     assert walk.best >= walk.value
     inverse = np.linalg.inv(walk.total)
@@ -129,19 +124,19 @@ def test_what_a_walk_remembers_is_what_is_computed_anew(walk: Walk, moves: Equal
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_source_and_new_describe_the_points_of_every_proposal(kind: str, walk: Walk, moves: EqualMoves):
+def test_source_and_new_describe_the_points_of_every_proposal(kind: str, walk: Walk):
     points, source, new = getattr(walk, kind)(500)
     assert points.shape == (500, MOVES + 1, 6)
     assert np.abs(points).max() <= 1.0
-    assert valid(points, moves).sum() > 20
+    assert valid(points, walk).sum() > 20
     assert np.array_equal(points[~new], walk.points[source[~new]])
     if kind != "with_moved_excursion":
         assert np.array_equal(source, np.tile(np.arange(MOVES + 1), (500, 1)))
     assert new.any(axis=1).all()
 
 
-def valid(points: np.ndarray, moves: EqualMoves) -> np.ndarray:
-    return (np.abs(np.diff(points, axis=1)).max(axis=1) <= moves.steps + SLACK).all(axis=1)
+def valid(points: np.ndarray, walk: Walk) -> np.ndarray:
+    return (np.abs(np.diff(points, axis=1)).max(axis=1) <= walk.steps + SLACK).all(axis=1)
 
 
 def test_a_moved_excursion_goes_there_and_back(walk: Walk):
@@ -152,33 +147,35 @@ def test_a_moved_excursion_goes_there_and_back(walk: Walk):
     assert np.array_equal(points[index, place - 1], points[index, place + 1])
 
 
-def test_the_bound_by_concavity_is_never_below_the_exact_value(walk: Walk, moves: EqualMoves):
+def test_the_bound_by_concavity_is_never_below_the_exact_value(walk: Walk):
     """Log det F + trace(F^-1 dF), by which proposals are ruled out."""
     looked_at = 0
     for kind in KINDS:
         proposed = getattr(walk, kind)(60)[0]
-        for points in proposed[valid(proposed, moves)]:
-            rows = np.array([moves.rows(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
-            traces = ((rows.reshape(-1, moves.size) @ walk.root) ** 2).sum()
+        for points in proposed[valid(proposed, walk)]:
+            rows = np.array([walk.rows_of(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
+            traces = ((rows.reshape(-1, walk.size) @ walk.root) ** 2).sum()
             bound = walk.logdet + (traces - walk.traces.sum()) / MOVES
-            assert bound >= logdet_anew(moves, points) - 1e-9
+            assert bound >= logdet_anew(walk, points) - 1e-9
             looked_at += 1
     assert looked_at > 30
 
 
 def test_two_instants_a_move_rate_a_walk_well_enough_for_a_choice(
-    walk: Walk, moves: EqualMoves, family: PointToPointFamily, model: Model, scaling: np.ndarray
+    walk: Walk, family: PointToPointFamily, model: Model, scaling: np.ndarray
 ):
-    motion = family.motion(unknowns_of(walk.best_points, moves, family))
+    motion = family.motion(unknowns_of(walk, family))
     logdet = np.linalg.slogdet(mean_information(model, scaling, motion))[1]
-    assert logdet_anew(moves, walk.best_points) == pytest.approx(logdet, abs=0.03 * 20)  # 3 % of an efficiency
+    assert logdet_anew(walk, walk.best_points) == pytest.approx(logdet, abs=0.03 * 20)  # 3 % of an efficiency
 
 
 @pytest.fixture(scope="module")
-def annealed(moves: EqualMoves, family: PointToPointFamily) -> Callable[[int], np.ndarray]:
+def annealed(
+    hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
+) -> Callable[[int], np.ndarray]:
     def annealed(seed: int) -> np.ndarray:
         draw = np.random.default_rng(seed)
-        return annealed_start(moves, family, draw, 6000, lambda objective: False)
+        return annealed_start(hexapod_case, model, scaling, family, draw, lambda objective: False)
 
     return annealed
 
@@ -197,7 +194,9 @@ def test_annealing_finds_more_than_chance_and_the_same_again(
     assert np.array_equal(first, annealed(1))
 
 
-def test_a_watch_that_has_seen_enough_ends_it(moves: EqualMoves, family: PointToPointFamily):
+def test_a_watch_that_has_seen_enough_ends_it(
+    hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
+):
     told: list[float] = []
 
     def watch(objective: float) -> bool:
@@ -205,7 +204,7 @@ def test_a_watch_that_has_seen_enough_ends_it(moves: EqualMoves, family: PointTo
         return len(told) == 2
 
     draw = np.random.default_rng(0)
-    unknowns = annealed_start(moves, family, draw, 50_000, watch)
+    unknowns = annealed_start(hexapod_case, model, scaling, family, draw, watch)
     assert len(told) == 2
     assert told[1] <= told[0]
     assert np.isfinite(unknowns).all()

@@ -221,9 +221,7 @@ def test_a_large_motion_is_drawn_back_on_a_box_that_is_not_within_reach_as_a_who
     at = 3.0 * np.random.default_rng(2).normal(size=some.unknowns * 6)
     inside, share = keep_limits(case, some, at, 1000.0)
     assert prove(some.motion(inside), case, 1000.0).kept
-    assert not prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (
-        1.0 - MARGIN
-    )
+    assert not prove(some.motion(some.shrunk(at, share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (1.0 - MARGIN)
 
 
 def test_where_nothing_may_move_the_limit_is_named(hexapod_case: Case):
