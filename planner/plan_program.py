@@ -15,7 +15,6 @@ from cases.schema import Case
 from identification.motion import Joined, Trajectory
 from identification.trajectories.moves import has_steps
 from planner.families.ptp import controlled
-from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan
 from planner.request import Request
@@ -66,7 +65,7 @@ def write(
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
     remarks: tuple[str, ...] = ()
-    if isinstance(plan.request, Request) and isinstance(plan.request.family, PointToPoint):
+    if isinstance(plan.request, Request) and plan.request.family.of_moves:
         place = plan.name if plan.saved is None else str(plan.saved.folder)
         remarks = fits_law(place, plan.worth.settings.get("made_for"), plan.motion, language.name, plan.case)
     header = (
@@ -95,7 +94,7 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
         return dialect_named(dialect)
     if file is not None:
         return dialect_of_file(str(file))
-    path = isinstance(plan.request, Request) and not isinstance(plan.request.family, PointToPoint)
+    path = isinstance(plan.request, Request) and not plan.request.family.of_moves
     return dialect_named(usual_dialect(plan.case, plan.worth.settings, path))
 
 
@@ -121,7 +120,7 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
         HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.
         CaseError: the case has no settings of this controller.
     """
-    steps = bool(controlled(case, dialect_name).step_time)
+    steps = bool(controlled(case, dialect_name)[1])
     if has_steps(motion) and not steps:
         raise HexciteError(
             plan,

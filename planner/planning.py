@@ -17,6 +17,7 @@ from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
 from identification.motion import Array, Trajectory
 from planner.families import Family
+from planner.families.ptp import controlled, with_steps
 from planner.families.settings import Spline
 from planner.noise import without_pose_errors
 from planner.plans import Plan
@@ -104,20 +105,20 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
     """
     listener(request)
     explored_until, until = deadlines(request)
-    controlled = request.family.controlled(case)
+    made_for = request.family.made_for(case)
+    own, step_time = controlled(case, made_for)
     rival = _rival(request, case)
     count = request.family.refinements(request.criterion)
     at_once, later = ([], rival) if count == 1 else (rival, [])  # a single refinement leaves a core free for it
-    results, interrupted = _explored(request, controlled.case, listener, run, explored_until, at_once)
+    results, interrupted = _explored(request, own, listener, run, explored_until, at_once)
     explored = _own(results, request)
     score = max((s.record.criterion_value for s in explored if s.record.refined), default=-np.inf)
     # An exploration overestimates, and never underestimates: one below the best result so far cannot win.
     promising = sorted((s for s in explored if not s.record.refined and s.promise > score), key=lambda s: -s.promise)
     refinements = [
-        Task(controlled.case, request.model, s.family, request.criterion, s.record.seed, request.payload, Step.REFINE,
-             s.begin)
+        Task(own, request.model, s.family, request.criterion, s.record.seed, request.payload, Step.REFINE, s.begin)
         for s in promising[:count]
-    ]  # fmt: skip
+    ]
     if explored and (refinements or later) and not interrupted:
         second, interrupted = run([*refinements, *later], listener, until)
         results += second
@@ -129,17 +130,16 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         raise InfeasiblePlan(failed[0].reason)
     best, white = starts[0], None
     if case.sensors.pose_field is not None and not interrupted:
-        family = request.family.families(controlled.case, request.duration)[0]
+        family = request.family.families(own, request.duration)[0]
         family = family if family.settings == best.family.settings else best.family
-        plain = without_pose_errors(controlled.case)
+        plain = without_pose_errors(own)
         task = Task(plain, request.model, family, Criterion.D, best.record.seed, request.payload,
                     begin=shipped_start(family, case))  # fmt: skip
         answer, interrupted = run([task], lambda _: listener(None), until)
         white = next(_starts(answer), None)
-    motion = best.family.motion(keep_limits(controlled.case, best.family, best.unknowns, PROOF_RATE)[0])
-    report = controlled.reported(prove(motion, case))
-    made_for = {} if controlled.controller is None else {"made_for": controlled.controller}
-    settings = {**best.family.settings, **made_for}
+    motion = best.family.motion(keep_limits(own, best.family, best.unknowns, PROOF_RATE)[0])
+    report = with_steps(prove(motion, case), step_time)
+    settings = {**best.family.settings, **({} if made_for is None else {"made_for": made_for})}
     other = next((s for s in _starts(results) if s.family.name != request.family.name), None)
     return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, other, white)
 

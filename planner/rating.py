@@ -12,7 +12,6 @@ from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.bounds.information_limit import information_limit, known_bound
-from planner.families.fourier import FourierFamily
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
 from planner.plan_figures import BINDING, Rival, Search, Worth, bound_by, figures_of, predicted_std_of, worst_std
@@ -192,10 +191,8 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
             f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
             f"jerk of the case ({limits}) do not count"
         )
-    choices = {(s.family.order, s.family.period) for s in planned.starts if isinstance(s.family, FourierFamily)}
-    if len(choices) > 1:
-        own = f"order {settings['order']} with period {settings['period_s']:g} s"
-        words.append(f"{own} is the best of {len(choices)} choices of order and period")
+    if len(choices := {start.family.choice for start in planned.starts}) > 1:
+        words.append(f"{planned.starts[0].family.choice} is the best of {len(choices)} choices of order and period")
     if (method := settings.get("retimed_with")) is not None:
         before, off_mm, off_deg = (float(settings[k]) for k in ("duration_before_s", "off_path_mm", "off_path_deg"))
         off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from identification.trajectories.moves import fastest_profile
-from planner.families import Family, LinearFamily
+from planner.families import Family
 from planner.families.ptp import PointToPointFamily
 
 WIDTH = 0.9  # waypoints lie within this share of the box
@@ -15,9 +15,8 @@ TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 def random_start(family: Family, draw: np.random.Generator, worst: Callable[[np.ndarray], float]) -> np.ndarray:
     """Unknowns well inside the limits; of moves random waypoints, moved together until the fastest moves just fit."""
-    if isinstance(family, LinearFamily):
+    if not isinstance(family, PointToPointFamily):
         return family.start(draw, worst)
-    assert isinstance(family, PointToPointFamily)
     directions = draw.uniform(-WIDTH, WIDTH, (family.moves + 1, family.coordinates))
     small, large = 0.0, 1.0
     for _ in range(BISECTIONS):

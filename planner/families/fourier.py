@@ -7,15 +7,17 @@ space of these two rows, and the solver needs no constraint. Order 1 would have 
 coefficients, and a quintic leads from rest in the middle of its circle into it and back (`run_in`).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
-from cases.units import Array, Flags
+from cases.schema import Case
+from cases.units import Array
 from identification.trajectories.curves import FourierMotion, run_in, run_out
-from planner.families import LinearFamily, LinearMaps
+from planner.families import Family, Layout, linear_rows
+from planner.families.states import linear_states
 
 START_SHARE = 0.8  # random starts use this share of the tightest limit: significantly different from zero, inside
 DENSITY = 24  # instants of the optimiser's grid in one period of the highest harmonic
@@ -38,7 +40,7 @@ def resting_basis(order: int) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class FourierFamily(LinearFamily):
+class FourierFamily(Family):
     """All Fourier motions of one order and period.
 
     Unknowns are `q = 2 N - 1` amplitudes of each coordinate in units of the pose limits; with a run-in 2 N + 1.
@@ -51,6 +53,10 @@ class FourierFamily(LinearFamily):
     half: Array  # half of its width, shape (n,) [m or rad]
     centred: bool = False  # whether x0 is the middle of the box, as in the paper; else it is free
     run_in: float = 0.0  # time from rest into the series and again out of it [s]; 0: the series itself begins at rest
+    duration: float = field(init=False)  # duration of the excitation [s]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "duration", self.period * self.repeats + 2.0 * self.run_in)
 
     @classmethod
     def lasting(
@@ -65,15 +71,15 @@ class FourierFamily(LinearFamily):
     mending: ClassVar[int] = 20
 
     @property
-    def duration(self) -> float:
-        """Duration of the excitation [s]."""
-        return self.period * self.repeats + 2.0 * self.run_in
-
-    @property
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> Mapping[str, float]:
         """Order, period and number of periods."""
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
         return own | ({"run_in_s": self.run_in} if self.run_in else {})
+
+    @property
+    def choice(self) -> str:
+        """Order and period."""
+        return f"order {self.order} with period {self.period:g} s"
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
@@ -124,10 +130,6 @@ class FourierFamily(LinearFamily):
         count = int(np.ceil(len(self._period) * self.run_in / self.period))
         return (np.arange(count) + 0.5) * self.run_in / max(count, 1)
 
-    @property
-    def _first(self) -> Flags:
-        return np.asarray(np.arange(len(self.grid)) % FIRST == 0)
-
     def growth(self) -> float:
         """The bound N w by Bernstein's inequality for trigonometric polynomials of degree N [1/s].
 
@@ -150,25 +152,24 @@ class FourierFamily(LinearFamily):
         centre, a, b = self._coefficients(unknowns)
         return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
 
-    def maps(self) -> LinearMaps:
-        """Maps with the information at every second instant: enough for means at twice the highest frequency.
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion, with the information at every second instant: enough for means at twice the highest frequency.
 
         There is no margin for excess between two rows: the final scaling corrects it.
         """
-        limits, first = self.limit_maps(), self._first
+        limits, first = self.limit_maps(), np.arange(len(self.grid)) % FIRST == 0
         lead = np.full(len(self._led), self.run_in / max(len(self._led), 1))
         series = np.full(len(self._period), self.period * self.repeats / len(self._period))
         shares = np.concatenate([lead, series, lead])[first]
-        return LinearMaps(
-            samples=tuple(matrix[first] for matrix in limits[:3]),
-            shares=np.asarray(shares / shares.sum()),
-            critical=limits[:3],
-            peaks=(first[None],) * 3,
-            blocks=1,
-            limits=limits,
-            first=(first,) * 4,
-            slips=np.zeros((2, len(self.middle))),
-            growth=self.growth(),
+        rows = [(matrix, first) for matrix in limits]
+        free = np.full(self.unknowns * len(self.middle), np.inf)
+        return Layout(
+            linear_states([matrix[first] for matrix in limits], self.middle, self.half, shares / shares.sum()),
+            linear_states(limits, self.middle, self.half, np.zeros(len(first))),
+            (first[None],) * 3,
+            (linear_rows(self, case, margin, rows, np.zeros((2, len(self.middle))), self.growth()),),
+            -free,
+            free,
         )
 
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:

@@ -7,8 +7,9 @@ for n coordinates. For a controller that does not limit jerk tj is 0, moves are 
 The last move need not end where the first begins: a way back would cost moves with little information.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -22,7 +23,7 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
-from planner.families import Layout
+from planner.families import Family, Layout
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import Kernel, KernelStates, LinearStates, state_size
 from postprocessors.dialects import dialect
@@ -97,7 +98,7 @@ _PEAKS = tuple([p in points for p in CRITICAL_POINTS] for points in (((3, 0.5), 
 
 
 @dataclass(frozen=True, slots=True)
-class PointToPointFamily:
+class PointToPointFamily(Family):
     """Sequences of rest-to-rest moves."""
 
     moves: int  # 8 to 64
@@ -131,9 +132,14 @@ class PointToPointFamily:
         return "ptp, steps" if self.steps else self.name
 
     @property
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> Mapping[str, float]:
         """Number of moves and duration."""
         return {"moves": self.moves, "duration_s": self.duration}
+
+    @property
+    def walks(self) -> "PointToPointFamily":
+        """The family itself."""
+        return self
 
     @property
     def steps(self) -> bool:
@@ -235,6 +241,11 @@ class PointToPointFamily:
         _, times, steps = max(choices, key=lambda choice: choice[0])
         return times, steps
 
+    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
+        """A standstill anywhere, from which walks are annealed."""
+        place, times = draw.uniform(-0.5, 0.5, self.coordinates), self.longest_steps()[0]
+        return np.concatenate([np.tile(place, self.moves + 1), np.tile(times / self.unit, self.moves)])
+
     def like(self, table: Array) -> Array | None:
         """Unknowns of moves by as many longest steps, within the box; after the last of them back the same way."""
         if table.shape[1] != self.coordinates + 3:
@@ -269,11 +280,6 @@ class PointToPointFamily:
         longer = float((times @ [4.0, 2.0, 1.0]).sum()) / self.moves
         return np.concatenate([share * points.ravel(), times.ravel() / longer])
 
-    @property
-    def once(self) -> "PointToPointFamily":
-        """The family itself: no motion repeats."""
-        return self
-
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """The family in which phases that are too short for the controller are omitted, or last three cycles."""
         phases = self.split(unknowns)[1][:, 1:] * self.unit
@@ -298,37 +304,32 @@ def _largest_way(limits: Array, duration: float) -> float:
     return small
 
 
-class Controlled(NamedTuple):
-    """A case as a controller executes point-to-point moves."""
-
-    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
-    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
-    step_time: float = 0.0  # time within which its accelerations step; 0 where it limits the jerk [s]
-
-    def reported(self, report: LimitReport) -> LimitReport:
-        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
-        if not self.step_time:
-            return report
-        share = 1.0 / (PROOF_RATE * self.step_time)
-        return LimitReport(
-            tuple(
-                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
-                if c.kind.family is LimitKind.JERK
-                else c
-                for c in report.checks
-            )
-        )
-
-
-def controlled(case: Case, controller: str | None) -> Controlled:
-    """The case as a controller executes point-to-point moves.
+def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
+    """A case as a controller executes point-to-point moves.
 
     Args:
-        controller: name of a dialect, or virtual; None for none.
+        controller: name of a dialect, or virtual; None for none, when all limits of the case count.
+
+    Returns:
+        The case with the limits that count: those of jerk do not where the controller knows none; and the time within
+        which its accelerations step, 0 where it limits the jerk [s].
     """
     if controller in (None, ControllerName.VIRTUAL):  # which has the law of the program's own controller
-        return Controlled(case, controller)
+        return case, 0.0
     guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
-    if limits_jerk(guarantees.law):
-        return Controlled(case, controller)
-    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
+    return (case, 0.0) if limits_jerk(guarantees.law) else (case.without_jerk(), guarantees.jerk_time)
+
+
+def with_steps(report: LimitReport, step_time: float) -> LimitReport:
+    """The proof by all limits of a case, with jerks as the steps that they are where accelerations step [s]."""
+    if not step_time:
+        return report
+    share = 1.0 / (PROOF_RATE * step_time)
+    return LimitReport(
+        tuple(
+            replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
+            if c.kind.family is LimitKind.JERK
+            else c
+            for c in report.checks
+        )
+    )

@@ -38,6 +38,8 @@ class FamilySettings:
     """Name in files and on the command line."""
     optimised: ClassVar[bool] = True
     """Whether there is anything to search."""
+    of_moves: ClassVar[bool] = False
+    """Whether motions are moves that a controller times by its own law."""
 
     @property
     def rival(self) -> "FamilySettings":
@@ -52,9 +54,9 @@ class FamilySettings:
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where no search can succeed on this machine."""
 
-    def controlled(self, case: Case) -> ptp.Controlled:
-        """The case as the controller executes it that the motion is made for."""
-        return ptp.Controlled(case)
+    def made_for(self, case: Case) -> str | None:
+        """The controller whose time law the motion is planned with; None where all limits of the case count."""
+        return None
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """The sets of motions to search: several where a setting is free, none where nothing is optimised."""
@@ -242,6 +244,7 @@ class PointToPoint(FamilySettings):
     controller: str | None = None
 
     name: ClassVar[str] = "ptp"
+    of_moves: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if self.moves is not None and not ptp.FEWEST <= self.moves <= ptp.MOST:
@@ -249,18 +252,15 @@ class PointToPoint(FamilySettings):
         if self.controller not in (None, *ControllerName):
             raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(ControllerName)}")
 
-    def controlled(self, case: Case) -> ptp.Controlled:
-        """The case with the time law of the controller that is named here, else of the one that the case plans for."""
-        name = self.controller
-        if name is None and case.controller is not None:
-            name = case.controller.plan_for
-        return ptp.controlled(case, name)
+    def made_for(self, case: Case) -> str | None:
+        """The controller that is named here, else the one that the case plans for."""
+        return case.controller.plan_for if self.controller is None and case.controller is not None else self.controller
 
     def count(self, case: Case, duration: float) -> int:
         """Number of moves; where it is not stated, of any duration one that can be had.
 
         Args:
-            case: case with the limits that count, see `controlled`.
+            case: case with the limits that count, see `ptp.controlled`.
             duration: duration of all moves [s].
         """
         if self.moves is not None:
@@ -275,7 +275,7 @@ class PointToPoint(FamilySettings):
         would take minutes to make few moves of many, and find less than with few.
         """
         cycle = case.need_controller(TIMED).cycle
-        own = self.controlled(case).case
+        own, _ = ptp.controlled(case, self.made_for(case))
         box, count = own.need_motion("planning")[1], self.count(own, duration)
         number = 4 if box.limits_jerk else 2
         phases = number * ptp.SHORTEST_PHASE * cycle

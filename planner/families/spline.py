@@ -7,10 +7,10 @@ which the rows leave free. The motion is at rest at its ends: the first three co
 and the same, and so are the last three. It need not end where it begins.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import factorial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from cases.schema import Case
 from cases.units import Array
 from identification.criteria import box_middle
 from identification.trajectories.curves import Piece, PolynomialMotion
-from planner.families import LinearFamily, LinearMaps
+from planner.families import Family, Layout, linear_rows
+from planner.families.states import linear_states
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -50,7 +51,7 @@ def _spline(knots: Array, coefficients: Array) -> "BSpline":
 
 
 @dataclass(frozen=True, slots=True)
-class SplineFamily(LinearFamily):
+class SplineFamily(Family):
     """Cubic splines from rest to rest over equal intervals."""
 
     intervals: int  # 20 to 150
@@ -73,7 +74,7 @@ class SplineFamily(LinearFamily):
     mending: ClassVar[int] = 10
 
     @property
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> Mapping[str, float]:
         """Number of intervals and duration."""
         return {"knots": self.intervals, "duration_s": self.duration}
 
@@ -97,8 +98,8 @@ class SplineFamily(LinearFamily):
         places = np.arange(self.intervals)[:, None] + np.array(shares)
         return np.asarray(places.ravel() * self.duration / self.intervals)
 
-    def maps(self) -> LinearMaps:
-        """Maps with the information at two instants an interval, which integrate cubic polynomials exactly.
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion, with the information at two instants an interval, which integrate cubic polynomials exactly.
 
         Positions and rates are limited at four instants an interval, accelerations at the knots, jerks in the
         intervals. Non-linear limits of accelerations have their peaks at the knots, those of rates between them, those
@@ -108,22 +109,23 @@ class SplineFamily(LinearFamily):
         basis, fine, inner = self._basis(), self._at(tuple(np.arange(FINE) / FINE)), self._at(GAUSS)
         knots, between = np.zeros((2, self.intervals, FINE), dtype=bool)
         knots[:, 0] = between[:, FINE // 2] = True
+        every = np.ones(len(fine), dtype=bool)
         limits = (
-            basis(fine),
-            basis(fine[1:], nu=1),  # at rest at the start: no row
-            basis(self._at((0.0,))[1:], nu=2),
-            basis(self._at((0.5,)), nu=3),
+            (basis(fine), (knots | between).ravel()),
+            (basis(fine[1:], nu=1), every[1:]),  # at rest at the start: no row
+            (basis(self._at((0.0,))[1:], nu=2), every[1 : self.intervals]),
+            (basis(self._at((0.5,)), nu=3), every[: self.intervals]),
         )
-        every = np.ones(self.intervals, dtype=bool)
-        return LinearMaps(
-            samples=tuple(np.asarray(basis(inner, nu=order)) for order in range(3)),
-            shares=np.full(2 * self.intervals, 0.5 / self.intervals),
-            critical=tuple(np.asarray(basis(fine, nu=order)) for order in range(3)),
-            peaks=(knots | between, between, knots),
-            blocks=self.intervals,
-            limits=limits,
-            first=((knots | between).ravel(), np.ones(len(fine) - 1, dtype=bool), every[1:], every),
-            slips=self.slip,
+        samples, critical = ([np.asarray(basis(t, nu=order)) for order in range(3)] for t in (inner, fine))
+        shares, none = np.full(len(inner), 1.0 / len(inner)), np.zeros(len(fine))
+        free = np.full(self.unknowns * len(self.middle), np.inf)
+        return Layout(
+            linear_states(samples, self.middle, self.half, shares, self.intervals),
+            linear_states(critical, self.middle, self.half, none, self.intervals),
+            (knots | between, between, knots),
+            (linear_rows(self, case, margin, limits, self.slip),),
+            -free,
+            free,
         )
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:

@@ -102,11 +102,12 @@ class LinearStates:
         return
 
 
-def linear_states(maps: Sequence[Array], middle: Array, half: Array, shares: Array, blocks: int) -> LinearStates:
+def linear_states(maps: Sequence[Array], middle: Array, half: Array, shares: Array, blocks: int = 1) -> LinearStates:
     """States of a motion whose coordinates are linear in the same way in their own unknowns.
 
     Args:
-        maps: matrices (K, q) from the unknowns of a coordinate to its value, rate and acceleration in half widths.
+        maps: matrices (K, q) from the unknowns of a coordinate to its value, rate and acceleration in half widths;
+            those of further derivatives do not count.
         middle: middle of the box, shape (n,) [m or rad].
         half: half of its width, shape (n,) [m or rad].
         shares: share of the duration of each state, shape (K,).

@@ -255,7 +255,7 @@ def annealed_start(
         watch: called with -log det F / u now and then; a true answer ends the annealing.
         begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
-    points = np.tile(draw.uniform(-0.5, 0.5, len(family.middle)), (family.moves + 1, 1)) if begin is None else begin
+    points = family.split(family.start(draw, lambda unknowns: 0.0))[0] if begin is None else begin
     walk = Walk(case, model, scaling, family, draw, points)
     proposals = (PROPOSALS if begin is None else FURTHER) * family.moves**2
     for temperature in np.geomspace(HOT if begin is None else WARM, COLD, TEMPERATURES):

@@ -16,8 +16,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.criteria import Criterion, reference_scaling
 from identification.model import identification_model
-from planner.families import Family, LinearFamily
-from planner.families.ptp import PointToPointFamily
+from planner.families import Family
 from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.precision import SolverStatus
 from planner.search import Failed, StartRecord
@@ -74,7 +73,7 @@ class Task:
     @property
     def moves(self) -> bool:
         """Whether the start is an annealed walk, which is refined at once."""
-        return isinstance(self.family, PointToPointFamily)
+        return self.family.walks is not None
 
 
 OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion
@@ -185,12 +184,12 @@ class _Run:
             if self.close or task.step is Step.REFINE:
                 self.program = self.program.with_rows_above(begin, NEAR)
                 return begin
-        if isinstance(self.family, LinearFamily):
+        walks = self.family.walks
+        if walks is None:
             return self.family.start(draw, self.program.worst) if begin is None else begin / max(worst, 1.0)
-        assert isinstance(self.family, PointToPointFamily)
         # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
-        walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
-        return annealed_start(task.case, self.model, self.scaling, self.family, draw, self.stops, walk)
+        walk = None if begin is None or walks.steps else walks.split(begin)[0]
+        return annealed_start(task.case, self.model, self.scaling, walks, draw, self.stops, walk)
 
     def solve_for(self, letter: Criterion, halvings: int, unknowns: Array, iterations: int) -> Array:
         """Solves a stage: its problem is that of all that follows until the next."""

@@ -17,7 +17,7 @@ from identification.limit_proof import prove
 from identification.motion import Joined
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove, has_steps
-from planner.families.ptp import controlled
+from planner.families.ptp import controlled, with_steps
 from planner.families.settings import PointToPoint, Spline
 from planner.plan_folder import motion_entries, motion_of_entries
 from planner.plans import Plan
@@ -51,30 +51,30 @@ def trapezoids(case: Case) -> Joined:
 @pytest.mark.parametrize(("controller", "steps"), [("linuxcnc", 1e-3), *((name, 0.0) for name in
                          ("virtual", "sinumerik", "twincat", "setpoints"))])  # fmt: skip
 def test_jerks_count_unless_the_controller_does_not_limit_them(controller: str, steps: float, hexapod_case: Case):
-    own = controlled(hexapod_case, controller)
-    assert own.step_time == steps
-    assert own.case.limits.motion.limits_jerk == (steps == 0.0)
+    own, step_time = controlled(hexapod_case, controller)
+    assert step_time == steps
+    assert own.limits.motion.limits_jerk == (steps == 0.0)
     assert hexapod_case.limits.motion.limits_jerk
-    assert own.case.hash == hexapod_case.hash or steps
+    assert own.hash == hexapod_case.hash or steps
 
 
 def test_twincat_without_a_slope_has_steps(hexapod_case: Case):
     case = changed(hexapod_case, controller__twincat__slope="STEP")
-    assert controlled(case, "twincat").step_time == 2e-3
+    assert controlled(case, "twincat")[1] == 2e-3
 
 
 def test_the_case_says_for_whom_to_plan(hexapod_case: Case):
     wishes = hexapod_case.controller.model_copy(update={"plan_for": "linuxcnc"})
     case = hexapod_case.model_copy(update={"controller": wishes})
-    assert not PointToPoint().controlled(case).case.limits.motion.limits_jerk
-    assert PointToPoint(controller="sinumerik").controlled(case).case.limits.motion.limits_jerk
-    assert Spline().controlled(case).case.limits.motion.limits_jerk
-    assert PointToPoint().controlled(hexapod_case).controller is None
+    assert PointToPoint().made_for(case) == "linuxcnc"
+    assert PointToPoint(controller="sinumerik").made_for(case) == "sinumerik"
+    assert Spline().made_for(case) is None
+    assert PointToPoint().made_for(hexapod_case) is None
 
 
 def test_shorter_moves_are_more_moves(hexapod_case: Case):
     """At 6 m/s^2 it takes 0.1 s to 0.6 m/s, at 10 rad/s^2 0.105 s to 60 deg/s, and as long to rest again."""
-    own = controlled(hexapod_case, "linuxcnc").case
+    own, _ = controlled(hexapod_case, "linuxcnc")
     assert PointToPoint().count(own, 12.0) == round(12.0 / (2 * math.radians(60) / 10.0))
     assert PointToPoint().count(hexapod_case, 12.0) == 40
     assert PointToPoint(moves=20).count(own, 12.0) == 20
@@ -86,16 +86,16 @@ def test_the_proof_sees_steps_of_acceleration(hexapod_case: Case):
     motion = trapezoids(hexapod_case)
     report = prove(motion, hexapod_case)
     assert sorted(str(v.of) for v in report.violations) == ["angular jerk", "jerk"]
-    own = controlled(hexapod_case, "linuxcnc")
-    told = own.reported(report)
+    own, step_time = controlled(hexapod_case, "linuxcnc")
+    told = with_steps(report, step_time)
     assert told.kept
     jerk = next(c for c in told.checks if c.kind == "jerk")
     assert jerk.status is Status.STEPS
     largest = max(part.profile.acceleration * np.abs(part.end - part.start)[:3].max() for part in motion.parts)
     assert largest / 1e-3 <= abs(jerk.worst) <= 2 * largest / 1e-3 * (1 + 1e-9)  # from one side to the other in a cycle
     assert jerk.ratio == pytest.approx(abs(jerk.worst) / jerk.limit if jerk.worst > 0 else jerk.worst / jerk.limit)
-    assert "jerk" not in "".join(c.name for c in prove(motion, own.case).checks)
-    assert own.reported(report).worst_ratio == pytest.approx(prove(motion, own.case).worst_ratio)
+    assert "jerk" not in "".join(c.name for c in prove(motion, own).checks)
+    assert told.worst_ratio == pytest.approx(prove(motion, own).worst_ratio)
 
 
 def test_trapezoids_are_read_back_as_they_were_saved(hexapod_case: Case):

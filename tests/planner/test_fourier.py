@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cases.schema import Case
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.families.fourier import DENSITY, FourierFamily, resting_basis
+from planner.families.states import SHARE
 from planner.plan_folder import motion_entries, motion_of_entries
 from tests.helpers import HOME, taylor_slope
 
@@ -107,13 +109,12 @@ def test_maps_of_a_led_family_give_on_the_grid_what_the_motion_is_there(order: i
 
 
 @pytest.mark.parametrize("some", [family(4), led_family()])
-def test_the_weighted_mean_over_the_grid_is_the_time_average(some: FourierFamily):
+def test_the_weighted_mean_over_the_grid_is_the_time_average(some: FourierFamily, hexapod_case: Case):
     motion = some.motion(np.random.default_rng(4).normal(size=some.unknowns * 6))
     fine = motion.at((np.arange(100_000) + 0.5) * motion.duration / 100_000)
-    weights = some.maps().shares
+    states = some.layout(hexapod_case, 0.0).states.at(np.random.default_rng(4).normal(size=some.unknowns * 6))[0]
+    weights, rates = states[:, SHARE], states[:, 6:12]
     assert weights.sum() == pytest.approx(1.0)
-    of_unknowns = some.maps().samples[1]
-    rates = of_unknowns @ np.random.default_rng(4).normal(size=(some.unknowns, 6)) * HALF
     assert weights @ rates**2 == pytest.approx((fine.rates**2).mean(axis=0), rel=5e-3)
 
 
@@ -181,7 +182,7 @@ def test_a_centred_family_rests_and_has_no_x0(order: int):
     ends = motion.at([0.0, 3.0])
     assert np.abs(ends.rates).max() < 1e-9
     assert np.abs(ends.accelerations).max() < 1e-9
-    assert np.linalg.matrix_rank(family.maps().samples[0]) == family.unknowns
+    assert np.linalg.matrix_rank(family.limit_maps()[0]) == family.unknowns
 
 
 def test_harmonics_that_do_nothing_are_counted_from_the_highest():

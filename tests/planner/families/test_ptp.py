@@ -25,7 +25,7 @@ MOVES = 9
 @pytest.fixture(scope="module", params=["sinumerik", "linuxcnc"])
 def case(request: pytest.FixtureRequest, hexapod_case: Case) -> Case:
     """With the limits that count on a controller that limits jerk, and on one that does not."""
-    return controlled(hexapod_case, request.param).case
+    return controlled(hexapod_case, request.param)[0]
 
 
 @pytest.fixture(scope="module")
