@@ -144,8 +144,9 @@ def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path
         keep_trailing_newline=True,
     )
     templates.filters |= {"numbers": _numbers, "quoted": json.dumps, "origin": lambda frame: frame[:3, 3], "rpy": rpy}
-    template, arm = templates.get_template("arm.toml.jinja"), read_urdf(Path(urdf), flange)
-    write_text(file, template.render(name=name, urdf=Path(urdf).name, arm=arm, advice=_ADVICE, mm=MM, deg=DEG))
+    base, joints, mount = read_urdf(Path(urdf), flange)
+    robot = {"urdf": Path(urdf).name, "base": base, "flange": flange, "joints": joints, "mount": mount}
+    write_text(file, templates.get_template("arm.toml.jinja").render(robot, name=name, advice=_ADVICE, mm=MM, deg=DEG))
     return file
 
 

@@ -282,6 +282,13 @@ class RigidBody(Part):
         return frozen([[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]])
 
 
+def rigid_body(mass: float, centre: Array, inertia: Array) -> RigidBody:
+    """A body of SI values: centre of gravity, shape (3,), and inertia about it, shape (3, 3)."""
+    x, y, z = (float(v / MM) for v in centre)
+    i11, i12, i13, i22, i23, i33 = (float(inertia[i, j]) for i in range(3) for j in range(i, 3))
+    return RigidBody(mass_kg=mass, centre_of_gravity_mm=(x, y, z), inertia_kg_m2=(i11, i12, i13, i22, i23, i33))
+
+
 def together(first: RigidBody, second: RigidBody) -> RigidBody:
     """Two bodies fixed to each other, as one: parallel axes."""
     mass = first.mass_kg + second.mass_kg
@@ -290,9 +297,7 @@ def together(first: RigidBody, second: RigidBody) -> RigidBody:
     for body in (first, second):
         arm = body.centre_of_gravity - centre
         inertia += body.inertia + body.mass_kg * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    x, y, z = (float(v / MM) for v in centre)
-    i11, i12, i13, i22, i23, i33 = (float(inertia[i, j]) for i in range(3) for j in range(i, 3))
-    return RigidBody(mass_kg=mass, centre_of_gravity_mm=(x, y, z), inertia_kg_m2=(i11, i12, i13, i22, i23, i33))
+    return rigid_body(mass, centre, inertia)
 
 
 class Compensation(Part):
