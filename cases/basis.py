@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from cases.errors import CaseError, FileProblem
 from cases.loading import built_in_cases
@@ -88,66 +88,70 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield name, value
 
 
-class Artefact(NamedTuple):
-    """What an artefact says of its case."""
+def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
+    """The case that an artefact names.
 
-    file: Path  # file that says it
-    about: Mapping[str, Any]  # its entries
-    again: str  # what to do where the case has changed
+    Args:
+        file: file of the artefact.
+        about: its entries.
+        again: what makes such an artefact anew.
 
-    def case(self) -> Case:
-        """The case that the artefact names.
+    Raises:
+        CaseError: it cannot be read.
+        FileProblem: the artefact names none, or one that is not there.
+    """
+    name = about.get("case_file", about.get("case"))
+    if not isinstance(name, str) or not name:
+        raise FileProblem(file, "names no case", f"{again}, or name it with --case")
+    if name not in built_in_cases() and not Path(name).exists():
+        raise CaseError(file, "case_file", f"{name}: no such case; name the case file with --case")
+    return load_case(name)
 
-        Raises:
-            CaseError: it cannot be read.
-            FileProblem: the artefact names none, or one that is not there.
-        """
-        name = self.about.get("case_file", self.about.get("case"))
-        if not isinstance(name, str) or not name:
-            raise FileProblem(self.file, "names no case", f"{self.again}, or name it with --case")
-        if name not in built_in_cases() and not Path(name).exists():
-            raise CaseError(self.file, "case_file", f"{name}: no such case; name the case file with --case")
-        return load_case(name)
 
-    def changes(self, now: Mapping[str, Any], case_hash: str) -> list[str]:
-        """What the case had when the artefact was computed and has no longer: key, old value, new value.
+def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: str) -> list[str]:
+    """What the case had when an artefact was computed and has no longer: key, old value, new value.
 
-        Args:
-            now: values of the case today, by dotted key.
-            case_hash: case hash of the case today, for artefacts of earlier versions, which know no more.
-        """
-        then = self.about.get(KEPT)
-        if not isinstance(then, Mapping):
-            return (
-                [] if self.about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]
-            )
-        # Of a list of tables that an artefact does not depend on nothing is saved.
-        names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
-        return [f"{name} was {_shown(then.get(name))}, is {_shown(now.get(name))}" for name in names]
+    Args:
+        about: entries of the artefact.
+        now: values of the case today, by dotted key.
+        case_hash: case hash of the case today, for artefacts of earlier versions, which know no more.
+    """
+    then = about.get(KEPT)
+    if not isinstance(then, Mapping):
+        return [] if about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]
+    # Of a list of tables that an artefact does not depend on nothing is saved.
+    names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
+    return [f"{name} was {_shown(then.get(name))}, is {_shown(now.get(name))}" for name in names]
 
-    def require_unchanged(self, now: Mapping[str, Any], case: Case, stale: bool) -> tuple[str, ...]:
-        """What to write into everything that is made of the artefact, where it is stale; nothing where it is not.
 
-        Args:
-            now: values of the case today, by dotted key.
+def require_unchanged(
+    file: Path, about: Mapping[str, Any], now: Mapping[str, Any], case: Case, stale: bool, again: str
+) -> tuple[str, ...]:
+    """What to write into everything that is made of an artefact, where it is stale; nothing where it is not.
 
-        Raises:
-            FileProblem: the case has changed, and `stale` is not set.
-        """
-        changes = self.changes(now, case.hash)
-        earlier = tuple(str(s) for s in self.about.get("stale", ()))
-        if not changes:
-            return earlier
-        name = self.about.get("case_file", case.name)
-        more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
-        if not stale:
-            differs = "has changed since" if case.origin in ("", name) else f"differs from {case.origin}"
-            raise FileProblem(
-                self.file,
-                f"case {name} {differs}: {changes[0]}{more}",
-                f"{self.again}, restore the case, or go on at your own risk with --stale",
-            )
-        return (*earlier, f"stale: {self.file} is of case {case.name} before {'; '.join(changes)}")
+    Args:
+        file: file of the artefact.
+        about: its entries.
+        now: values of the case today, by dotted key.
+        again: what makes such an artefact anew.
+
+    Raises:
+        FileProblem: the case has changed, and `stale` is not set.
+    """
+    changes = changes_since(about, now, case.hash)
+    earlier = tuple(str(s) for s in about.get("stale", ()))
+    if not changes:
+        return earlier
+    name = about.get("case_file", case.name)
+    more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
+    if not stale:
+        differs = "has changed since" if case.origin in ("", name) else f"differs from {case.origin}"
+        raise FileProblem(
+            file,
+            f"case {name} {differs}: {changes[0]}{more}",
+            f"{again}, restore the case, or go on at your own risk with --stale",
+        )
+    return (*earlier, f"stale: {file} is of case {case.name} before {'; '.join(changes)}")
 
 
 def _shown(value: Any) -> str:

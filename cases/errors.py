@@ -21,7 +21,7 @@ class HexciteError(Exception):
     """
 
     quantity: str = ""
-    """Key of the case that the value has; empty where it has none."""
+    """Key of the case, or parameter, that the value is of; empty where it has none."""
 
     def __init__(self, place: object, problem: str = "", remedy: str = "") -> None:
         self.place, self.problem = (str(place), problem) if problem else ("", str(place))
@@ -93,10 +93,6 @@ class IdentificationError(HexciteError, ValueError):
     """The data do not determine the parameters that were asked for."""
 
 
-class NegativeMass(IdentificationError):
-    """The mass comes out negative for certain."""
-
-
 class InfeasiblePlan(HexciteError, ValueError):
     """No motion inside the limits was found; the message says which limit stands in the way."""
 
@@ -114,10 +110,6 @@ class ProgramError(HexciteError, ValueError):
         self.file, self.line, self.column = file, line, column
         place = f"{file}, line {line}" if line else str(file)
         super().__init__(f"{place}, column {column}" if column else place, problem)
-
-
-class ExecutionError(HexciteError, RuntimeError):
-    """A controller did not run a program to its end."""
 
 
 class FileProblem(HexciteError, OSError):

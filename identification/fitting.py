@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag
 
-from cases.errors import IdentificationError, NegativeMass
+from cases.errors import IdentificationError
 from cases.units import Array
 from identification.estimation.biases import gain, offset_moves
 from identification.estimation.compressed import joint_triangle
@@ -185,13 +185,15 @@ def _converged(
 
 
 def require_sense(model: Model, fit: Fit) -> None:
-    """Raises NegativeMass where the mass is negative for certain."""
+    """Raises IdentificationError, of the quantity m, where the mass is negative for certain."""
     if MASS not in model.blocks:
         return
     mass = model.names.index("m")
     value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
     if std > 0.0 and value < -3.0 * std:
-        raise NegativeMass(
+        error = IdentificationError(
             f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
             "sensor_frame.transducer.sense and gravity_m_s2 of the case"
         )
+        error.quantity = "m"
+        raise error

@@ -7,15 +7,14 @@ the parameters. What speaks against a run is looked for before the estimate (`sa
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from cases.basis import Artefact, recording_basis, result_basis
-from cases.errors import FileProblem, IdentificationError, NegativeMass, RecordingError
+from cases.basis import changes_since, recording_basis, result_basis
+from cases.errors import FileProblem, IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import accelerometer_bias, drift_findings, mass_finding
@@ -100,7 +99,7 @@ def identify(
         raise
     stale = recording.remarks + (() if method.biases is None else method.biases.stale)
     changed = [*changed_cases(stale)]
-    differences = Artefact(Path(recording.source), recording.record, "").changes(recording_basis(case), case.hash)
+    differences = changes_since(recording.record, recording_basis(case), case.hash)
     if own not in (None, case.name) and differences:
         sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"
         sentence += f" ({len(differences) - 1} more)" if len(differences) > 1 else ""
@@ -192,7 +191,7 @@ def estimate_parameters(
             try:
                 estimate = _estimated(recording, case, model, how, conditioning)
             except (IdentificationError, RecordingError) as error:
-                if said := other_wiring(recording, case, model, negative=isinstance(error, NegativeMass)):
+                if said := other_wiring(recording, case, model, negative=error.quantity == "m"):
                     raise IdentificationError(said) from error
                 raise
             doubtful = estimate.warnings or leaves_much(estimate.fit, estimate.evaluated.forces, case)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.basis import KEPT, Artefact, recording_basis, result_basis
+from cases.basis import KEPT, case_of, recording_basis, require_unchanged, result_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
@@ -176,11 +176,11 @@ class Result:
             FileProblem: missing, damaged, changed by hand or of another version; or its case has changed since.
         """
         file, record = read_entries(Path(folder))
-        artefact = Artefact(file, record.to_json(), AGAIN)
-        own = artefact.case() if case is None else case
+        about = record.to_json()
+        own = case_of(file, about, AGAIN) if case is None else case
         result = cls(own, record, file=file)
         result.require_agreement()
-        remarks = artefact.require_unchanged(result_basis(own), own, stale)
+        remarks = require_unchanged(file, about, result_basis(own), own, stale, AGAIN)
         beside, determined = file.parent / "identifiability.json", None
         if beside.is_file():
             try:
@@ -220,7 +220,7 @@ def case_of_result(path: Path) -> Case:
         CaseError: its case cannot be read.
     """
     file, record = read_entries(path)
-    return Artefact(file, record.to_json(), AGAIN).case()
+    return case_of(file, record.to_json(), AGAIN)
 
 
 def biases_of(path: Path | str, case: Case, stale: bool = False) -> Biases:
@@ -241,7 +241,7 @@ def biases_of(path: Path | str, case: Case, stale: bool = False) -> Biases:
     if about.get(KEPT):
         kept = about[KEPT].items()
         about[KEPT] = {key: value for key, value in kept if key in now or not key.startswith(_OF_A_RECORDING)}
-    remarks = Artefact(file, about, "identify the standstills again").require_unchanged(now, case, stale)
+    remarks = require_unchanged(file, about, now, case, stale, "identify the standstills again")
     result = Result(case, record, file=file)
     result.require_agreement()
     offsets = offset_columns(result.model)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.basis import KEPT, Artefact, recording_basis
+from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
 from cases.recording_format import (
@@ -91,9 +91,9 @@ class Recording(Stream):
         record = record_of(place)
         if not record:
             raise RecordingError(place, "does not say which machine it is from", "name it with --case")
-        artefact = Artefact(place / "recording.json", record, "run the program again")
-        own = artefact.case()
-        remarks = artefact.require_unchanged(recording_basis(own), own, stale)
+        file, again = place / "recording.json", "run the program again"
+        own = case_of(file, record, again)
+        remarks = require_unchanged(file, record, recording_basis(own), own, stale, again)
         return replace(read(paths, own), remarks=remarks)
 
     def __repr__(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.basis import motion_hash
 from cases.controller import ControllerName
-from cases.errors import ExecutionError, HexciteError, ProgramError
+from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from cases.units import MM
 from identification.criteria import reference_scaling
@@ -60,7 +60,7 @@ def require_controller(on: str) -> None:
     if on not in CONTROLLERS:
         raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
     if on == ControllerName.LINUXCNC and (missing := linuxcnc_missing()) is not None:
-        raise ExecutionError(missing)
+        raise HexciteError(missing)
 
 
 def require_seed(seed: int) -> None:
@@ -143,13 +143,13 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
     else:
         run = _on_linuxcnc(program, case, program.reading.measures_at_poses)
     if not len(run.trigger):
-        raise ExecutionError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
+        raise HexciteError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
     return run
 
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != ControllerName.LINUXCNC:
-        raise ExecutionError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
+        raise HexciteError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
     log = run_linuxcnc(read, case)
     remark = ""
     if path_time := slowest_path(read.reading, log):

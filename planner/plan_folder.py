@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from cases.basis import Artefact, plan_basis
+from cases.basis import case_of, changes_since, plan_basis, require_unchanged
 from cases.chain import MOST_JOINTS
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, json_text, read_json
@@ -78,13 +78,12 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
     of_poses = data["family"] == PoseRequest.name
     if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
         raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
-    artefact = Artefact(file, data, "plan again")
-    own = artefact.case() if case is None else case
+    own = case_of(file, data, "plan again") if case is None else case
     count = len(own.need_motion("a plan")[0])
     if motion.at([0.0]).pose.shape[1] != count:
         raise FileProblem(file, f"its motion does not have the {count} coordinates of case {own.name}; plan again")
     now = plan_basis(own, entries.payload, of_poses)
-    remarks = artefact.require_unchanged(now, own, stale)
+    remarks = require_unchanged(file, data, now, own, stale, "plan again")
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     with _refusing(file):
         parameters = len(identification_model(own, entries.model).parameters)
@@ -93,7 +92,7 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
         limits = LimitReport.of_json(data["limits"])
         noise, rate = entries.assumed_noise_N, entries.assumed_rate_Hz
         plan = kind(own, request, motion, limits, entries.predicted_std, noise, rate, worth, saved)
-        if not artefact.changes(now, own.hash):
+        if not changes_since(data, now, own.hash):
             _require_own_figures(file, data, plan)
     return plan
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases.basis import Artefact, recording_basis
+from cases.basis import case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json, sha256_of
 from cases.schema import Case
@@ -162,9 +162,8 @@ def _criteria(information: Array, model: Model) -> dict[str, float]:
 def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     file = path / "recording.json"
     about = read_json(file, "hexcite run")
-    artefact = Artefact(file, about, "run the program again")
-    case = artefact.case() if user_case is None else user_case
-    stale_in = artefact.require_unchanged(recording_basis(case), case, stale)
+    case = case_of(file, about, "run the program again") if user_case is None else user_case
+    stale_in = require_unchanged(file, about, recording_basis(case), case, stale, "run the program again")
     recorded = on_one_clock(read(path, case), case)
     recording, _ = standing_of(recorded, case)
     model = identification_model(case, default_model(recording, case))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from cases.basis import KEPT, Artefact
+from cases.basis import KEPT, changes_since
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
 from cases.machine import Part, Positive
@@ -241,7 +241,7 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
         raise FileProblem(
             folder, f"holds another study ({record.get('name')}, not {about['name']})", "choose another place with -o"
         )
-    if changes := Artefact(folder / ABOUT, record, "").changes(about[KEPT], about["case_hash"]):
+    if changes := changes_since(record, about[KEPT], about["case_hash"]):
         raise FileProblem(
             folder,
             f"holds a study of case {record.get('case')} before {changes[0]}",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from identification.motion import Array
 from postprocessors.reading import Reading, Timed
 
@@ -103,10 +103,10 @@ STANDS = 1e-4  # [m or rad] largest motion of a drive while the trigger is on: i
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
     """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, k) [m].
 
-    Raises ExecutionError where the trigger did not come on once at each pose, or the machine moved while it was on.
+    Raises HexciteError where the trigger did not come on once at each pose, or the machine moved while it was on.
     """
     if len(run.trigger) != len(poses):
-        raise ExecutionError(
+        raise HexciteError(
             program,
             f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}",
             "report this",
@@ -114,7 +114,7 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
     for k, (start, end) in enumerate(run.trigger, 1):
         within = run.execution.struts(np.arange(start, end, 1e-3))
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
-            raise ExecutionError(
+            raise HexciteError(
                 program,
                 f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
                 "run again",

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import machine_of
 from identification.motion import Array, Joined, Standstill, TimedPoints, Trajectory
@@ -46,7 +46,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
 
     Raises:
         ProgramError: the motion is not defined.
-        ExecutionError: no pace of a path keeps the limits.
+        HexciteError: no pace of a path keeps the limits.
     """
     home, _ = case.need_motion("a run")
     own = replace(guarantees, law=by_ruckig(guarantees.law))
@@ -59,7 +59,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
             try:
                 part = retime(motion, case)
             except UntimedMotion as error:
-                raise ExecutionError(reading.file, str(error), "look at hexcite check") from error
+                raise HexciteError(reading.file, str(error), "look at hexcite check") from error
         on = on and stretch.trigger
         if at_poses and stretch.trigger:
             trigger.append((clock, clock + part.duration))
@@ -81,6 +81,6 @@ def by_ruckig(law: Law) -> Law:
         try:
             return ruckig_profile(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
         except UntimedMotion as error:
-            raise ExecutionError(f"ruckig cannot time a move ({error}); slow it down or make it longer") from error
+            raise HexciteError(f"ruckig cannot time a move ({error}); slow it down or make it longer") from error
 
     return timed

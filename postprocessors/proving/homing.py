@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.chain import Box
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
@@ -71,14 +71,14 @@ def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tu
 
 
 def planned_excitation(read: "Program", case: Case) -> Trajectory:
-    """The programmed motion while the trigger is on; raises ExecutionError where nothing moves then."""
+    """The programmed motion while the trigger is on; raises HexciteError where nothing moves then."""
     excited = [motion for part, motion in motions(read.reading, case, read.guarantees) if part.trigger]
     while excited and isinstance(excited[0], Standstill):  # pauses between moves count
         excited.pop(0)
     while excited and isinstance(excited[-1], Standstill):
         excited.pop()
     if not excited:
-        raise ExecutionError(read.path, "nothing moves with the trigger on", "write it with hexcite post")
+        raise HexciteError(read.path, "nothing moves with the trigger on", "write it with hexcite post")
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 

@@ -1,12 +1,23 @@
 """What artefacts depend on in a case, and what may be edited without making them worthless."""
 
 import tomllib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from cases.basis import KEPT, Artefact, bound_hash, motion_hash, plan_basis, recording_basis, result_basis
+from cases.basis import (
+    KEPT,
+    bound_hash,
+    case_of,
+    changes_since,
+    motion_hash,
+    plan_basis,
+    recording_basis,
+    require_unchanged,
+    result_basis,
+)
 from cases.errors import CaseError, FileProblem
 from cases.loading import built_in_cases
 from cases.schema import Case, load_case
@@ -23,9 +34,9 @@ def edited(key: str, value: Any) -> Case:
     return Case.model_validate(data)
 
 
-def kept(case: Case) -> dict[str, Artefact]:
+def kept(case: Case) -> dict[str, dict[str, Any]]:
     bases = {"plan": plan_basis(case), "recording": recording_basis(case), "result": result_basis(case)}
-    return {n: Artefact(Path(f"{n}.json"), {"case": "hexapod", KEPT: b}, "do it again") for n, b in bases.items()}
+    return {name: {"case": "hexapod", KEPT: basis} for name, basis in bases.items()}
 
 
 @pytest.mark.parametrize(
@@ -50,16 +61,17 @@ def test_only_what_an_artefact_was_computed_from_makes_it_stale(key: str, value:
         stale = ("plan",)
     now = edited(key, value)
     bases = {"plan": plan_basis(now), "recording": recording_basis(now), "result": result_basis(now)}
-    for name, artefact in kept(before).items():
-        changes = artefact.changes(bases[name], now.hash)
+    for name, about in kept(before).items():
+        changes = changes_since(about, bases[name], now.hash)
+        checked = partial(require_unchanged, Path(f"{name}.json"), about, bases[name], now, again="do it again")
         assert bool(changes) == (name in stale), name
         if not changes:
-            assert artefact.require_unchanged(bases[name], now, stale=False) == ()
+            assert checked(stale=False) == ()
             continue
         assert changes[0].startswith(f"{key} was ")
         with pytest.raises(FileProblem, match=rf"{name}\.json: case hexapod.*changed.*stale"):
-            artefact.require_unchanged(bases[name], now, stale=False)
-        (remark,) = artefact.require_unchanged(bases[name], now, stale=True)
+            checked(stale=False)
+        (remark,) = checked(stale=True)
         assert remark.startswith("stale: ")
         assert key in remark
 
@@ -71,9 +83,9 @@ def test_bounds_and_programs_outlive_a_new_title() -> None:
 
 
 def test_the_case_is_found_by_what_the_artefact_says() -> None:
-    artefact = Artefact(Path("result.json"), {"case_file": "hexapod"}, "identify again")
-    assert artefact.case().name == "hexapod"
+    file = Path("result.json")
+    assert case_of(file, {"case_file": "hexapod"}, "identify again").name == "hexapod"
     with pytest.raises(FileProblem, match=r"no case.*identify again.* case"):
-        Artefact(Path("result.json"), {}, "identify again").case()
+        case_of(file, {}, "identify again")
     with pytest.raises(CaseError, match=r"gone\.toml: no such case.*with case"):
-        Artefact(Path("result.json"), {"case_file": "/gone.toml"}, "identify again").case()
+        case_of(file, {"case_file": "/gone.toml"}, "identify again")

@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 
 SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
 """Search path of LinuxCNC and its Python; a session gets nothing of the user's environment."""
@@ -76,7 +76,7 @@ def run_session(folder: Path, arguments: list[str], environment: dict[str, str],
         The exit code; None where the time limit was reached.
 
     Raises:
-        ExecutionError: without namespaces, another LinuxCNC is running.
+        HexciteError: without namespaces, another LinuxCNC is running.
     """
     if namespaces_allowed():
         return _run(folder, Path("/tmp"), [*_private(), str(folder)], arguments, environment, time_limit)
@@ -169,7 +169,7 @@ def _alone() -> Iterator[None]:
         fcntl.flock(lock, fcntl.LOCK_EX)
         for number, name in running().items():
             if name in PROCESSES:
-                raise ExecutionError(
+                raise HexciteError(
                     f"another LinuxCNC is running on this computer ({name}, process {number}); end it first, or "
                     "allow hexcite to make namespaces (unshare --user)"
                 )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import machine_of
 from postprocessors.execute import ControllerLog
@@ -86,14 +86,14 @@ def run_linuxcnc(
             each of its lines, both divided by the speed-up, and a minute.
 
     Raises:
-        ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
+        HexciteError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
             not end in time.
         CaseError: the case lacks a part.
         ValueError: speedup is not positive and finite.
     """
     path, reading = program.path, program.reading
     if (missing := linuxcnc_missing()) is not None:
-        raise ExecutionError(path, f"cannot be run: {missing}")
+        raise HexciteError(path, f"cannot be run: {missing}")
     if not 0.0 < speedup < math.inf:
         raise ValueError(f"speedup is {speedup}, must be positive and finite")
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
@@ -114,7 +114,7 @@ def run_linuxcnc(
         else:
             return timing.without_surplus(log, reading, window)
         _log.info("%s", problem)
-    raise ExecutionError(problem)
+    raise HexciteError(problem)
 
 
 def one_session(
@@ -133,7 +133,7 @@ def one_session(
         arguments = ["-r", configuration.INI_FILE, PROGRAM_FILE, repr(time_limit)]
         clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
         if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
-            raise ExecutionError(
+            raise HexciteError(
                 program,
                 f"LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed",
                 "run again, and check its installation if that does not help",
@@ -150,7 +150,7 @@ def _compile_clock(folder: Path) -> None:
         reason = next(
             (line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}"
         )
-        raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({reason}); install the packages gcc and libc6-dev")
+        raise HexciteError(f"gcc cannot compile LinuxCNC's clock ({reason}); install the packages gcc and libc6-dev")
 
 
 REPORT_FILE = "status.json"
@@ -164,14 +164,14 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         `version` of LinuxCNC; `started` and `ended`: rows between which the program ran; `samples` and `lost`: counts.
 
     Raises:
-        ExecutionError: LinuxCNC did not start, or stopped the program; the message says why.
+        HexciteError: LinuxCNC did not start, or stopped the program; the message says why.
     """
     try:
         report: dict[str, Any] = json.loads((folder / REPORT_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         last_line = " ".join(output[-1].split()) if output else "nothing"
-        raise ExecutionError(
+        raise HexciteError(
             program,
             f"LinuxCNC did not start, or broke down; it said last: {last_line}",
             "check the installation by running one of its sample configurations",
@@ -188,14 +188,14 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     else:  # the last line in motion
         place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
     if report["outcome"] == "time limit":
-        raise ExecutionError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
+        raise HexciteError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
     if report["outcome"] == "paused":
-        raise ExecutionError(place, "LinuxCNC waits for its operator", "remove the pause from the program")
+        raise HexciteError(place, "LinuxCNC waits for its operator", "remove the pause from the program")
     if "limit" in message:
         remedy = "bring the program inside the limits of the case (hexcite check names what is outside)"
     else:
         remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
-    raise ExecutionError(place, f"LinuxCNC stopped: {message}", remedy)
+    raise HexciteError(place, f"LinuxCNC stopped: {message}", remedy)
 
 
 def lost_cycles(report: dict[str, Any], speedup: float) -> str | None:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from postprocessors.execute import ControllerLog
 from postprocessors.reading import Reading, Still, Timed
 
@@ -38,7 +38,7 @@ _DWELL = re.compile(r"G4 P[0-9]+(\.[0-9]+)?\s*")
 def with_dwells(program: Path, lines: list[str], reading: Reading) -> list[str]:
     """The lines of a program for a controller that counts its dwells in servo cycles.
 
-    Raises ExecutionError where a dwell has another form than `G4 P<seconds>` on a line of its own.
+    Raises HexciteError where a dwell has another form than `G4 P<seconds>` on a line of its own.
     """
     copy = list(lines)
     for part in reading.stretches:
@@ -46,7 +46,7 @@ def with_dwells(program: Path, lines: list[str], reading: Reading) -> list[str]:
             line = lines[part.line - 1]
             if not _DWELL.fullmatch(line):
                 place, remedy = f"{program}, line {part.line}", "write it as G4 P<seconds> on a line of its own"
-                raise ExecutionError(place, f"dwell {line.strip()!r} cannot be timed", remedy)
+                raise HexciteError(place, f"dwell {line.strip()!r} cannot be timed", remedy)
             copy[part.line - 1] = f"o<dwell> call [{part.duration:.6f}]"
     return copy
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from cases.schema import Case
 from postprocessors.execute.linuxcnc import isolation, session
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
@@ -20,7 +20,7 @@ def test_missing_installation_is_an_error_with_the_remedy(
     write: Callable[[str], Path], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(session, "linuxcnc_missing", lambda: "it is not there; install it")
-    with pytest.raises(ExecutionError, match=r"program\.ngc: .*not there; install it"):
+    with pytest.raises(HexciteError, match=r"program\.ngc: .*not there; install it"):
         run_text(write(PROGRAM), hexapod_case)
 
 
@@ -51,13 +51,13 @@ REPORT = {"outcome": "done", "version": "2.9.4", "errors": [], "messages": [], "
 )
 def test_reports_of_failure_become_one_line(change: dict[str, Any], said: str, tmp_path: Path) -> None:
     (tmp_path / session.REPORT_FILE).write_text(json.dumps(REPORT | change))
-    with pytest.raises(ExecutionError, match=re.escape(said)):
+    with pytest.raises(HexciteError, match=re.escape(said)):
         session.read_report(Path("p.ngc"), tmp_path)
 
 
 def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) -> None:
     (tmp_path / isolation.OUTPUT_FILE).write_text("Starting\nRealtime system did not load\n")
-    with pytest.raises(ExecutionError, match="said last: Realtime system"):
+    with pytest.raises(HexciteError, match="said last: Realtime system"):
         session.read_report(Path("p.ngc"), tmp_path)
 
 
@@ -90,6 +90,6 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
     if losses < 3:
         assert run_text(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]
     else:
-        with pytest.raises(ExecutionError, match=r"\b1 of 5 cycles .*speed-up below 5"):
+        with pytest.raises(HexciteError, match=r"\b1 of 5 cycles .*speed-up below 5"):
             run_text(program, hexapod_case)
     assert speeds == [20.0, 10.0, 5.0][: losses + 1]

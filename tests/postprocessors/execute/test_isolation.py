@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from cases.schema import Case
 from postprocessors.execute.linuxcnc import isolation, session
 from tests.helpers import tells
@@ -56,7 +56,7 @@ def test_nothing_remains_after_the_time_is_up(
 ) -> None:
     monkeypatch.setattr(isolation, "MARK", "HEXCITE_TEST_LIMIT")
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    with pytest.raises(ExecutionError, match=r"line 2: .*not through in time"):
+    with pytest.raises(HexciteError, match=r"line 2: .*not through in time"):
         run_text(write(ENDLESS), hexapod_case, time_limit=2.0)  # long enough to be seen in motion on a busy computer
     assert marked_processes("HEXCITE_TEST_LIMIT") == []
     assert [path.name for path in folder.iterdir() if path.suffix != ".lock"] == []
@@ -72,7 +72,7 @@ def test_a_session_that_hangs_is_killed(
     monkeypatch.setattr(session, "HERE", tmp_path)
     monkeypatch.setattr(isolation, "MARK", "HEXCITE_TEST_HANG")
     monkeypatch.setattr(session, "START_LIMIT", 3.0)
-    with pytest.raises(ExecutionError, match=r"within 3\.1 s .*killed"):
+    with pytest.raises(HexciteError, match=r"within 3\.1 s .*killed"):
         run_text(write(ENDLESS), hexapod_case, time_limit=0.1)
     assert marked_processes("HEXCITE_TEST_HANG") == []
 
@@ -164,7 +164,7 @@ def test_does_not_start_beside_somebody_elses_linuxcnc(folder: Path, monkeypatch
     monkeypatch.setattr(isolation, "namespaces_allowed", lambda: False)
     monkeypatch.setattr(isolation, "PROCESSES", {Path("/proc/self/comm").read_text().strip()})
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    with pytest.raises(ExecutionError, match=r"another LinuxCNC .*process \d+\).*; end it.*unshare --user"):
+    with pytest.raises(HexciteError, match=r"another LinuxCNC .*process \d+\).*; end it.*unshare --user"):
         isolation.run_session(folder, [], {}, 1.0)
 
 

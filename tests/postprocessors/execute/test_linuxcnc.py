@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from postprocessors.execute import ControllerLog
@@ -99,7 +99,7 @@ def test_what_linuxcnc_refuses_is_one_line_with_place_and_reason(
     text: str, place: str, said: str, write: Callable[[str], Path], hexapod_case: Case
 ) -> None:
     program = write(text)
-    with pytest.raises(ExecutionError, match=re.escape(said)) as caught:
+    with pytest.raises(HexciteError, match=re.escape(said)) as caught:
         run_text(program, hexapod_case)
     assert str(caught.value).startswith(f"{program}{place}: ")
     assert "\n" not in str(caught.value)
@@ -108,7 +108,7 @@ def test_what_linuxcnc_refuses_is_one_line_with_place_and_reason(
 @pytest.mark.linuxcnc
 def test_strut_limits_hold(write: Callable[[str], Path], hexapod_case: Case) -> None:
     narrow = changed(hexapod_case, workspace__strut_length_mm=(1000.0, 1100.0))
-    with pytest.raises(ExecutionError, match=r"line 2: .*stopped: .*joint \d.* limit"):
+    with pytest.raises(HexciteError, match=r"line 2: .*stopped: .*joint \d.* limit"):
         run_text(write("G21 G90\nG0 X200 Y-100\nM2\n"), narrow)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.errors import ExecutionError
+from cases.errors import HexciteError
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import timing
 from postprocessors.reading import Reading, Still, Untimed
@@ -23,7 +23,7 @@ def read(text: str) -> Reading:
 @pytest.mark.parametrize("line", ["G04 P1", "G4 P.5", "G4P1", "g4 P1", " G4 P1", "G4 P1 G0 X1", "G 4 P1", "G4 P1 (c)"])
 def test_dwells_in_another_form_are_refused(line: str) -> None:
     text = typed(line)
-    with pytest.raises(ExecutionError, match=r"a\.ngc, line 4: dwell .*; .*G4 P<seconds>"):
+    with pytest.raises(HexciteError, match=r"a\.ngc, line 4: dwell .*; .*G4 P<seconds>"):
         timing.with_dwells(FILE, text.split("\n"), read(text))
 
 
