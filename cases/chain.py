@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
-from cases.machine import KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of
+from cases.machine import KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of, si
 from cases.machine import Number as Real
 from cases.sensors import RigidBody
 from cases.units import DEG, MM, Array
@@ -32,15 +32,10 @@ class ChainFrame(Part):
     rpy_deg: Vector = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of its axes, about fixed axes, in this order."""
 
-    @cached_property
-    def origin(self) -> Array:
-        """Its origin in the frame before it, shape (3,) [m]."""
-        return frozen([v * MM for v in self.origin_mm])
-
-    @cached_property
-    def rpy(self) -> Array:
-        """Roll, pitch, yaw, shape (3,) [rad]."""
-        return frozen([v * DEG for v in self.rpy_deg])
+    origin: ClassVar = si("origin_mm")
+    """Its origin in the frame before it, shape (3,) [m]."""
+    rpy: ClassVar = si("rpy_deg")
+    """Roll, pitch, yaw, shape (3,) [rad]."""
 
 
 class Joint(ChainFrame):

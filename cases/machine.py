@@ -21,7 +21,7 @@ from pydantic import (
 )  # fmt: skip
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.units import DEG, MM, Array
+from cases.units import DEG, MM, Array, own_units
 
 
 class Part(BaseModel):
@@ -102,6 +102,15 @@ def frozen(values: Any) -> Array:
     array: Array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array
+
+
+def si(*keys: str) -> cached_property[Array]:
+    """Values of a table in SI, of several keys one after the other, as an array that cannot be changed."""
+
+    def values(table: Part) -> Array:
+        return frozen(np.hstack([np.multiply(getattr(table, key), own_units([key])) for key in keys]))
+
+    return cached_property(values)
 
 
 def turned(angles: Array) -> Array:
@@ -189,12 +198,8 @@ class Pose(Part):
     c_deg: Number
     """Yaw, about the fixed axis z; applied last."""
 
-    @cached_property
-    def vector(self) -> Array:
-        """(x, y, z, roll, pitch, yaw), shape (6,) [m, rad]."""
-        return frozen(
-            [self.x_mm * MM, self.y_mm * MM, self.z_mm * MM, self.a_deg * DEG, self.b_deg * DEG, self.c_deg * DEG]
-        )
+    vector: ClassVar = si(*POSE)
+    """(x, y, z, roll, pitch, yaw), shape (6,) [m, rad]."""
 
 
 class HexapodMachine(Part):
@@ -279,10 +284,8 @@ class StrutLengths(Part):
     """Shortest and longest strut, from joint centre to joint centre; in `[limits.motion]` inside that of
     `[workspace]`."""
 
-    @cached_property
-    def strut_length(self) -> Array:
-        """Shortest and longest strut, shape (2,) [m]."""
-        return frozen(np.array(self.strut_length_mm) * MM)
+    strut_length: ClassVar = si("strut_length_mm")
+    """Shortest and longest strut, shape (2,) [m]."""
 
 
 class Workspace(StrutLengths):
@@ -371,24 +374,14 @@ class MotionLimits(StrutLengths):
     @cached_property
     def pose(self) -> Array:
         """Lower and upper limit relative to home, shape (2, 6) [m, rad]."""
-        lengths = np.array([self.x_mm, self.y_mm, self.z_mm]) * MM
-        angles = np.array([self.a_deg, self.b_deg, self.c_deg]) * DEG
-        return frozen(np.vstack([lengths, angles]).T)
+        return frozen(np.transpose([getattr(self, key) for key in POSE]) * own_units(POSE))
 
-    @cached_property
-    def rate(self) -> Array:
-        """Largest rate of each coordinate, shape (6,) [m/s, rad/s]."""
-        return frozen([*(np.array(self.velocity_mm_s) * MM), *(np.array(self.angular_velocity_deg_s) * DEG)])
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Largest second derivative of each coordinate, shape (6,) [m/s^2, rad/s^2]."""
-        return frozen([*self.acceleration_m_s2, *self.angular_acceleration_rad_s2])
-
-    @cached_property
-    def jerk(self) -> Array:
-        """Largest third derivative of each coordinate, shape (6,) [m/s^3, rad/s^3]."""
-        return frozen([*self.jerk_m_s3, *self.angular_jerk_rad_s3])
+    rate: ClassVar = si("velocity_mm_s", "angular_velocity_deg_s")
+    """Largest rate of each coordinate, shape (6,) [m/s, rad/s]."""
+    acceleration: ClassVar = si("acceleration_m_s2", "angular_acceleration_rad_s2")
+    """Largest second derivative of each coordinate, shape (6,) [m/s^2, rad/s^2]."""
+    jerk: ClassVar = si("jerk_m_s3", "angular_jerk_rad_s3")
+    """Largest third derivative of each coordinate, shape (6,) [m/s^3, rad/s^3]."""
 
     @property
     def limits_jerk(self) -> bool:

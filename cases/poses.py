@@ -9,15 +9,14 @@ import tomllib
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
-from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen
-from cases.recording_format import own_units
-from cases.units import DEG, MM, Array
+from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen, si
+from cases.units import DEG, MM, Array, own_units
 
 
 class JointPoses(Part):
@@ -59,10 +58,8 @@ class Poses(JointPoses):
         """Grid values of tilt, azimuth and torsion [rad]."""
         return tuple(_values(s, DEG) for s in (self.tilt_deg, self.azimuth_deg, self.torsion_deg))  # type: ignore[return-value]
 
-    @cached_property
-    def radius(self) -> Array:
-        """Smallest and largest distance from home in the XY plane, shape (2,) [m]."""
-        return frozen(np.array(self.radius_mm) * MM)
+    radius: ClassVar = si("radius_mm")
+    """Smallest and largest distance from home in the XY plane, shape (2,) [m]."""
 
     @property
     def grid_size(self) -> int:
@@ -110,11 +107,8 @@ class ManualStep(Part):
             raise ValueError("a step is a move, a circle or a pause, not several; make separate steps")
         return self
 
-    @cached_property
-    def offset(self) -> Array:
-        """Pose relative to home, shape (6,) [m, rad]."""
-        lengths = np.array([self.x_mm, self.y_mm, self.z_mm]) * MM
-        return frozen([*lengths, *(np.array([self.a_deg, self.b_deg, self.c_deg]) * DEG)])
+    offset: ClassVar = si(*POSE)
+    """Pose relative to home, shape (6,) [m, rad]."""
 
 
 class Steps(Part):

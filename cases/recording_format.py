@@ -3,15 +3,15 @@
 What a file does not say about itself is stated here; where a format leaves something open there is no default.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from cases.machine import POSE, Number, Part, Positive, Six, Vector, frozen
+from cases.machine import POSE, Number, Part, Positive, Six, Vector, frozen, si
 from cases.units import DEG, MM, MS, UM, Array
 
 CLOCK, TRIGGER, OVERRIDE, TEMPERATURE = "t_s", "trigger", "override_percent", "temperature_degC"
@@ -86,11 +86,6 @@ def units_of(name: str) -> Mapping[str, float]:
     return ROLE_UNITS.get(ROLE_OF.get(name, name), {})
 
 
-def own_units(columns: Sequence[str]) -> Array:
-    """SI values of the units in the names of our columns, shape (columns,)."""
-    return np.array([next(iter(units_of(column).values()), 1.0) for column in columns])
-
-
 _ORTHOGONALITY = 1e-3  # of a mounting matrix, which is typed by hand with a few digits: beyond this it is no rotation
 TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}  # units of time stamps [s]
 
@@ -145,10 +140,8 @@ class Drives(Part):
         """Column of the drive that moves each strut, counted from 0."""
         return [k - 1 for k in self.order]
 
-    @cached_property
-    def offset(self) -> Array:
-        """Strut lengths at drive position 0, shape (6,) [m]."""
-        return frozen(np.array(self.offset_mm) * MM)
+    offset: ClassVar = si("offset_mm")
+    """Strut lengths at drive position 0, shape (6,) [m]."""
 
 
 class Accelerometer(Part):

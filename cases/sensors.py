@@ -1,7 +1,7 @@
 """What measures, and what it is expected to carry: sensor frame, noise, rigid body and compensation factors."""
 
 from functools import cached_property
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -17,6 +17,7 @@ from cases.machine import (
     Vector,
     condition_of_lines,
     frozen,
+    si,
 )
 from cases.recording_format import BAR_FORCES, WRENCH
 from cases.units import DEG, MM, MS, UM, Array
@@ -270,10 +271,8 @@ class RigidBody(Part):
             )
         return self
 
-    @cached_property
-    def centre_of_gravity(self) -> Array:
-        """Centre of gravity in {P}, shape (3,) [m]."""
-        return frozen(np.array(self.centre_of_gravity_mm) * MM)
+    centre_of_gravity: ClassVar = si("centre_of_gravity_mm")
+    """Centre of gravity in {P}, shape (3,) [m]."""
 
     @cached_property
     def inertia(self) -> Array:

@@ -14,7 +14,7 @@ from cases.controller import Setpoints
 from cases.errors import ProgramError
 from cases.recording_format import setpoint_columns
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import MM, own_units
 from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion
 from postprocessors.reading import Grouping, Reading
@@ -25,11 +25,6 @@ PARQUET = b"PAR1"
 METADATA = b"hexcite"
 _HEADER = re.compile(r"#\s*(?P<key>[a-z_]+):\s*(?P<value>.*?)\s*$")
 _STRANGE = re.compile(r"[^0-9.,+\-\n]")
-
-
-def units_of(columns: tuple[str, ...]) -> Array:
-    """SI values of the columns' units, shape (columns,)."""
-    return np.array([DEG if "deg" in c else MM if "mm" in c else 1.0 for c in columns])
 
 
 Table = tuple[int, dict[str, str], Array]
@@ -132,7 +127,7 @@ class _Rows:
     """The table in SI with the places of its cells."""
 
     def __init__(self, file: str, table: Table, settings: Setpoints, columns: tuple[str, ...], count: int) -> None:
-        self.file, self.columns, self.units = file, columns, units_of(columns)
+        self.file, self.columns, self.units = file, columns, own_units(columns)
         self.parts = {name: slice(1 + k * count, 1 + (k + 1) * count) for k, name in enumerate(_PARTS)}
         self.struts = slice(1 + 3 * count, len(columns) - 1)
         self.first, _, numbers = table

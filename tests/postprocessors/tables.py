@@ -14,13 +14,14 @@ from pyarrow import parquet
 from cases.errors import ProgramError
 from cases.recording_format import setpoint_columns
 from cases.schema import load_case
+from cases.units import own_units
 from identification.limit_proof import limited_machine, prove
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading.setpoints import METADATA, units_of
+from postprocessors.reading.setpoints import METADATA
 from postprocessors.setpoints import decimals_of, write_parquet
 from postprocessors.writing import excitation_program
 from tests.helpers import one_line
@@ -30,7 +31,7 @@ from tests.postprocessors.programs import HOME
 CASE = load_case("hexapod")
 LIMITS = CASE.limits.motion
 COLUMNS, DECIMALS = setpoint_columns(LIMITS.columns, struts=True), decimals_of(CASE)
-UNITS = units_of(COLUMNS)
+UNITS = own_units(COLUMNS)
 LANGUAGE = dialect("setpoints").load()
 HEADER = "# format: hexcite setpoints 1"
 CYCLE = 1e-3
