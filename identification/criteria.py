@@ -11,7 +11,7 @@ that stay identifiable where parameters are not.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -113,13 +113,9 @@ def information(model: Model, scaling: Array, states: tuple[Array, Array, Array]
 INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as part of it
 
 
-class Group(NamedTuple):
-    """Parameters that can only be determined together."""
-
-    parameters: tuple[str, ...]  # their names
-    hidden: int  # number of directions among them that the data do not determine
-    # what is determined instead: sums of factor times parameter, by name; empty where nothing is
-    combinations: tuple[dict[str, float], ...]
+Group = tuple[tuple[str, ...], tuple[dict[str, float], ...]]
+"""Names of parameters that can only be determined together, and what is determined instead: sums of factor times
+parameter, by name. As many directions are hidden as there are fewer sums than parameters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +152,10 @@ class Identifiability:
             "singular_values": self.singular_values.tolist(),
             "correlation": self.correlation.tolist(),
             "r": self.r.tolist(),
-            "groups": [group._asdict() for group in self.groups],
+            "groups": [
+                {"parameters": names, "hidden": len(names) - len(sums), "combinations": sums}
+                for names, sums in self.groups
+            ],
         }
 
     @classmethod
@@ -169,10 +168,7 @@ class Identifiability:
             zero=float(data["numerical_zero"]),
             singular_values=np.array(data["singular_values"], dtype=float),
             rank=int(data["rank"]),
-            groups=tuple(
-                Group(tuple(g["parameters"]), int(g["hidden"]), tuple(dict(c) for c in g["combinations"]))
-                for g in data["groups"]
-            ),
+            groups=tuple((tuple(g["parameters"]), tuple(dict(c) for c in g["combinations"])) for g in data["groups"]),
         )
 
 
@@ -240,4 +236,4 @@ def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
         negligible = np.abs(row) * factors[pivot] <= INVOLVED * factors
         others = {names[k]: float(row[k]) for k in np.flatnonzero(~negligible) if k not in pivots}
         combinations.append({names[pivot]: 1.0} | others)
-    return Group(tuple(names), count, tuple(combinations))
+    return tuple(names), tuple(combinations)

@@ -13,7 +13,7 @@ from cases.files import atomic_file, check_file
 from cases.recording_format import CLOCK, WRENCH
 from cases.units import Array, as_html
 from identification.estimation.biases import drifted_since, shifted_all_along
-from identification.finding import Finding, Kind, Severity, changed_cases, sentences
+from identification.finding import Finding, Kind, changed_cases, sentences
 from identification.outcome import Result
 from identification.parameters import offset_columns
 from identification.recording import Recording
@@ -34,7 +34,7 @@ class ExternalForce(NamedTuple):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences that people should act on."""
-        return sentences(self.findings, Severity.WARNING)
+        return sentences(self.findings, "warning")
 
     @property
     def rms(self) -> Array:

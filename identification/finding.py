@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, WrapSerializer
 
@@ -45,11 +45,8 @@ AS_OBJECT = WrapSerializer(lambda value, plain: plain(_thawed(value)))
 Entries = Annotated[Mapping[str, Any], FROZEN, AS_OBJECT]  # an object of a JSON file
 
 
-class Severity(StrEnum):
-    """Whether people are to act on it."""
-
-    NOTE = "note"
-    WARNING = "warning"
+Severity = Literal["note", "warning"]  # a warning is for people to act on
+SEVERITIES: tuple[Severity, ...] = ("note", "warning")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +78,7 @@ class Finding:
 
 def warning(kind: Kind, sentence: str, place: str = "", **quantity: Any) -> Finding:
     """A finding that people should act on."""
-    return Finding(kind, Severity.WARNING, f"{place}: {sentence}" if place else sentence, place, quantity)
+    return Finding(kind, "warning", f"{place}: {sentence}" if place else sentence, place, quantity)
 
 
 def changed_cases(remarks: Iterable[str]) -> tuple[Finding, ...]:
@@ -91,9 +88,9 @@ def changed_cases(remarks: Iterable[str]) -> tuple[Finding, ...]:
 
 def note(kind: Kind, sentence: str = "", **quantity: Any) -> Finding:
     """A finding that is good to know."""
-    return Finding(kind, Severity.NOTE, sentence, quantity=quantity)
+    return Finding(kind, "note", sentence, quantity=quantity)
 
 
 def sentences(findings: Iterable[Finding], severity: Severity) -> tuple[str, ...]:
     """Sentences for people, of one severity."""
-    return tuple(f.sentence for f in findings if f.severity is severity and f.sentence)
+    return tuple(f.sentence for f in findings if f.severity == severity and f.sentence)

@@ -9,19 +9,21 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
+from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.biases import gain, offset_moves
-from identification.estimation.compressed import joint_triangle
-from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
-from identification.estimation.fit import Fit, Regression, Uncertain
+from identification.estimation.estimators import ALIKE, Method, gauss_markov_of, method
+from identification.estimation.fit import Fit, Regression, Value, joint_triangle
+from identification.estimation.force_noise import noise_covariance, whitening_of
 from identification.model import Model
-from identification.parameters import MASS
+from identification.parameters import MASS, Selection
 from identification.runs.evaluation import MOST_DELAY
 from identification.samples import Samples
 
 DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-9  # [s]; what remains of the delay is in the nuisance of the fit
 CLOSE = 1e-5  # [s] the same where the search began close to it: the square is a hundredth of the noise of the samples
+TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
 EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
@@ -32,9 +34,9 @@ class Fitted(NamedTuple):
 
     samples: Samples  # samples that were evaluated
     method: Method
-    problem: FitProblem
+    sensors: Sensors  # their noise, where the weights follow from what is stated
     fit: Fit
-    delay: Uncertain | None  # how much later than the motion the forces were recorded [s]; None where nothing moves
+    delay: Value | None  # how much later than the motion the forces were recorded [s]; None where nothing moves
     residuals: Array  # residuals of the forces as recorded, shape (m, 6)
     whitening: Array | None  # W is its square, where it is given
     w: Array  # W for one sample, shape (6, 6)
@@ -49,18 +51,18 @@ class Fitted(NamedTuple):
     def again(self, samples: Samples) -> "Fitted":
         """The same fit to other samples; a delay that was fixed stays so."""
         fixed = None if self.regression.nuisance == len(self.samples.nuisances) else self.delay
-        return fit_samples(samples, self.method, self.problem, self.at, fixed)
+        return fit_samples(samples, self.method, self.sensors, self.at, fixed)
 
 
 def fit_samples(
-    samples: Samples, how: Method, problem: FitProblem, delay: float = 0.0, fixed_delay: Uncertain | None = None
+    samples: Samples, how: Method, sensors: Sensors, delay: float = 0.0, fixed_delay: Value | None = None
 ) -> Fitted:
     """The fit by Gauss-Newton over the delay, which stays in the last fit as a nuisance: its uncertainty counts.
 
     For a long run the search begins with the fit to a part of it.
 
     Args:
-        problem: the samples' model, and which channels have the same noise.
+        sensors: they state noise, and weights where the method has none of its own.
         delay: delay to start from [s].
         fixed_delay: a known delay, which is not estimated; its standard deviation is propagated.
     """
@@ -72,11 +74,11 @@ def fit_samples(
         if part is not samples:
             with suppress(IdentificationError):  # where a part determines too little, the whole run is fitted at once
                 steps = DELAY_STEPS if near is None else 1
-                delay, _, near, _, _ = _converged(part, how, problem, beside, delay, near, steps)
-    delay, regression, _, whitening, fit = _converged(samples, how, problem, beside, delay, near)
+                delay, _, near, _, _ = _converged(part, how, sensors, beside, delay, near, steps)
+    delay, regression, _, whitening, fit = _converged(samples, how, sensors, beside, delay, near)
     columns, white = regression.regressors, regression.whitened(whitening)
     basis = block_diag(how.selection(model).basis, np.eye(beside))
-    fit = fit if fit is not None and how.plain else how.estimate(white, problem)
+    fit = fit if fit is not None and how.plain else how.estimate(white, model)
     if how.name in SANDWICHED and not how.priors:
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
@@ -109,14 +111,15 @@ def fit_samples(
     fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
-        fixed_delay = Uncertain(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
-    return Fitted(samples, how, problem, fit, fixed_delay, residuals, whitening, w, regression, taken)
+        std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
+        fixed_delay = Value(value, std, std, "s")
+    return Fitted(samples, how, sensors, fit, fixed_delay, residuals, whitening, w, regression, taken)
 
 
 def _converged(
     run: Samples,
     method: Method,
-    problem: FitProblem,
+    sensors: Sensors,
     beside: int,
     delay: float,
     near: Array | None = None,
@@ -133,18 +136,18 @@ def _converged(
     Raises:
         IdentificationError: no delay brings forces and motion together.
     """
-    forces, nuisances = run.forces, run.nuisances[:beside]
+    forces, nuisances, weights = run.forces, run.nuisances[:beside], method.weights_for(sensors)
 
     def regression_of(columns: Array, right: Array, names: Sequence[str]) -> Regression:
-        return Regression(columns, right, [*names, *nuisances], beside, run.filtered)
+        return Regression(columns, right, [*names, *nuisances], beside, run.filtered, ALIKE[weights])
 
     channels = forces.std(axis=0)
-    scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
+    scale = np.ones(6) if ALIKE[weights] is None else 1.0 / np.where(channels > 0.0, channels, 1.0)
     selection, whitening, values, fit = method.selection(run.model), None, near, None
     if not run.nuisances:
         still = run.regressors(delay)
-        if problem.noise is not None:
-            whitening = problem.noise.whitening_from(still, forces, selection)
+        if weights == "stated":
+            whitening = _whitening_from(still, forces, selection, run.model, sensors)
         return delay, regression_of(still, forces, run.model.names), np.zeros(0), whitening, None
     whole = selection.basis.shape[0] == selection.basis.shape[1]
     for _ in range(steps):
@@ -162,11 +165,11 @@ def _converged(
         matrices, effects = np.split(columns, [len(values)], axis=2)
         if len(run.nuisances) > beside:
             columns = columns[:, :, : len(values) + beside]
-        if problem.noise is not None:
-            whitening = problem.noise.whitening(values)
+        if weights == "stated":
+            whitening = whitening_of(noise_covariance(run.model, sensors, values))
         rest = forces - matrices @ selection.offset
         free = columns if whole else np.dstack([matrices @ selection.basis, effects[:, :, :beside]])
-        fit = gauss_markov_of(regression_of(free, rest, selection.names).whitened(whitening), problem)
+        fit = gauss_markov_of(regression_of(free, rest, selection.names).whitened(whitening))
         values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
         if len(run.nuisances) > beside:
             break
@@ -182,6 +185,18 @@ def _converged(
     assert columns is not None
     assert values is not None
     return delay, regression_of(columns, forces, run.model.names), values, whitening, fit
+
+
+def _whitening_from(matrices: Array, forces: Array, selection: Selection, model: Model, sensors: Sensors) -> Array:
+    """Root of W by stated noise, with u from the data themselves in turns with it, shape (6, 6)."""
+    assert sensors.force_noise is not None
+    whitening = np.diag(1.0 / sensors.force_noise)
+    for _ in range(TURNS):
+        target = (forces - matrices @ selection.offset) @ whitening.T
+        reduced = (whitening @ matrices @ selection.basis).reshape(-1, selection.basis.shape[1])
+        free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
+        whitening = whitening_of(noise_covariance(model, sensors, selection.offset + selection.basis @ free))
+    return whitening
 
 
 def require_sense(model: Model, fit: Fit) -> None:

@@ -18,8 +18,8 @@ from cases.errors import FileProblem, IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import accelerometer_bias, drift_findings, mass_finding
-from identification.estimation.compressed import require_alive
-from identification.estimation.estimators import FitProblem, Method
+from identification.estimation.estimators import Method
+from identification.estimation.fit import require_alive
 from identification.finding import Kind, changed_cases, warning
 from identification.findings.contact import contact_sentences, free_of_contact, touched
 from identification.findings.fit_checks import fit_findings, leaves_much
@@ -241,13 +241,13 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
 
 def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
     scanned, recording = scan(recording, case)
-    problem = FitProblem.of(model, case, method)
+    plain = replace(GAUSS_MARKOV, weights=method.weights_for(case.sensors))
     samples = _samples(recording, case, model, conditioning, method)
-    delay = None if samples.wide is None else fit_samples(samples.wide, GAUSS_MARKOV, problem).delay
-    fitted, contacts = free_of_contact(recording, fit_samples(samples, method, problem, fixed_delay=delay))
+    delay = None if samples.wide is None else fit_samples(samples.wide, plain, case.sensors).delay
+    fitted, contacts = free_of_contact(recording, fit_samples(samples, method, case.sensors, fixed_delay=delay))
     if contacts and samples.wide is not None:
-        delay = fit_samples(samples.wide.without(touched(samples.wide.t, contacts)), GAUSS_MARKOV, problem).delay
-        fitted = fit_samples(fitted.samples, method, problem, fixed_delay=delay)
+        delay = fit_samples(samples.wide.without(touched(samples.wide.t, contacts)), plain, case.sensors).delay
+        fitted = fit_samples(fitted.samples, method, case.sensors, fixed_delay=delay)
     if not method.priors:
         rich = fitted.samples.refined(fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich is not fitted.samples:
@@ -262,7 +262,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         else:
             findings.append(warning(Kind.NOISE, NOT_COMPARED))
     if method.biases is not None:
-        free = fit_samples(fitted.samples, method.without_biases, problem, fitted.at, delay)
+        free = fit_samples(fitted.samples, method.without_biases, case.sensors, fitted.at, delay)
         findings += drift_findings(method.biases, model, free.fit)
         if fitted.samples.nuisances and MASS in model.blocks:
             findings.append(mass_finding(model, fitted.fit, fitted.taken))

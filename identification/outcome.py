@@ -15,10 +15,11 @@ from cases.schema import Case
 from cases.units import Array, as_html
 from identification.criteria import Identifiability
 from identification.estimation.biases import Biases
-from identification.finding import Finding, Severity, sentences
+from identification.estimation.fit import Value
+from identification.finding import Finding, sentences
 from identification.model import Model, identification_model
 from identification.parameters import offset_columns
-from identification.result import Estimate, ResultEntries, Value, identifiability_of
+from identification.result import Estimate, ResultEntries, identifiability_of
 from identification.saved_result import AGAIN, read_entries, require_agreement
 from identification.signals import Residuals
 
@@ -88,12 +89,12 @@ class Result:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences that a user should act on."""
-        return sentences(self.findings, Severity.WARNING)
+        return sentences(self.findings, "warning")
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Further sentences on the evaluation."""
-        return sentences(self.findings, Severity.NOTE)
+        return sentences(self.findings, "note")
 
     @property
     def source(self) -> str:

@@ -8,11 +8,12 @@ from scipy.special import chdtri
 
 from cases.errors import IdentificationError
 from cases.units import as_html
-from identification.finding import Finding, Kind, Severity, changed_cases, sentences, warning
+from identification.estimation.fit import Value
+from identification.finding import Finding, Kind, changed_cases, sentences, warning
 from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block
-from identification.result import Value, physical_values
+from identification.result import physical_values
 
 LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
 UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
@@ -27,7 +28,7 @@ class Payload(NamedTuple):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences that people should act on."""
-        return sentences(self.findings, Severity.WARNING)
+        return sentences(self.findings, "warning")
 
     def __repr__(self) -> str:
         """A line for each parameter, and warnings."""

@@ -3,47 +3,24 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AliasPath, BaseModel, BeforeValidator, Field, NonNegativeFloat, PlainSerializer, PositiveInt
-from scipy.special import stdtrit
 
 from cases.files import provenance
 from cases.schema import Case
-from cases.units import Array, as_html
+from cases.units import Array
 from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
-from identification.estimation.fit import Fit, Uncertain
-from identification.finding import AS_OBJECT, FROZEN, Entries, Finding, Severity, sentences
+from identification.estimation.fit import Fit, Value
+from identification.finding import AS_OBJECT, FROZEN, SEVERITIES, Entries, Finding, sentences
 from identification.fitting import Fitted
 from identification.model import Model, identification_model
 from identification.parameters import ERROR_TERMS, physical_form
 from identification.runs.noise_sources import NoiseSources, attenuation_of
 from identification.samples import Samples
-
-
-class Value(NamedTuple):
-    """An estimated parameter: SI value, standard deviation by (28), autocorrelation-robust one, and unit."""
-
-    value: float
-    std: float
-    std_robust: float
-    unit: str
-
-    @property
-    def reported(self) -> float:
-        """The larger of the two standard deviations, which is what people are shown."""
-        return max(self.std, self.std_robust)
-
-    def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
-        """Confidence interval from the reported standard deviation: what is printed, and what coverage rates."""
-        half = float(stdtrit(freedom, 0.5 + level / 2)) * self.reported
-        return self.value - half, self.value + half
-
-    def _repr_html_(self) -> str:
-        return as_html(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +35,7 @@ class Estimate:
     fit: Fit
     evaluated: Samples  # samples that it was made from
     residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
-    delay: Uncertain | None  # delay of the forces [s], where it was estimated
+    delay: Value | None  # delay of the forces [s], where it was estimated
     noise: NoiseSources | None  # what s0 consists of, where the case states noise
     accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     physical: dict[str, Value]  # physical parameters by name
@@ -90,12 +67,12 @@ class Estimate:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences that people should act on."""
-        return sentences(self.findings, Severity.WARNING)
+        return sentences(self.findings, "warning")
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Sentences that are good to know."""
-        return sentences(self.findings, Severity.NOTE)
+        return sentences(self.findings, "note")
 
     @property
     def quantities(self) -> dict[str, Any]:
@@ -153,9 +130,17 @@ def _named(entry: Any) -> Any:
     return entry
 
 
+def _in_seconds(entry: Any) -> Any:
+    return {**_named(entry), "std_robust": entry.get("std"), "unit": "s"} if isinstance(entry, dict) else _named(entry)
+
+
 Numbers = tuple[float, ...]
 Physical = Annotated[Value, BeforeValidator(_named), PlainSerializer(Value._asdict)]
-Delay = Annotated[Uncertain, BeforeValidator(_named), PlainSerializer(Uncertain._asdict)]
+Delay = Annotated[
+    Value,
+    BeforeValidator(_in_seconds),
+    PlainSerializer(lambda delay: {"value": delay.value, "std": delay.std}),
+]
 Input = Annotated[Mapping[Literal["file", "sha256"], str], Field(min_length=2), FROZEN, AS_OBJECT]
 
 
@@ -221,7 +206,7 @@ class ResultEntries(Parameters):
         """The object of the file: `notes`, `warnings` and what findings say in numbers stand beside them."""
         entries = self.model_dump(mode="json", exclude_unset=True)
         entries["linear"] = {key: entries.pop(key) for key in ("names", "values")}
-        texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in Severity}
+        texts = {f"{severity}s": list(sentences(self.findings, severity)) for severity in SEVERITIES}
         quantities = {key: value for finding in entries["findings"] for key, value in finding["quantity"].items()}
         return {"schema_version": SCHEMA_VERSION, **entries, **texts, **quantities}
 

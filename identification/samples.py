@@ -14,8 +14,8 @@ from cases.errors import HexciteError
 from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.channel_weights import independent_poses
-from identification.estimation.compressed import inverse_root, joint_triangle, long_run_covariance, scores
-from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust
+from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, inverse_root, joint_triangle
+from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.model import Model
 from identification.signals import Residuals

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from cases.errors import FileProblem
 from cases.files import json_text, read_json
-from identification.finding import Kind, Severity
+from identification.finding import SEVERITIES, Kind
 from identification.model import Model
 from identification.result import SCHEMA_VERSION, ResultEntries, physical_values
 
@@ -31,9 +31,9 @@ def read_entries(path: Path) -> tuple[Path, ResultEntries]:
     if "findings" not in data:  # version 0.1
         own = {*ResultEntries.model_fields, "linear", "schema_version", "notes", "warnings"}
         quantity = {key: value for key, value in data.items() if key not in own}
-        texts = [(s, text) for s in Severity for text in data[f"{s}s"]]
+        texts = [(s, text) for s in SEVERITIES for text in data[f"{s}s"]]
         findings = [{"kind": Kind.UNSAID, "severity": severity, "sentence": text} for severity, text in texts]
-        numbers = {"kind": Kind.UNSAID, "severity": Severity.NOTE, "sentence": "", "quantity": quantity}
+        numbers = {"kind": Kind.UNSAID, "severity": "note", "sentence": "", "quantity": quantity}
         data["findings"] = [*findings, numbers] if quantity else findings
     try:
         entries = ResultEntries.model_validate_json(json_text(data))

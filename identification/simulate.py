@@ -15,7 +15,8 @@ from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
 from cases.units import DEG, MM, Array
-from identification.estimation.fit import acceleration_to_force, squared_distances
+from identification.estimation.force_noise import acceleration_to_force
+from identification.estimation.pose_noise import squared_distances
 from identification.model import expected_forces, full_model, identification_model, machine_of
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording

@@ -13,7 +13,8 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import PoseField
 from identification.criteria import information as information_over
-from identification.estimation.fit import StatedNoise, matern, squared_distances, whitening_of
+from identification.estimation.force_noise import noise_covariance, whitening_of
+from identification.estimation.pose_noise import matern, squared_distances
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
@@ -81,14 +82,13 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
         CaseError: noise of accelerations without a nominal body, or fewer payloads.
     """
     weights = weights or case.sensors.weights
-    if case.sensors.force_noise is None:  # no noise for weights is stated
-        one = sensor_noise(case)
+    one, sensors = sensor_noise(case), case.sensors
+    if sensors.force_noise is None:  # no noise for weights is stated
         return ExpectedNoise(one, one**2 * np.eye(6), "equal", False)
-    noise = StatedNoise.of(model, case.sensors)
-    if case.sensors.acceleration_noise is None:
-        return ExpectedNoise(sensor_noise(case), np.diag(noise.force**2), weights, False)
-    covariance = noise.covariance(nominal_parameters(model, case.body(payload)))
-    return ExpectedNoise(sensor_noise(case), covariance, weights, True)
+    if sensors.acceleration_noise is None:
+        return ExpectedNoise(one, np.diag(sensors.force_noise**2), weights, False)
+    covariance = noise_covariance(model, sensors, nominal_parameters(model, case.body(payload)))
+    return ExpectedNoise(one, covariance, weights, True)
 
 
 def standing_model(case: Case, number: int) -> Model:

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 
 from cases.schema import Case
 from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
-from identification.estimation.fit import field_covariance
+from identification.estimation.pose_noise import field_covariance
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
 from identification.model import Model

@@ -16,8 +16,7 @@ from pydantic import BaseModel, Field, NonNegativeFloat
 from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.compressed import inverse_root
-from identification.estimation.fit import Fit
+from identification.estimation.fit import Fit, inverse_root
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import MASS, OFFSETS, offset_columns

@@ -4,7 +4,6 @@ W (24) follows from the residuals of each channel, or from their covariance; pos
 trimmed squares use the half that agrees best.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,32 +12,31 @@ from scipy.ndimage import uniform_filter1d
 
 from cases.errors import IdentificationError
 from cases.units import Array
-from identification.estimation.compressed import (
+from identification.estimation.fit import (
+    Fit,
+    Regression,
     column_scale,
     gauss_markov,
     orthonormal,
     require_alive,
     settled,
-    with_kernel,
 )
-from identification.estimation.fit import EACH, Fit, Regression, whitening_of
+from identification.estimation.force_noise import whitening_of, with_kernel
 
 Rows = NDArray[np.bool_]
 
+EACH = (0, 1, 2, 3, 4, 5)  # `Regression.alike` where each channel has noise of its own
 WEIGHT_ROUNDS = 20
 WEIGHT_TOLERANCE = 1e-6
 LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to judge its variance by
 
 
-def per_channel(regression: Regression, alike: Sequence[int] = EACH) -> Fit:
-    """Gauss-Markov with W from the residual variance of each channel, estimated in turns with the parameters.
+def per_channel(regression: Regression) -> Fit:
+    """Gauss-Markov with W from the residual variance of each channel, or of those that are alike, in turns with u.
 
     Each channel pays for the unknowns by its own leverage, the trace of its block of the hat matrix: the fixed point is
     the restricted maximum likelihood (Patterson & Thompson 1971, Biometrika 58:545). Equal shares instead would let
     a channel that the parameters follow become ever more certain.
-
-    Args:
-        alike: channels with the same number have the same noise, which is estimated from all of them, shape (6,).
 
     Raises:
         IdentificationError: as `gauss_markov`; or too few samples to judge a channel's variance by.
@@ -47,7 +45,8 @@ def per_channel(regression: Regression, alike: Sequence[int] = EACH) -> Fit:
     if len(forces) < 2:
         raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
     require_alive(forces)
-    same = np.equal.outer(np.asarray(alike), np.asarray(alike)).astype(float)  # sums over channels of a kind
+    alike = np.asarray(regression.alike or EACH)
+    same = np.equal.outer(alike, alike).astype(float)  # sums over channels of a kind
     spread = np.sqrt(same @ _own_noise(regressors, forces) ** 2 / same.sum(axis=1))
     weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
     fit = gauss_markov(regression, weights)

@@ -1,61 +1,36 @@
-"""The estimators that a user can name, each as a function of one type, and what they are made for.
+"""The estimators that a user can name, each as a function of a regression, and what they are made for.
 
 Selections and consistency wrap an estimator, so that each combination that makes sense is a composition.
+
+Huber's M-estimate by iteratively reweighted least squares (IRLS): gross errors count less, none is removed.
+Huber & Ronchetti 2009, Robust Statistics, chapter 7. Only errors of the forces are resisted, not those of the
+regressor, and one-sided ones still bias: a share e of them by up to about 1.6 e of the noise's standard deviation.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
-from cases.schema import Case
+from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.biases import OFFSET_NAMES, Biases
-from identification.estimation.channel_weights import full_weights, per_channel
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import EACH, Fit, Regression, StatedNoise
+from identification.estimation.channel_weights import EACH, full_weights, per_channel
+from identification.estimation.consistent import consistent_of
+from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
+from identification.estimation.force_noise import long_run_covariance
 from identification.estimation.nonlinear import estimate_selected, nonlinear
 from identification.estimation.priors import Prior, with_priors
-from identification.estimation.robust import consistent, huber
-from identification.finding import Kind, note, warning
+from identification.finding import Kind, note
 from identification.model import Model
-from identification.parameters import Selection, physical_form, select
+from identification.parameters import Selection, select
 
-THINNEST = 1e-3  # [m] rms distance of a body's mass from any plane: thinner than any tool or workpiece
-PER_UNIT = (0, 0, 0, 1, 1, 1)  # channels of a force/torque sensor: forces, moments
-UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is reported
 WHITENED = ("gauss-markov", "consistent", "nonlinear")  # which take forces whose noise is white in all channels
-WEIGHTS = ("equal", "per_channel", "per_unit", "stated")
-CONFLICT = 3.0  # standard deviations between data and a prior from which it is reported
-
-
-@dataclass(frozen=True, slots=True)
-class FitProblem:
-    """Properties of a problem that a regression does not state."""
-
-    model: Model  # model that the first columns of the regressors belong to
-    pooled: bool  # all channels have the same noise, as identical sensors do; else each its own
-    alike: tuple[int, ...] = EACH  # where they are not pooled, channels with the same number have the same noise
-    # noise that the case states and that W follows from; forces and regressors are then multiplied with its `whitening`
-    # before they are estimated from, after which all channels are alike
-    noise: StatedNoise | None = None
-
-    @classmethod
-    def of(cls, model: Model, case: Case, how: "Method") -> "FitProblem":
-        """The problem with the noise of the channels by the method's weights, or else by the case's.
-
-        Raises:
-            IdentificationError: weights from stated noise where none is stated, or with an estimator of their own.
-        """
-        weights = how.weights or case.sensors.weights
-        if weights == "stated":
-            if how.name not in WHITENED:
-                raise IdentificationError(
-                    f"the weights stated go with the estimators {', '.join(WHITENED)}; {how.name} finds its own"
-                )
-            return cls(model, True, noise=StatedNoise.of(model, case.sensors))
-        return cls(model, weights == "equal", alike=PER_UNIT if weights == "per_unit" else EACH)
+ALIKE = {"equal": None, "per_channel": EACH, "per_unit": (0, 0, 0, 1, 1, 1), "stated": None}
+"""Weights by name -> channels with the same noise, see `Regression`; stated noise is made white before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +57,24 @@ class Method:
         offsets = {} if self.biases is None else self.biases.known
         return replace(self, known={n: v for n, v in self.known.items() if n not in offsets}, biases=None)
 
+    def weights_for(self, sensors: Sensors) -> str:
+        """The weights of the channels: its own, or those of the case.
+
+        Raises:
+            IdentificationError: weights from stated noise where none is stated, or with an estimator of their own.
+        """
+        weights = self.weights or sensors.weights
+        if weights == "stated" and self.name not in WHITENED:
+            raise IdentificationError(
+                f"the weights stated go with the estimators {', '.join(WHITENED)}; {self.name} finds its own"
+            )
+        if weights == "stated" and sensors.force_noise is None:
+            raise IdentificationError(
+                "weights stated: the case states no noise; give sensors.force_noise_N and acceleration_noise_m_s2, or "
+                "choose the weights equal or per_channel"
+            )
+        return weights
+
     def selection(self, model: Model) -> Selection:
         """What of a model is estimated, where the problem is linear; for the non-linear form all of it.
 
@@ -90,8 +83,8 @@ class Method:
         """
         return select(model, {} if self.name == "nonlinear" else self.known, self.dropped)
 
-    def estimate(self, regression: Regression, problem: FitProblem) -> Fit:
-        """The estimate of all parameters of a problem.
+    def estimate(self, regression: Regression, model: Model) -> Fit:
+        """The estimate of all parameters of a model, from a regression whose first columns are its own.
 
         Raises:
             IdentificationError: a combination that is not defined, names that the model does not have, or as the
@@ -104,39 +97,138 @@ class Method:
                     "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
                     "or give what is known exactly as a prior with a small standard deviation"
                 )
-            return _with_priors(regression, problem, self.priors)
+            return with_priors(regression, model, _weights(regression), self.priors)
         if self.name == "nonlinear":
             if self.dropped:
                 raise IdentificationError(
                     "the estimator nonlinear knows values of physical parameters, no dropped columns; fix them to 0"
                 )
-            return _nonlinear(regression, problem, self.known)
+            return nonlinear(regression, model, _weights(regression), self.known)
         estimator = ESTIMATORS[self.name]
-        if selected:
-            selection = self.selection(problem.model)
-            fit = estimate_selected(regression, selection, lambda free: estimator(free, problem))
-        else:
-            fit = estimator(regression, problem)
-        return _consistent(regression, fit) if self.name == "consistent" else fit
+        fit = estimate_selected(regression, self.selection(model), estimator) if selected else estimator(regression)
+        return consistent_of(regression, fit) if self.name == "consistent" else fit
 
 
-def gauss_markov_of(regression: Regression, problem: FitProblem) -> Fit:
+def gauss_markov_of(regression: Regression) -> Fit:
     """(24) with W = 1, or from the variance of each channel."""
-    return gauss_markov(regression, np.ones(6)) if problem.pooled else per_channel(regression, problem.alike)
+    return gauss_markov(regression, np.ones(6)) if regression.alike is None else per_channel(regression)
 
 
-def robust_of(regression: Regression, problem: FitProblem) -> Fit:
+def _weights(regression: Regression) -> Array:
+    """Diagonal of W for one sample, shape (6,), by Gauss-Markov where channels differ."""
+    return np.ones(6) if regression.alike is None else gauss_markov_of(regression).weights
+
+
+HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
+MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noise its standard deviation
+MEAN_SQUARE_PSI = 0.710165  # E psi(z)^2 for Gaussian z and HUBER_K: makes s0 that of Gaussian noise
+HUBER_ROUNDS = 100
+HUBER_TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what matters, far above rounding
+SILENT = 1e-12  # of the largest force: smaller residuals of a channel are rounding, not noise
+
+
+def huber(regression: Regression) -> tuple[Fit, Array]:
+    """Huber's M-estimate of u with the scale of the noise estimated in turns.
+
+    Its covariance is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces changes over
+    the run; weights are one over the squared normalised MAD of the channels that are alike, or ones where all are. A
+    low-pass smears gross errors, so look for them before it.
+
+    Returns:
+        The fit, and the weight of each force, from 0 to 1, shape (n, 6): below 1 for 18 % of Gaussian noise.
+
+    Raises:
+        IdentificationError: as `gauss_markov`; or a channel fits without any residual.
+    """
+    regressors, forces, filtered = regression.regressors, regression.forces, regression.filtered
+    samples, sensors, unknowns = regressors.shape
+    pooled = regression.alike is None
+    kind = np.asarray(regression.alike or 6 * (0,))
+    std = np.array([np.sqrt(np.mean(forces.var(axis=0)[kind == k])) for k in kind])
+    spread = np.ones(6) if pooled else np.maximum(std, 1e-12 * max(float(std.max()), 1e-300))
+    least = np.zeros(6) if pooled else SILENT * np.abs(forces).max() / spread
+    start = gauss_markov(regression, spread**-2.0)
+    matrix = (regressors / spread[:, None]).reshape(-1, unknowns)
+    scale = column_scale(matrix)
+    q, r = np.linalg.qr(matrix * scale)  # in the coordinates v = R u the information is that of the weights alone
+    right = (forces / spread).ravel()
+    v, rows = q.T @ right, samples * sensors
+    # Residuals are smaller than the noise by what the unknowns took, see `gauss_markov` for filtered data.
+    shrunk = np.sqrt(rows * filtered.gain * filtered.stride / start.freedom)
+    floor = 1e-14 * float(np.linalg.norm(right))
+    converged, rounds = False, 0
+    while not converged and rounds < HUBER_ROUNDS:
+        residuals = right - q @ v
+        noise = _noise(residuals.reshape(-1, 6), kind, least) * shrunk
+        attention = _attention(residuals, noise)
+        weighted = q * (attention / noise**2)[:, None]
+        new = np.linalg.solve(q.T @ weighted, weighted.T @ right)
+        converged = bool(np.abs(new - v).max() <= HUBER_TOLERANCE * noise.min() + floor)
+        v, rounds = new, rounds + 1
+    residuals = right - q @ v
+    noise = _noise(residuals.reshape(-1, 6), kind, least) * shrunk
+    psi = np.clip(residuals / noise, -HUBER_K, HUBER_K)
+    back = scale[:, None] * solve_triangular(r, np.eye(unknowns))
+    spread_of_u = back @ _bread(q, residuals, noise)
+    meat = (q * (psi / noise)[:, None] ** 2).T @ q * (rows / start.freedom)
+    influence = (q * (psi / noise)[:, None]).reshape(samples, sensors, unknowns).sum(axis=1)
+    recorded = noise[:6] * spread / np.sqrt(filtered.gain)  # of the forces before the filter
+    values = back @ v
+    s0 = float(shrunk * np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))  # Huber's proposal 2, for a scale near it
+    fit = Fit(
+        values=values,
+        covariance=spread_of_u @ meat @ spread_of_u.T,
+        covariance_robust=spread_of_u @ long_run_covariance(influence) @ spread_of_u.T,
+        s0=s0 * float(recorded[0]) if pooled else s0,
+        freedom=start.freedom,
+        residuals=regression.residuals(values),
+        weights=np.ones(6) if pooled else recorded**-2.0,
+        rank=start.rank,
+        condition=start.condition,
+        findings=settled("robust", converged, rounds),
+    )
+    return fit, _attention(residuals, noise).reshape(samples, sensors)
+
+
+def _noise(residuals: Array, kind: NDArray[np.int_], least: Array) -> Array:
+    """Normalised MAD about zero, which the offsets make the centre, one value a force, shape (6 n,)."""
+    size = np.abs(residuals)
+    mad = np.array([np.median(size[:, kind == k]) for k in kind])
+    silent = mad <= least
+    if silent.any():
+        raise IdentificationError(
+            f"channel {int(np.argmax(silent)) + 1} fits without any residual; check it, record more, or pool the scales"
+        )
+    return np.tile(MAD_TO_STD * mad, len(residuals))
+
+
+def _attention(residuals: Array, noise: Array) -> Array:
+    """psi(z) / z of Huber's psi, shape (6 n,)."""
+    return np.minimum(1.0, HUBER_K * noise / np.maximum(np.abs(residuals), np.finfo(float).tiny))
+
+
+def _bread(q: Array, residuals: Array, noise: Array) -> Array:
+    """Inverse of the sum of psi' a a^T in the coordinates of q, shape (u, u)."""
+    inner = q[np.abs(residuals) <= HUBER_K * noise]
+    slope = noise[np.abs(residuals) <= HUBER_K * noise] ** -2.0
+    information = (inner * slope[:, None]).T @ inner
+    if np.linalg.cond(information) > 1.0 / np.finfo(float).eps:
+        raise IdentificationError("too few forces agree with each other for a covariance of the robust estimate")
+    return np.asarray(np.linalg.inv(information))
+
+
+def robust_of(regression: Regression) -> Fit:
     """Huber's M-estimate: gross errors of the forces count less."""
-    fit, factors = huber(regression, problem.pooled, problem.alike)
+    fit, factors = huber(regression)
     share = ", ".join(f"{100 * r:.0f}" for r in np.mean(factors < 1.0, axis=0))
     sentence = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
     return replace(fit, findings=(note(Kind.ESTIMATOR, sentence), *fit.findings))
 
 
-ESTIMATORS: dict[str, Callable[[Regression, FitProblem], Fit]] = {
+ESTIMATORS: dict[str, Callable[[Regression], Fit]] = {
     "gauss-markov": gauss_markov_of,
     "robust": robust_of,
-    "full": lambda regression, problem: full_weights(regression)[0],  # (24) with W from the channels' full covariance
+    "full": lambda regression: full_weights(regression)[0],  # (24) with W from the channels' full covariance
     "consistent": gauss_markov_of,  # then the nearest parameters that a body of positive density has
     "nonlinear": gauss_markov_of,  # (18) in physical parameters, by Gauss-Newton, which needs no estimator of u
 }
@@ -155,8 +247,8 @@ def method(
     Raises:
         IdentificationError: no such estimator or weights, with those that there are; biases given otherwise too.
     """
-    if weights is not None and weights not in WEIGHTS:
-        raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(WEIGHTS)}")
+    if weights is not None and weights not in ALIKE:
+        raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(ALIKE)}")
     if name not in ESTIMATORS:
         raise IdentificationError(f"estimator {name!r} is unknown; choose {', '.join(ESTIMATORS)}")
     known = dict(known or {})
@@ -167,46 +259,3 @@ def method(
             raise IdentificationError(f"--biases {biases.source}", f"does not go with {other}; leave one of them out")
         known |= biases.known
     return Method(name, known, tuple(dropped), tuple(priors), weights, biases)
-
-
-def _consistent(regression: Regression, free: Fit) -> Fit:
-    fit, rise, p_value = consistent(regression, free, THINNEST)
-    sentence = "consistent: the estimate is that of a real body, the constraint did not bind"
-    if rise:
-        sentence = f"consistent: the constraint bound and raised chi^2 by {rise:.3g} s0^2; chance does so in at most "
-        sentence += f"{100 * p_value:.2g} % of runs"
-    findings = (*fit.findings, note(Kind.ESTIMATOR, sentence))
-    if rise and p_value < UNLIKELY:
-        far = "no real body is near what the data say; model or data are wrong"
-        findings = (*findings, warning(Kind.ESTIMATOR, far))
-    return replace(fit, findings=findings)
-
-
-def _nonlinear(regression: Regression, problem: FitProblem, known: Mapping[str, float]) -> Fit:
-    physical = [p.name for p in physical_form(problem.model).parameters]
-    linear = [name for name in known if name in problem.model.names and name not in physical]
-    if linear:
-        raise IdentificationError(
-            f"the estimator nonlinear knows physical parameters, not {', '.join(linear)}; fix {', '.join(physical)}"
-        )
-    return nonlinear(regression, problem.model, _weights(regression, problem), known)
-
-
-def _weights(regression: Regression, problem: FitProblem) -> Array:
-    """Diagonal of W for one sample, shape (6,), by Gauss-Markov where channels differ."""
-    return np.ones(6) if problem.pooled else gauss_markov_of(regression, problem).weights
-
-
-def _with_priors(regression: Regression, problem: FitProblem, priors: Sequence[Prior]) -> Fit:
-    fit, effects = with_priors(regression, problem.model, _weights(regression, problem), priors)
-    findings = []
-    for effect in effects:
-        sentence = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
-        sentence += f"{100 * effect.data_share:.0f} % of what is known about it"
-        if effect.data_share > 0.0:
-            sentence += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
-        findings.append(note(Kind.ESTIMATOR, sentence))
-        if abs(effect.conflict) > CONFLICT:
-            sentence = f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard "
-            findings.append(warning(Kind.ESTIMATOR, f"{sentence}deviations; doubt one of them"))
-    return replace(fit, findings=tuple(findings))

@@ -1,12 +1,7 @@
-"""What every estimator returns, and noise as a case states it: of the pose, of sensors and of accelerations.
+"""Gauss-Markov estimation (23) to (28), and what every estimator takes and returns.
 
-Errors that depend on the pose are a random function of the place in each channel, as `pose_noise` says.
-
-A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = df/d(twist rate) holds the moved body:
-vibration is measured in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
-accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body. Errors of
-strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that at the few
-hertz of a motion they are below a hundredth of the residuals near the cut-off, and W is about the former.
+After one QR of a regression, which also gives the rank, its size no longer matters: W^1/2 (A f) = Q (R c; 0 d) turns
+chi^2 of (27) into |c - R u|^2 + d^2 (Golub & Van Loan 2013, section 5.3).
 """
 
 from collections.abc import Sequence
@@ -14,20 +9,35 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import stdtrit
 
 from cases.errors import IdentificationError
-from cases.sensors import PoseField, Sensors
-from cases.units import Array
-from identification.finding import Finding, Kind, note
-from identification.model import Model
-from identification.parameters import Selection
+from cases.sensors import PoseField
+from cases.units import Array, as_html
+from identification.finding import Finding, Kind, warning
 
 
-class Uncertain(NamedTuple):
-    """A value and its standard deviation."""
+class Value(NamedTuple):
+    """An estimated quantity: SI value, standard deviation by (28), autocorrelation-robust one, and unit."""
 
     value: float
     std: float
+    std_robust: float
+    unit: str
+
+    @property
+    def reported(self) -> float:
+        """The larger of the two standard deviations, which is what people are shown."""
+        return max(self.std, self.std_robust)
+
+    def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
+        """Confidence interval from the reported standard deviation: what is printed, and what coverage rates."""
+        half = float(stdtrit(freedom, 0.5 + level / 2)) * self.reported
+        return self.value - half, self.value + half
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
 
 
 class Filtered(NamedTuple):
@@ -50,6 +60,8 @@ class Regression(NamedTuple):
     # and condition are reported without them
     nuisance: int = 0
     filtered: Filtered = UNFILTERED  # what was done to regressors and forces before
+    # channels with the same number have the same noise, which follows from their residuals, shape (6,); None: W = 1
+    alike: tuple[int, ...] | None = None
 
     def residuals(self, values: Array) -> Array:
         """What u leaves of the forces, f - A u, shape (n, 6)."""
@@ -60,29 +72,6 @@ class Regression(NamedTuple):
         if whitening is None:
             return self
         return self._replace(regressors=whitening @ self.regressors, forces=self.forces @ whitening.T)
-
-
-EACH = (0, 1, 2, 3, 4, 5)  # channels that have the same noise carry the same number: here none
-
-
-def squared_distances(places: Array, others: Array) -> Array:
-    """Between places, shapes (n, d) and (m, d), shape (n, m)."""
-    middle = others.mean(axis=0)
-    first, second = places - middle, others - middle
-    total = np.sum(first**2, axis=1)[:, None] + np.sum(second**2, axis=1)
-    return np.asarray(np.maximum(total - 2.0 * first @ second.T, 0.0))
-
-
-def matern(distance: Array) -> tuple[Array, Array]:
-    """Matern's correlation of smoothness 3/2 at a distance in lengths, and its derivative by the length's logarithm."""
-    scaled = np.sqrt(3.0) * distance
-    fading = np.exp(-scaled)
-    return (1.0 + scaled) * fading, scaled**2 * fading
-
-
-def field_covariance(field: PoseField, struts: Array) -> Array:
-    """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
-    return field.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / field.length)[0]
 
 
 class Robust(NamedTuple):
@@ -112,132 +101,179 @@ class Fit:
     field: PoseField | None = None  # errors that depend on the pose, where the run shows them
 
 
-@dataclass(frozen=True, slots=True)
-class StatedNoise:
-    """White noise of one recorded sample."""
-
-    model: Model  # model that turns accelerations into forces
-    force: Array  # standard deviation of each channel, shape (6,) [N, or N and N m]
-    acceleration: Array  # acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]
-
-    @classmethod
-    def of(cls, model: Model, sensors: Sensors) -> "StatedNoise":
-        """The noise that a case states.
-
-        Raises:
-            IdentificationError: it states no noise of forces.
-        """
-        if sensors.force_noise is None:
-            raise IdentificationError(
-                "weights stated: the case states no noise; give sensors.force_noise_N and acceleration_noise_m_s2, or "
-                "choose the weights equal or per_channel"
-            )
-        acceleration = sensors.acceleration_noise
-        return cls(model, sensors.force_noise, np.zeros(6) if acceleration is None else acceleration)
-
-    def covariance(self, values: Array) -> Array:
-        """Covariance of a force sample of the body with parameters u, shape (6, 6) [N^2, N^2 m ..]."""
-        effects = acceleration_to_force(self.model, values) * self.acceleration
-        return np.asarray(np.diag(self.force**2) + effects @ effects.T)
-
-    def whitening(self, values: Array) -> Array:
-        """Matrix that makes the noise of a force sample white with variance 1, shape (6, 6): W is its square, (24)."""
-        return whitening_of(self.covariance(values))
-
-    def whitening_from(self, regressors: Array, forces: Array, selection: Selection) -> Array:
-        """The same with u from the data themselves, in turns.
-
-        Args:
-            regressors: A_j, shape (n, 6, u).
-            forces: shape (n, 6) [N, or N and N m].
-        """
-        whitening = np.diag(1.0 / self.force)
-        for _ in range(TURNS):
-            target = (forces - regressors @ selection.offset) @ whitening.T
-            reduced = (whitening @ regressors @ selection.basis).reshape(-1, selection.basis.shape[1])
-            free = np.linalg.lstsq(reduced, target.ravel(), rcond=None)[0]
-            whitening = self.whitening(selection.offset + selection.basis @ free)
-        return whitening
+_PART = 600  # rows of a QR that stay in the cache
+_PIECE = 20_000  # samples whose rows are in memory at once
 
 
-def acceleration_to_force(model: Model, values: Array) -> Array:
-    """G = df/d(twist rate) at u where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in that rate."""
-    still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
-    matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
-    forces = matrices @ values
-    return np.asarray((forces[1:] - forces[0]).T)
-
-
-def whitening_of(covariance: Array) -> Array:
-    """C with C covariance C^T = 1, shape (6, 6), lower triangular; newtons and newton metres are scaled apart."""
-    std = np.sqrt(np.diag(covariance))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance / np.outer(std, std))) / std)
-
-
-TURNS = 3  # of weights and parameters; the weights need the parameters to a percent only
-ROUNDS = 10  # of covariance and metric
-LEAST = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
-TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
-
-
-def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, weights: str) -> list[Finding]:
-    """Takes the residuals of a run apart: noise that would leave such ones; nothing where they are too few.
+def compress(regression: Regression, weights: Array) -> tuple[Array, Array, float]:
+    """chi^2 of (27) as |c - R u|^2 + d^2: R, shape (u, u), c, shape (u,), and d^2, which no u explains.
 
     Args:
-        fit: its values begin with u; its residuals are those of the forces behind the filter.
-        wrench: whether the channels are three forces and three moments.
-        weights: weights of the identification.
+        weights: diagonal of W for one sample, shape (6,).
+
+    Raises:
+        IdentificationError: fewer forces than unknowns.
     """
-    freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
-    if freedom < LEAST:
-        return []
-    covariance = fit.residuals.T @ fit.residuals * filtered.stride / freedom
-    if np.linalg.matrix_rank(covariance) < len(covariance):
-        return []
-    (force, *moment, acceleration, angular), share = components_of(
-        covariance, model, fit.values[: len(model.parameters)], wrench
-    )
-    moments = f" and {moment[0]:.3g} N m" if wrench else ""
-    sentence = (
-        f"the residuals look like noise of {force:.3g} N{moments} in the channels and of {acceleration:.3g} m/s^2 and "
-        f"{angular:.3g} rad/s^2 in the accelerations: if that is the machine's, state it in [sensors] of the case "
-        "(force_noise_N, acceleration_noise_m_s2, angular_acceleration_noise_rad_s2), for smaller deviations with "
-        "--weights stated; the vibration of a structure looks alike, and identify --flexible estimates its mode"
-    )
-    entries = {
-        "force_noise_N": force,
-        **({"moment_noise_Nm": moment[0]} if wrench else {}),
-        "acceleration_noise_m_s2": acceleration,
-        "angular_acceleration_noise_rad_s2": angular,
-        "share_of_accelerations": share,
-    }
-    silent = share < TELLING or weights == "stated"
-    return [note(Kind.NOISE, "" if silent else sentence, noise_components=entries)]
+    samples, sensors, unknowns = regression.regressors.shape
+    if samples * sensors <= unknowns:
+        raise IdentificationError(
+            f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns; record more or choose a model "
+            "with fewer parameters"
+        )
+    r = joint_triangle(regression.regressors, regression.forces, np.sqrt(weights))
+    return r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2)
 
 
-def components_of(total: Array, model: Model, values: Array, wrench: bool) -> tuple[list[float], float]:
-    """White noise of one recorded sample that makes a covariance of the channels, shape (6, 6).
+def joint_triangle(regressors: Array, forces: Array, root: Array) -> Array:
+    """R of the QR of all (A_j f_j), rows multiplied by `root`, shape (6,), piece by piece, shape (u + 1, u + 1)."""
+    tops = [
+        triangle(
+            (
+                np.concatenate([regressors[k : k + _PIECE], forces[k : k + _PIECE, :, None]], axis=2) * root[:, None]
+            ).reshape(-1, regressors.shape[2] + 1)
+        )
+        for k in range(0, len(forces), _PIECE)
+    ]
+    return tops[0] if len(tops) == 1 else triangle(np.vstack(tops))
 
-    Returns:
-        Standard deviations of a force channel [N], of a moment channel where there are such [N m], of the acceleration
-        of the origin of {P} in each direction [m/s^2] and of the angular acceleration [rad/s^2]; and the share of the
-        variance, in units of the channels' own, that the accelerations explain.
+
+def column_scale(root: Array) -> Array:
+    """H of (26): one over the norm of each column, 1 where a column is zero, shape (u,)."""
+    norms = np.linalg.norm(root, axis=0)
+    return np.where(norms > 0.0, 1.0 / np.where(norms > 0.0, norms, 1.0), 1.0)
+
+
+def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) -> tuple[int, float]:
+    """Rank and condition mu_1 / mu_u (26) of the scaled regression, which determines all its parameters.
+
+    Args:
+        root: R, or any matrix with R^T R the information, shape (k, u).
+        rows: m n of the paper's numerical zero (Fig. 3).
+        nuisance: so many of the last columns are not parameters of the model and are not counted.
+
+    Raises:
+        IdentificationError: parameters that are not determined, by name.
     """
-    from scipy.optimize import nnls  # half a second, which those that simulate or weigh can do without
+    count = root.shape[1] - nuisance
+    scaled = triangle(root * column_scale(root))[:count, :count]
+    singular, directions = np.linalg.svd(scaled)[1:]
+    rank = int(np.sum(singular > rows * np.finfo(float).eps * singular[0]))
+    if rank < count:
+        share = np.abs(directions[rank:]).max(axis=0)
+        hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
+        raise IdentificationError(
+            f"rank {rank} of {count}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
+            "more poses) or choose a model without them"
+        )
+    return rank, float(singular[0] / singular[-1])
 
-    effects = acceleration_to_force(model, values)
-    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
-    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
-    covariance = total
-    theta = np.zeros(len(parts))
-    for _ in range(ROUNDS):
-        root = whitening_of(covariance)
-        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
-        size = np.linalg.norm(columns, axis=0)
-        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
-        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
-        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
-    remainder = np.diag(
-        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
-    )
-    return np.sqrt(theta).tolist(), float(np.mean(remainder / np.diag(covariance)))
+
+def inverse_root(root: Array) -> Array:
+    """L with L L^T = (R^T R)^-1, shape (u, u), for R of full rank, shape (k, u)."""
+    scale = column_scale(root)
+    return np.asarray(scale[:, None] * solve_triangular(triangle(root * scale), np.eye(root.shape[1])))
+
+
+def orthonormal(regressors: Array, weights: Array) -> tuple[Array, Array]:
+    """Q of the QR decomposition of W^1/2 A, shape (n, 6, u), and L with L L^T = F^-1, shape (u, u)."""
+    weighted = regressors * np.sqrt(weights)[:, None]
+    half = inverse_root(weighted.reshape(-1, regressors.shape[2]))
+    return weighted @ half, half
+
+
+def triangle(matrix: Array) -> Array:
+    """R of the QR decomposition, shape (u, u), in parts that stay in the cache of the processor.
+
+    The QR of the parts' R is that of the whole, as stable and four times as fast (Demmel, Grigori, Hoemmen & Langou
+    2012, SIAM J. Sci. Comput. 34:A206).
+    """
+    rows, columns = matrix.shape
+    parts = rows // _PART
+    if parts > 1 and columns < _PART // 4:
+        tops = np.asarray(np.linalg.qr(matrix[: parts * _PART].reshape(parts, _PART, columns), mode="r"))
+        return triangle(np.vstack([tops.reshape(-1, columns), matrix[parts * _PART :]]))
+    return np.asarray(np.linalg.qr(matrix, mode="r"))
+
+
+def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
+    """Degrees of freedom by which the noise is judged (see `gauss_markov` for filtered data).
+
+    Raises:
+        IdentificationError: there are none.
+    """
+    independent = rows * filtered.gain * filtered.stride
+    if independent <= used:
+        raise IdentificationError(
+            f"{rows} forces, {independent:.0f} of them independent, for {used:.0f} unknowns; record longer or raise "
+            "filter_cutoff_Hz"
+        )
+    return independent - used
+
+
+def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
+    """What to say of an estimator that finds its weights in turns."""
+    if converged:
+        return ()
+    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
+
+
+def fit_along(
+    regression: Regression, weights: Array, root: Array, values: Array, tangent: Array, names: Sequence[str]
+) -> Fit:
+    """The Fit at the least chi^2 among u = u(theta), its uncertainty along du/dtheta.
+
+    Args:
+        weights: diagonal of W for one sample, shape (6,).
+        root: R of the regression, see `compress`, shape (u, u).
+        values: u(theta) at the minimum, shape (u,).
+        tangent: du/dtheta there, shape (u, theta).
+        names: names of the free parameters theta, in their order; the last are the regression's nuisances.
+
+    Raises:
+        IdentificationError: parameters that are not determined, by name, or no degree of freedom.
+    """
+    rows, filtered, root = regression.forces.size, regression.filtered, root @ tangent
+    rank, condition = determined(root, names, rows, regression.nuisance)
+    residuals = regression.residuals(values)
+    freedom = degrees_of_freedom(rows, tangent.shape[1], filtered)
+    s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
+    half = tangent @ inverse_root(root)
+    covariance = s0**2 / filtered.stride * (half @ half.T)  # (28), along du/dtheta
+    return Fit(values, covariance, covariance, s0, freedom, residuals, weights, rank, condition)
+
+
+def gauss_markov(regression: Regression, weights: Array) -> Fit:
+    """Weighted least squares with W the same diagonal at every sample.
+
+    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
+    the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
+    variance gain s0^2, of which every stride-th is used: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
+    stride F^-1 is the covariance, F being that of the used samples.
+
+    Args:
+        weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
+
+    Raises:
+        IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
+    """
+    (root, right, _), rows, names = compress(regression, weights), regression.forces.size, regression.names
+    determined(root, names, rows, regression.nuisance)
+    remainders = np.abs(np.diag(root))  # of each column, what the columns before it do not explain
+    unseen = np.flatnonzero(remainders <= rows * np.finfo(float).eps * np.linalg.norm(root, axis=0))
+    if len(unseen):
+        raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
+    half = inverse_root(root)
+    values = np.asarray(half @ ((root @ half).T @ right))  # (24)
+    return fit_along(regression, weights, root, values, np.eye(len(values)), names)
+
+
+def require_alive(forces: Array) -> None:
+    """Raises IdentificationError where a channel of two samples or more reads one and the same value, shape (n, 6).
+
+    A cable came off, or an amplifier is at its end.
+    """
+    stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
+    if len(stuck):
+        raise IdentificationError(
+            f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample; check its cable and amplifier"
+        )

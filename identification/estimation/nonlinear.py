@@ -15,8 +15,8 @@ from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
 from cases.units import Array
-from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
-from identification.estimation.fit import Fit, Regression
+from identification.estimation.fit import Fit, Regression, column_scale, compress, fit_along
+from identification.estimation.force_noise import with_kernel
 from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import Selection, physical_form, require_names
@@ -72,6 +72,11 @@ def nonlinear(regression: Regression, model: Model, weights: Array, known: Mappi
     """
     form = physical_form(model)
     names = [p.name for p in form.parameters]
+    linear = [name for name in known if name in model.names and name not in names]
+    if linear:
+        raise IdentificationError(
+            f"the estimator nonlinear knows physical parameters, not {', '.join(linear)}; fix {', '.join(names)}"
+        )
     require_names(known, names)
     own = len(names)
     names += regression.names[own:]
@@ -81,7 +86,7 @@ def nonlinear(regression: Regression, model: Model, weights: Array, known: Mappi
     if not free.any():
         raise IdentificationError("all parameters are known; leave at least one to estimate")
     start = np.array([known.get(name, 1.0 if name == "m" else 0.0) for name in names])
-    compressed = compress(regression, weights)
+    root, right, rest = compress(regression, weights)
 
     def full(theta: Array) -> tuple[Array, Array]:
         physical = start.copy()
@@ -93,14 +98,14 @@ def nonlinear(regression: Regression, model: Model, weights: Array, known: Mappi
 
     def residual(theta: Array) -> tuple[Array, Array]:
         u, tangent = full(theta)
-        return compressed.root @ u - compressed.right, compressed.root @ tangent
+        return root @ u - right, root @ tangent
 
-    noise = np.sqrt(compressed.rest / (compressed.rows - len(names)))
-    length = np.sqrt(compressed.rest + np.sum(compressed.right**2))
+    noise = np.sqrt(rest / (regression.forces.size - len(names)))
+    length = np.sqrt(rest + np.sum(right**2))
     solution, steps = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
     u, tangent = full(solution)
     labels = [name for name, f in zip(names, free, strict=True) if f]
-    fit = with_kernel(fit_along(compressed, labels, u, tangent), regression)
+    fit = with_kernel(fit_along(regression, weights, root, u, tangent, labels), regression)
     return replace(fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {steps} Gauss-Newton steps"),))
 
 

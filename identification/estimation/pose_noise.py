@@ -11,17 +11,21 @@ of the run's reach, or more, looks like a parameter, and the run cannot show it.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
-from scipy.optimize import minimize, nnls
 from scipy.special import gammaincinv, ndtri
 
 from cases.sensors import PoseField
 from cases.units import Array
-from identification.estimation.coloured_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
-from identification.estimation.fit import Robust, matern, squared_distances
+from identification.estimation.fit import Robust
+from identification.estimation.force_noise import (
+    LEAST_SAMPLES,
+    Turned,
+    autoregressive,
+    slow_noises,
+    toeplitz,
+)
 from identification.finding import Kind, note
 
 UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding
@@ -33,54 +37,69 @@ Family = Callable[[Array], tuple[Array, Callable[[Array], Array]]]
 """Logarithms of parameters, shape (p,) -> V, shape (m, m), and what turns dL/dV into dL/d(logarithms), shape (p,)."""
 
 
-class ChannelResiduals(NamedTuple):
-    """Residuals of some samples, in channels with independent noise."""
-
-    noise: Array  # residuals, shape (m, s)
-    taken: Array  # columns, without dependent ones, that the fit may have taken any multiple of, shape (m, s, r)
-
-    @classmethod
-    def of(cls, noise: Array, taken: Array) -> "ChannelResiduals":
-        """From residuals, shape (m, s), and columns of the fit, shape (m, s, u), that may depend on one another."""
-        basis, size, _ = np.linalg.svd(taken.reshape(noise.size, -1), full_matrices=False)
-        directions = basis[:, size > UNSEEN * size[0]]
-        return cls(noise, directions.reshape(*noise.shape, -1))
+def squared_distances(places: Array, others: Array) -> Array:
+    """Between places, shapes (n, d) and (m, d), shape (n, m)."""
+    middle = others.mean(axis=0)
+    first, second = places - middle, others - middle
+    total = np.sum(first**2, axis=1)[:, None] + np.sum(second**2, axis=1)
+    return np.asarray(np.maximum(total - 2.0 * first @ second.T, 0.0))
 
 
-def _solved(data: ChannelResiduals, covariance: Array) -> tuple[Array, Array, Array, float]:
+def matern(distance: Array) -> tuple[Array, Array]:
+    """Matern's correlation of smoothness 3/2 at a distance in lengths, and its derivative by the length's logarithm."""
+    scaled = np.sqrt(3.0) * distance
+    fading = np.exp(-scaled)
+    return (1.0 + scaled) * fading, scaled**2 * fading
+
+
+def field_covariance(field: PoseField, struts: Array) -> Array:
+    """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
+    return field.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / field.length)[0]
+
+
+def independent(taken: Array) -> Array:
+    """Columns of a fit that depend on no others, shape (m, s, r), for those that may do so, shape (m, s, u)."""
+    basis, size, _ = np.linalg.svd(taken.reshape(-1, taken.shape[2]), full_matrices=False)
+    return np.asarray(basis[:, size > UNSEEN * size[0]].reshape(*taken.shape[:2], -1))
+
+
+def _solved(noise: Array, taken: Array, covariance: Array) -> tuple[Array, Array, Array, float]:
     """P = V^-1 - H H^T over all channels.
 
     Returns:
         V^-1, shape (m, m), H, shape (m, s, r), P applied to the residuals, shape (m, s), and the logarithm of the
         determinants' root.
     """
-    count, channels = data.noise.shape
+    count, channels = noise.shape
     jittered = covariance + JITTER * np.trace(covariance) / count * np.eye(count)
     factor, lower = cho_factor(jittered, lower=True)
     inverse = cho_solve((factor, lower), np.eye(count))
-    columns = (inverse @ data.taken.reshape(count, -1)).reshape(data.taken.shape)
-    inner = np.linalg.cholesky(np.tensordot(data.taken, columns, ((0, 1), (0, 1))))
+    columns = (inverse @ taken.reshape(count, -1)).reshape(taken.shape)
+    inner = np.linalg.cholesky(np.tensordot(taken, columns, ((0, 1), (0, 1))))
     spanned = solve_triangular(inner, columns.reshape(-1, len(inner)).T, lower=True).T.reshape(columns.shape)
-    rest = np.tensordot(spanned, data.noise, ((0, 1), (0, 1)))
-    solution = inverse @ data.noise
+    rest = np.tensordot(spanned, noise, ((0, 1), (0, 1)))
+    solution = inverse @ noise
     logdet = channels * np.log(np.diag(factor)).sum() + np.log(np.diag(inner)).sum()
     return inverse, spanned, solution - spanned @ rest, float(logdet)
 
 
-def likeliest(residuals: ChannelResiduals, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
+def likeliest(noise: Array, taken: Array, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
     """Parameters of the largest restricted likelihood, shape (p,), and minus the logarithm of that likelihood.
 
     Args:
+        noise: residuals of some samples, in channels with independent noise, shape (m, s).
+        taken: `independent` columns that the fit may have taken any multiple of, shape (m, s, r).
         start: parameters to begin with, shape (p,).
         bounds: least and most of each, shape (p, 2).
     """
+    from scipy.optimize import minimize  # half a second, which those that simulate or plan can do without
 
     def value(logarithms: Array) -> tuple[float, Array]:
         covariance, gradient = family(logarithms)
-        inverse, spanned, answer, half_logdet = _solved(residuals, covariance)
+        inverse, spanned, answer, half_logdet = _solved(noise, taken, covariance)
         flat = spanned.reshape(len(covariance), -1)
-        slope = residuals.noise.shape[1] * inverse - flat @ flat.T - answer @ answer.T
-        return half_logdet + float(np.sum(residuals.noise * answer)) / 2.0, gradient(slope / 2.0)
+        slope = noise.shape[1] * inverse - flat @ flat.T - answer @ answer.T
+        return half_logdet + float(np.sum(noise * answer)) / 2.0, gradient(slope / 2.0)
 
     best = minimize(
         value,
@@ -105,15 +124,18 @@ def mixtures(kernels: Array) -> Family:
     return family
 
 
-def shares_by_channel(residuals: ChannelResiduals, kernels: Array, shares: Array) -> Array:
+def shares_by_channel(noise: Array, taken: Array, kernels: Array, shares: Array) -> Array:
     """Shares of noises in each channel, shape (s, c).
 
     Args:
+        noise, taken: as in `likeliest`.
         kernels: covariances of the noises, shape (c, m, m).
         shares: shares that are the likeliest for all channels alike, shape (c,).
     """
-    inverse, spanned, answer, _ = _solved(residuals, np.tensordot(shares, kernels, 1))
-    channels, count = residuals.noise.shape[1], len(kernels)
+    from scipy.optimize import nnls
+
+    inverse, spanned, answer, _ = _solved(noise, taken, np.tensordot(shares, kernels, 1))
+    channels, count = noise.shape[1], len(kernels)
     weighed = inverse @ kernels
     power = np.einsum("ms,cms->sc", answer, np.tensordot(kernels, answer, 1))
     products = np.tensordot(kernels, spanned, 1)  # K_c H, shape (c, m, s, r)
@@ -161,14 +183,14 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
     if reach == 0.0:
         return None
-    data = ChannelResiduals.of(found.noise[rows], found.taken[rows])
+    noise, taken = found.noise[rows], independent(found.taken[rows])
     memories = [_near(found), *slow_noises(found.length)]
     lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])
     begin = np.r_[BEGIN[0], np.full(len(memories) - 1, BEGIN[1]), BEGIN[2:]]
     bounds = np.array([*[SHARES] * (len(memories) + 1), LENGTHS])
-    _, without = likeliest(data, mixtures(kernels), begin[:-2], bounds[:-2])
-    shares, value = likeliest(data, _with_field(kernels, squared / reach**2), begin, bounds)
+    _, without = likeliest(noise, taken, mixtures(kernels), begin[:-2], bounds[:-2])
+    shares, value = likeliest(noise, taken, _with_field(kernels, squared / reach**2), begin, bounds)
     if without - value <= UNKNOWNS:
         return None
     length = reach * float(shares[-1])
@@ -179,7 +201,7 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     begin = np.array([shares[0], 1.0, shares[-2]])
     by_channel = np.zeros((found.noise.shape[1], len(begin)))
     counts = begin * alike[:, 0, 0] > COUNTED
-    by_channel[:, counts] = shares_by_channel(data, alike[counts], begin[counts])
+    by_channel[:, counts] = shares_by_channel(noise, taken, alike[counts], begin[counts])
     meat = _field_covariance(found, struts / length, by_channel[:, -1])
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):

@@ -8,7 +8,6 @@ trimmed squares resist up to half of the samples (`least_trimmed_squares`).
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from scipy.special import chdtri, ndtri
 
 from cases.errors import IdentificationError
 from cases.units import Array
-from identification.estimation.channel_weights import least_trimmed_squares
+from identification.estimation.channel_weights import EACH, least_trimmed_squares
 from identification.estimation.estimators import robust_of
 from identification.estimation.fit import Regression
 from identification.findings.fit_checks import following
@@ -202,13 +201,15 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
 
 def _without_pull(matrices: Array, fitted: Fitted) -> Array:
     """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not bias it."""
-    selection, problem = fitted.method.selection(fitted.samples.model), fitted.problem
+    selection, noise = fitted.method.selection(fitted.samples.model), fitted.sensors.force_noise
     part = fair_part(len(matrices))
     matrices, forces = matrices[part], fitted.regression.forces[part]
     right = forces - matrices @ selection.offset
-    regression = Regression(matrices @ selection.basis, right, selection.names, filtered=fitted.samples.filtered)
-    pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
-    free = robust_of(regression, replace(problem, pooled=pooled)).values
+    uneven = fitted.whitening is not None and noise is not None and np.ptp(noise) > 0.0  # by what is stated
+    alike = EACH if uneven else fitted.regression.alike
+    free = robust_of(
+        Regression(matrices @ selection.basis, right, selection.names, 0, fitted.samples.filtered, alike)
+    ).values
     return np.asarray(selection.offset + selection.basis @ free)
 
 

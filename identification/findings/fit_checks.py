@@ -16,8 +16,8 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import WARM_UP, channel_words
-from identification.estimation.compressed import inverse_root, joint_triangle
-from identification.estimation.fit import Fit, Regression, noise_components
+from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
+from identification.estimation.force_noise import noise_components
 from identification.finding import Finding, Kind, note, warning
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model

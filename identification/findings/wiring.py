@@ -18,7 +18,7 @@ from cases.errors import HexciteError
 from cases.loading import CASE_FILE, built_in_cases, find_case
 from cases.schema import Case, load_case
 from cases.units import Array
-from identification.estimation.compressed import column_scale, joint_triangle
+from identification.estimation.fit import column_scale, joint_triangle
 from identification.findings.cable_orders import SIDES, STRAIGHT, Order, orders_of, remedy
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors

@@ -20,8 +20,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.sensors import Sensors
 from cases.units import Array
-from identification.estimation.compressed import orthonormal
-from identification.estimation.fit import Filtered, Fit, Robust
+from identification.estimation.fit import Filtered, Fit, Robust, orthonormal
 from identification.finding import Finding, Kind, note, warning
 from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.model import Model, regressors

@@ -27,9 +27,8 @@ from numpy.typing import NDArray
 
 from cases.sensors import Sensors
 from cases.units import Array
-from identification.estimation.coloured_noise import coloured_covariance, turned
-from identification.estimation.compressed import joint_triangle
-from identification.estimation.fit import Filtered, Fit, Robust, Uncertain
+from identification.estimation.fit import Filtered, Fit, Robust, Value, joint_triangle
+from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
 from identification.hexapod import StrutsDoNotClose
@@ -247,7 +246,7 @@ SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is reported
 
 
-def smoothing_finding(smoothing: Uncertain) -> Finding:
+def smoothing_finding(smoothing: Value) -> Finding:
     """Finding about b, by which forces are smoothed more than the motion [s^2]; a sentence only where it is clear."""
     sentence = (
         f"forces are {'smoothed' if smoothing.value > 0.0 else 'sharpened'} against the motion by "
@@ -255,12 +254,12 @@ def smoothing_finding(smoothing: Uncertain) -> Finding:
         "averaging or a low-pass of the channels): estimated and compensated"
     )
     clear = abs(smoothing.value) >= CLEAR * smoothing.std
-    return note(Kind.CLOCK, sentence if clear else "", smoothing_s2=smoothing._asdict())
+    return note(Kind.CLOCK, sentence if clear else "", smoothing_s2={"value": smoothing.value, "std": smoothing.std})
 
 
-def mode_finding(smoothing: Uncertain, cutoff: float) -> Finding:
+def mode_finding(smoothing: Value, cutoff: float) -> Finding:
     """Finding about the structural mode that sharpens forces by b, behind a low-pass [Hz]."""
-    entries = {"smoothing_s2": smoothing._asdict()}
+    entries = {"smoothing_s2": {"value": smoothing.value, "std": smoothing.std}}
     if -smoothing.value < CLEAR * smoothing.std:
         sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
         return note(Kind.MODEL, sentence, **entries)
@@ -329,8 +328,8 @@ def strut_noise(run: Run) -> Array:
     return np.asarray(changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES))))
 
 
-def smoothing_of(run: Run, fit: Fit) -> Uncertain:
+def smoothing_of(run: Run, fit: Fit) -> Value:
     """The smoothing b by a fit of a run with that unknown [s^2]."""
     place = len(run.model.parameters) + run.nuisances.index("smoothing")
     std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
-    return Uncertain(float(fit.values[place]), std)
+    return Value(float(fit.values[place]), std, std, "s^2")

@@ -17,8 +17,8 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
 from identification.estimation.biases import Biases
-from identification.estimation.coloured_noise import coloured_covariance, turned
 from identification.estimation.fit import Filtered, Fit, Robust
+from identification.estimation.force_noise import coloured_covariance, turned
 from identification.finding import Finding, Kind, note
 from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
 from identification.model import Model

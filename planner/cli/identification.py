@@ -7,11 +7,11 @@ from typing import Any
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.estimation.estimators import Method, method
+from identification.estimation.fit import Value
 from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result, biases_of
 from identification.parameters import physical_form, symmetric_platform
-from identification.result import Value
 from identification.samples import Conditioning
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text

@@ -7,8 +7,8 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
+from identification.estimation.fit import Value
 from identification.outcome import RUN_ENTRIES, Result
-from identification.result import Value
 from identification.signals import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of

@@ -160,9 +160,9 @@ def require_identifiable(case: Case, model: Model) -> None:
 
     analysis = analyse(matrices.reshape(STATES, -1, len(size)), model.names)
     words = []
-    for group in analysis.groups:
-        text = " and ".join(_sum(combination) for combination in group.combinations)
-        words.append(f"{', '.join(group.parameters)}{f' (only {text})' if text else ''}")
+    for parameters, combinations in analysis.groups:
+        text = " and ".join(_sum(combination) for combination in combinations)
+        words.append(f"{', '.join(parameters)}{f' (only {text})' if text else ''}")
     raise IdentificationError(
         f"case {case.name}, limits.motion: no motion in this box determines {'; '.join(words)}: the machine does not "
         f"turn or accelerate its load about enough axes; widen the box, or choose a smaller model than {model.number}"

@@ -5,8 +5,7 @@ import pytest
 from scipy import stats
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Filtered, Fit, Regression
+from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
 from identification.signals import Filter
 from tests.helpers import one_line
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from identification.estimation.compressed import gauss_markov, long_run_covariance, with_kernel
-from identification.estimation.fit import Regression
+from identification.estimation.fit import Regression, gauss_markov
+from identification.estimation.force_noise import long_run_covariance, with_kernel
 
 
 def auto_regressive(phi: float, count: int, seed: int, columns: int = 1) -> np.ndarray:

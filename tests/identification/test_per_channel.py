@@ -5,8 +5,7 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification.estimation.channel_weights import channel_leverage, independent_poses, per_channel
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Regression
+from identification.estimation.fit import Regression, gauss_markov
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)
@@ -119,7 +118,7 @@ def test_forces_that_are_all_zero_are_refused(samples: int) -> None:
 def test_channels_that_are_alike_share_one_variance_which_is_the_mean_of_their_own() -> None:
     """So a channel whose residuals are small by chance, or by a model that fits it better, does not rule the fit."""
     alike = (0, 0, 0, 1, 1, 1)
-    fit = per_channel(Regression(A, FORCES, NAMES), alike=alike)
+    fit = per_channel(Regression(A, FORCES, NAMES, alike=alike))
     noise = 1 / np.sqrt(fit.weights)
     assert np.ptp(noise[:3]) == np.ptp(noise[3:]) == 0.0
     np.testing.assert_allclose(
@@ -131,7 +130,7 @@ def test_channels_that_are_alike_share_one_variance_which_is_the_mean_of_their_o
 
 def test_one_kind_for_all_is_the_fit_with_equal_weights() -> None:
     one, equal = (
-        per_channel(Regression(A, FORCES, NAMES), alike=(0,) * 6),
+        per_channel(Regression(A, FORCES, NAMES, alike=(0,) * 6)),
         gauss_markov(Regression(A, FORCES, NAMES), np.ones(6)),
     )
     np.testing.assert_allclose(one.values, equal.values, rtol=1e-9)

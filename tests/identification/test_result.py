@@ -8,9 +8,10 @@ import pytest
 
 from cases.files import json_text
 from cases.schema import load_case
+from identification.estimation.fit import Value
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.result import Estimate, Value, entries_of
+from identification.result import Estimate, entries_of
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution

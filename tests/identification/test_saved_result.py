@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from cases.errors import FileProblem
 from cases.schema import load_case
-from identification.finding import Finding, Kind, Severity, note
+from identification.finding import SEVERITIES, Finding, Kind, note
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
@@ -32,7 +32,7 @@ KEYS = TEXT.map(lambda text: f"own_{text}")  # other than those of result.json
 FINDINGS = st.builds(
     Finding,
     st.sampled_from(Kind),
-    st.sampled_from(Severity),
+    st.sampled_from(SEVERITIES),
     TEXT,
     TEXT,
     st.dictionaries(KEYS, JSON | st.dictionaries(TEXT, JSON, max_size=2), max_size=2),

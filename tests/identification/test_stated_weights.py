@@ -5,8 +5,14 @@ import pytest
 
 from cases.errors import IdentificationError
 from cases.schema import Case, load_case
+from cases.sensors import Sensors
 from identification.estimation.estimators import method
-from identification.estimation.fit import StatedNoise, acceleration_to_force, components_of
+from identification.estimation.force_noise import (
+    acceleration_to_force,
+    components_of,
+    noise_covariance,
+    whitening_of,
+)
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.model import identification_model
@@ -55,14 +61,13 @@ def test_vibration_is_felt_as_newton_s_law_has_it() -> None:
 
 
 def test_the_stated_covariance_is_that_of_many_samples_and_whitening_makes_it_one() -> None:
-    noise = StatedNoise.of(MODEL, CASE.sensors)
     recording, quiet = runs(CASE, 1)[0], runs(shaken(1e-9, 0.0, 0.0), 1)[0]
     drawn = recording.forces - quiet.forces
-    expected = noise.covariance(TRUTH)
+    expected = noise_covariance(MODEL, CASE.sensors, TRUTH)
     found = np.cov(drawn.T)
     size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)) * 2 / len(drawn))
     assert np.abs((found - expected) / size).max() < 4.5
-    whitening = noise.whitening(TRUTH)
+    whitening = whitening_of(expected)
     np.testing.assert_allclose(whitening @ expected @ whitening.T, np.eye(6), atol=1e-9)
 
 
@@ -74,8 +79,8 @@ def test_covariance_does_not_depend_on_the_pose() -> None:
     still = np.zeros((7, 6))
     forces = MODEL.matrices(still[:, :3] + 0.1, turns, still, np.vstack([np.zeros(6), np.eye(6)])) @ TRUTH
     felt = (forces[1:] - forces[0]).T * CASE.sensors.acceleration_noise
-    noise = StatedNoise.of(MODEL, CASE.sensors)
-    np.testing.assert_allclose(felt @ felt.T + np.diag(noise.force**2), noise.covariance(TRUTH), rtol=1e-9)
+    alone = np.diag(CASE.sensors.force_noise**2)
+    np.testing.assert_allclose(felt @ felt.T + alone, noise_covariance(MODEL, CASE.sensors, TRUTH), rtol=1e-9)
 
 
 @pytest.mark.slow
@@ -154,8 +159,9 @@ def test_the_noise_of_a_wrist_sensor_is_taken_apart_by_unit() -> None:
     draw = np.random.default_rng(4)
     model = identification_model(load_case("ft_wrist"), 6)
     values = np.array([{"m": 3.0, "mzC": 0.2, "I11": 0.05, "I22": 0.05, "I33": 0.02}.get(n, 0.0) for n in model.names])
-    noise = StatedNoise(model, np.array([0.2] * 3 + [0.01] * 3), np.array([0.05] * 3 + [0.3] * 3))
-    sample = draw.normal(size=(20_000, 6)) @ np.linalg.cholesky(noise.covariance(values)).T
+    keys = ("force_noise_N", "moment_noise_Nm", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
+    noise = Sensors.model_validate(dict(zip(keys, (0.2, 0.01, 0.05, 0.3), strict=True)))
+    sample = draw.normal(size=(20_000, 6)) @ np.linalg.cholesky(noise_covariance(model, noise, values)).T
     found, _ = components_of(np.cov(sample.T), model, values, True)
     assert found[:2] == pytest.approx((0.2, 0.01), rel=0.05)
     assert found[2:] == pytest.approx((0.05, 0.3), rel=0.1)

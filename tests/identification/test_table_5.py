@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cases.schema import load_case
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Regression
+from identification.estimation.fit import Regression, gauss_markov
 from identification.model import identification_model
 from identification.parameters import physical_form
 from tests.helpers import paper_poses

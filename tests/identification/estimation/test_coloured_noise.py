@@ -7,9 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.schema import load_case
-from identification.estimation.coloured_noise import coloured_covariance, turned
-from identification.estimation.compressed import gauss_markov, with_kernel
-from identification.estimation.fit import Fit, Regression
+from identification.estimation.fit import Fit, Regression, gauss_markov
+from identification.estimation.force_noise import coloured_covariance, turned, with_kernel
 from identification.hexapod import Hexapod
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic

@@ -9,12 +9,11 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from cases.errors import IdentificationError
-from identification.estimation import robust as module
+from identification.estimation import consistent as module
 from identification.estimation.channel_weights import per_channel
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Filtered, Fit, Regression
+from identification.estimation.consistent import consistent, pseudo_inertia
+from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
 from identification.estimation.nonlinear import estimate_selected
-from identification.estimation.robust import consistent, pseudo_inertia
 from identification.parameters import select
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, ONES, A, U, forces, truth_with

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Regression
+from identification.estimation.fit import Regression, gauss_markov
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)

@@ -6,8 +6,7 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation import channel_weights as module
 from identification.estimation.channel_weights import full_weights, per_channel
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Filtered, Regression
+from identification.estimation.fit import Filtered, Regression, gauss_markov
 from tests.helpers import few, one_line, tells
 from tests.identification.moving_run import NAMES, SAMPLES, A, U, coverage, forces
 

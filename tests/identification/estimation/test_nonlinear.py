@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from identification.estimation import nonlinear as solver
-from identification.estimation.compressed import gauss_markov, with_kernel
-from identification.estimation.fit import Filtered, Regression
+from identification.estimation.fit import Filtered, Regression, gauss_markov
+from identification.estimation.force_noise import with_kernel
 from identification.estimation.nonlinear import estimate_selected, nonlinear
 from identification.model import identification_model
 from identification.parameters import physical_form, select
@@ -138,7 +138,8 @@ def test_a_search_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("known", "message"),
     [
-        ({"mxC": 0.0}, "'mxC' is not a parameter here; choose from m, xC"),
+        ({"mxC": 0.0}, "knows physical parameters, not mxC; fix m, xC"),
+        ({"k9": 0.0}, "'k9' is not a parameter here; choose from m, xC"),
         ({"xC": np.inf}, "a known value must be finite"),
         ({"m": -1.0}, "a known mass above zero"),
         (dict.fromkeys(PHYSICAL, 1.0), "all parameters are known"),

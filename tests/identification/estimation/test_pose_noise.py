@@ -7,10 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.schema import load_case
-from identification.estimation.coloured_noise import Turned, coloured_covariance, turned
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Regression, matern
-from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, spectrum_of
+from identification.estimation.fit import Regression, gauss_markov
+from identification.estimation.force_noise import Turned, coloured_covariance, turned
+from identification.estimation.pose_noise import FREEDOM, covariance_by_pose, matern, spectrum_of
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
 from identification.result import Estimate

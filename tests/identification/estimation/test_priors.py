@@ -5,13 +5,14 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification.estimation import nonlinear as solver
-from identification.estimation.compressed import gauss_markov, with_kernel
-from identification.estimation.fit import Filtered, Fit, Regression
-from identification.estimation.priors import Prior, PriorEffect, PseudoMeasurements, with_priors
+from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
+from identification.estimation.force_noise import with_kernel
+from identification.estimation.priors import Prior, as_measurements, effect_of, with_priors
 from tests.helpers import few, one_line, paper_poses, taylor_slope
 from tests.identification.moving_run import FORM, MODEL, NAMES, ONES, PHYSICAL, SAMPLES, A, U, coverage, forces
 
 Array = np.ndarray
+Effect = tuple[float, float, float]
 STILL = np.zeros((480, 6))
 STATIC = MODEL.matrices(*paper_poses(), STILL, STILL)
 CAD = [  # Table 3: mass, centre of gravity, inertia as designed
@@ -24,10 +25,16 @@ BODY = PHYSICAL[:10]
 STD = dict(zip(BODY, [0.05, 5e-4, 5e-4, 5e-4, 0.01, 0.005, 0.005, 0.01, 0.005, 0.01], strict=True))
 
 
-def estimated(
-    seed: int, priors: list[Prior] | tuple[Prior, ...], **options: object
-) -> tuple[Fit, tuple[PriorEffect, ...]]:
-    return with_priors(Regression(A, forces(seed), NAMES), MODEL, ONES, priors)
+def estimated(seed: int, priors: list[Prior]) -> tuple[Fit, list[Effect]]:
+    fit = with_priors(Regression(A, forces(seed), NAMES), MODEL, ONES, priors)
+    return fit, effects_of(fit, priors)
+
+
+def effects_of(fit: Fit, priors: list[Prior]) -> list[Effect]:
+    """Moved, conflict and share of the data, for each prior."""
+    values, rows = as_measurements(priors, MODEL)(fit.values)
+    variances = np.einsum("ij,jk,ik->i", rows, fit.covariance, rows)
+    return [effect_of(*one) for one in zip(priors, values, variances, strict=True)]
 
 
 def test_linear_priors_give_the_mean_of_data_and_prior_weighted_by_their_information() -> None:
@@ -52,8 +59,8 @@ def test_a_prior_that_says_nothing_changes_nothing() -> None:
     np.testing.assert_allclose(found.values, free.values, rtol=1e-8)
     np.testing.assert_allclose(found.covariance, free.covariance, rtol=1e-8, atol=1e-14)
     np.testing.assert_allclose(np.diag(found.covariance_robust), np.diag(free.covariance_robust), rtol=1e-7)
-    assert [e.data_share for e in effects] == pytest.approx([1.0, 1.0])
-    assert [e.moved for e in effects] == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert [share for *_, share in effects] == pytest.approx([1.0, 1.0])
+    assert [moved for moved, *_ in effects] == pytest.approx([0.0, 0.0], abs=1e-6)
 
 
 def test_a_prior_that_is_nearly_certain_fixes_its_parameter() -> None:
@@ -62,41 +69,39 @@ def test_a_prior_that_is_nearly_certain_fixes_its_parameter() -> None:
     for name, value, std in (("zC", 0.1, 1e-8), ("IC11", 1.3, 1e-7)):
         assert values[PHYSICAL.index(name)] == pytest.approx(value, abs=5 * std)
         assert covariance[PHYSICAL.index(name), PHYSICAL.index(name)] == pytest.approx(std**2, rel=1e-3)
-    assert max(e.data_share for e in effects) < 1e-3
+    assert max(share for *_, share in effects) < 1e-3
 
 
 def test_the_search_ends_at_the_most_probable_parameters() -> None:
     """Priors on centre and central inertia are not linear in u: the gradient of both parts vanishes together."""
     found, _ = estimated(0, CAD)
-    pseudo = PseudoMeasurements.of(CAD, MODEL)
-    values, rows = pseudo.at(found.values)
+    values, rows = as_measurements(CAD, MODEL)(found.values)
+    stated, std_of_priors = (np.array([p[k] for p in CAD]) for k in (1, 2))
     of_data = A.reshape(-1, 20).T @ found.residuals.ravel() / found.s0**2
-    of_priors = rows.T @ ((pseudo.values - values) / pseudo.std**2)
+    of_priors = rows.T @ ((stated - values) / std_of_priors**2)
     std = np.sqrt(np.diag(found.covariance))
     np.testing.assert_allclose((of_data + of_priors) * std, 0.0, atol=1e-6)
 
 
 def test_priors_as_rows_have_the_right_derivative() -> None:
-    pseudo, direction = PseudoMeasurements.of((*CAD, *LINEAR[1:]), MODEL), np.random.default_rng(0).normal(size=20)
-    slope = taylor_slope(lambda h: pseudo.at(U + h * direction)[0], 0.0, pseudo.at(U)[1] @ direction, 0.1)
+    at, direction = as_measurements((*CAD, *LINEAR[1:]), MODEL), np.random.default_rng(0).normal(size=20)
+    slope = taylor_slope(lambda h: at(U + h * direction)[0], 0.0, at(U)[1] @ direction, 0.1)
     assert slope == pytest.approx(2.0, abs=0.15)
-    assert list(pseudo.linear) == [True, *[False] * 9, True, True, True]
 
 
 @pytest.mark.parametrize("taken", range(4))
 def test_moved_conflict_and_share_are_those_of_an_estimate_without_the_prior(taken: int) -> None:
     prior, rest = LINEAR[taken], [p for k, p in enumerate(LINEAR) if k != taken]
     (found, effects), without = estimated(0, LINEAR), estimated(0, rest)[0]
-    effect = effects[taken]
+    moved, conflict, share = effects[taken]
     k = NAMES.index(prior.name)
     std = np.sqrt(without.covariance[k, k])
-    assert effect.prior == prior
-    assert effect.moved == pytest.approx((found.values[k] - without.values[k]) / std, rel=1e-5)
-    assert effect.conflict == pytest.approx((prior.value - without.values[k]) / np.hypot(std, prior.std), rel=1e-5)
-    assert effect.data_share == pytest.approx(1.0 / (1.0 + std**2 / prior.std**2), rel=1e-6)
+    assert moved == pytest.approx((found.values[k] - without.values[k]) / std, rel=1e-5)
+    assert conflict == pytest.approx((prior.value - without.values[k]) / np.hypot(std, prior.std), rel=1e-5)
+    assert share == pytest.approx(1.0 / (1.0 + std**2 / prior.std**2), rel=1e-6)
 
 
-def with_drawn_priors(seed: int) -> tuple[Fit, tuple[PriorEffect, ...]]:
+def with_drawn_priors(seed: int) -> tuple[Fit, list[Effect]]:
     """Designs scatter about the truth as their standard deviations say."""
     draw, truth = np.random.default_rng(5000 + seed), FORM.of(U, np.eye(20))[0]
     return estimated(
@@ -113,29 +118,27 @@ def test_intervals_hold_the_truth_in_95_of_100_if_the_priors_do(robust: bool) ->
 
 
 def test_honest_priors_conflict_as_a_standard_normal_and_wrong_ones_stand_out() -> None:
-    conflicts = [[e.conflict for e in with_drawn_priors(s)[1]] for s in range(60)]
+    conflicts = [[conflict for _, conflict, _ in with_drawn_priors(s)[1]] for s in range(60)]
     assert np.std(conflicts) == pytest.approx(1.0, abs=0.1)
     assert np.mean(conflicts) == pytest.approx(0.0, abs=0.15)
-    wrong, (effect,) = estimated(0, [Prior("m", 33.0, 0.05)])
-    assert effect.conflict > 10.0
-    assert effect.moved > 5.0
+    wrong, ((moved, conflict, _),) = estimated(0, [Prior("m", 33.0, 0.05)])
+    assert conflict > 10.0
+    assert moved > 5.0
     free = gauss_markov(Regression(A, forces(0), NAMES), ONES)
     assert wrong.s0 == pytest.approx(free.s0)  # it does not hide in the noise
 
 
 def test_inertia_that_a_standstill_cannot_show_comes_from_the_design_alone() -> None:
     measured = STATIC @ U + np.random.default_rng(0).normal(size=(480, 6))
-    found, all_effects = with_priors(Regression(STATIC, measured, NAMES), MODEL, ONES, CAD)
-    effects = {e.prior.name: e for e in all_effects}
-    estimates, rows = PseudoMeasurements.of(CAD, MODEL).at(found.values)
+    found, names = with_priors(Regression(STATIC, measured, NAMES), MODEL, ONES, CAD), [p.name for p in CAD]
+    effects = effects_of(found, CAD)
+    estimates, rows = as_measurements(CAD, MODEL)(found.values)
     std = np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows))
     for name, nominal in (("IC11", 1.65), ("IC12", 0.0), ("IC33", 1.51)):
-        effect = effects[name]
-        assert (effect.moved, effect.conflict) == (0.0, 0.0)
-        assert effect.data_share == pytest.approx(0.0, abs=1e-9)
-        k = all_effects.index(effect)
+        k = names.index(name)
+        assert effects[k] == (0.0, 0.0, pytest.approx(0.0, abs=1e-9))
         assert (estimates[k], std[k]) == (pytest.approx(nominal, abs=1e-9), pytest.approx(0.5))
-    assert effects["m"].data_share > 0.9
+    assert effects[names.index("m")][2] > 0.9
     static = gauss_markov(Regression(STATIC[:, :, [0, 1, 2, 3, *range(10, 20)]], measured, [""] * 14), ONES)
     assert (found.s0, found.freedom) == (pytest.approx(static.s0), static.freedom)
 
@@ -151,14 +154,14 @@ def test_a_filter_and_nuisances_are_treated_as_in_the_linear_estimate() -> None:
     wide = np.dstack([A, late])
     regression = Regression(wide, forces(0), [*NAMES, "delay"], 1, filtered)
     expected = gauss_markov(regression, ONES)
-    found, _ = with_priors(regression, MODEL, ONES, [Prior("m", 0.0, 1e9)])
+    found = with_priors(regression, MODEL, ONES, [Prior("m", 0.0, 1e9)])
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-7)
     np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-7, atol=1e-13)
     assert (found.s0, found.freedom) == (pytest.approx(expected.s0), pytest.approx(expected.freedom))
 
 
 def test_data_without_noise_overrule_every_prior() -> None:
-    found, _ = with_priors(Regression(A, A @ U, NAMES), MODEL, ONES, CAD)
+    found = with_priors(Regression(A, A @ U, NAMES), MODEL, ONES, CAD)
     np.testing.assert_allclose(found.values, U, rtol=1e-7, atol=1e-8)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identification.estimation.pose_noise import ChannelResiduals, likeliest, mixtures, shares_by_channel
+from identification.estimation.pose_noise import independent, likeliest, mixtures, shares_by_channel
 from tests.helpers import taylor_slope
 
 COUNT, UNKNOWNS = 60, 20
@@ -15,11 +15,11 @@ KERNELS = np.array([WHITE, SLOW])
 BOUNDS = np.array([[1e-8, 1e3]] * 2)
 
 
-def left_by_fit(noise: np.ndarray) -> ChannelResiduals:
-    """Residuals of ordinary least squares, channels together."""
+def left_by_fit(noise: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals of ordinary least squares, channels together, and the columns that it took."""
     columns = TAKEN.reshape(-1, UNKNOWNS)
     values = np.linalg.lstsq(columns, noise.ravel(), rcond=None)[0]
-    return ChannelResiduals.of(noise - TAKEN @ values, TAKEN)
+    return noise - TAKEN @ values, independent(TAKEN)
 
 
 def drawn(seed: int, white: np.ndarray, slow: np.ndarray) -> np.ndarray:
@@ -32,22 +32,21 @@ def drawn(seed: int, white: np.ndarray, slow: np.ndarray) -> np.ndarray:
 
 def test_of_white_noise_the_share_is_the_sum_of_squares_over_degrees_of_freedom() -> None:
     left = left_by_fit(DRAW.normal(size=(COUNT, 6)))
-    shares, _ = likeliest(left, mixtures(WHITE[None]), np.ones(1), BOUNDS[:1])
-    assert shares[0] == pytest.approx(np.sum(left.noise**2) / (6 * COUNT - UNKNOWNS), rel=1e-4)
+    shares, _ = likeliest(*left, mixtures(WHITE[None]), np.ones(1), BOUNDS[:1])
+    assert shares[0] == pytest.approx(np.sum(left[0] ** 2) / (6 * COUNT - UNKNOWNS), rel=1e-4)
 
 
 def test_it_does_not_matter_what_the_fit_took() -> None:
     """Residuals of any other parameters have the same likelihood: it knows only what no parameters explain."""
     left = left_by_fit(drawn(0, np.ones(6), np.ones(6)))
-    other = ChannelResiduals(left.noise + TAKEN @ DRAW.normal(size=UNKNOWNS), left.taken)
-    one, two = (likeliest(k, mixtures(KERNELS), np.ones(2), BOUNDS) for k in (left, other))
+    other = (left[0] + TAKEN @ DRAW.normal(size=UNKNOWNS), left[1])
+    one, two = (likeliest(*k, mixtures(KERNELS), np.ones(2), BOUNDS) for k in (left, other))
     np.testing.assert_allclose(one[0], two[0], rtol=1e-3)
     assert one[1] == pytest.approx(two[1], abs=1e-3)
 
 
 def test_columns_that_depend_on_one_another_count_once() -> None:
-    noise = DRAW.normal(size=(COUNT, 6))
-    assert ChannelResiduals.of(noise, np.dstack([TAKEN, TAKEN[:, :, :5]])).taken.shape[2] == UNKNOWNS
+    assert independent(np.dstack([TAKEN, TAKEN[:, :, :5]])).shape == (COUNT, 6, UNKNOWNS)
 
 
 def test_mixtures_know_their_slopes() -> None:
@@ -64,8 +63,8 @@ def test_shares_by_channel_are_right_on_average_though_channels_differ() -> None
     found = []
     for seed in range(60):
         left = left_by_fit(drawn(seed, white, slow))
-        shares, _ = likeliest(left, mixtures(KERNELS), np.ones(2), BOUNDS)
-        found.append(shares_by_channel(left, KERNELS, shares))
+        shares, _ = likeliest(*left, mixtures(KERNELS), np.ones(2), BOUNDS)
+        found.append(shares_by_channel(*left, KERNELS, shares))
     error = np.std(found, axis=0) / np.sqrt(len(found))
     mean = np.mean(found, axis=0)
     assert np.abs((mean - np.stack([white, slow], axis=1)) / error)[slow > 0.0].max() < 4.0

@@ -8,10 +8,9 @@ import pytest
 from cases.errors import IdentificationError
 from cases.schema import load_case
 from identification.estimation.channel_weights import per_channel
-from identification.estimation.compressed import gauss_markov
-from identification.estimation.fit import Regression
+from identification.estimation.estimators import huber
+from identification.estimation.fit import Regression, gauss_markov
 from identification.estimation.nonlinear import estimate_selected
-from identification.estimation.robust import huber
 from identification.model import identification_model
 from identification.parameters import physical_form, select, symmetric_platform
 from tests.helpers import one_line
@@ -99,7 +98,7 @@ def test_a_tare_leaves_only_the_offsets() -> None:
 
 @pytest.mark.parametrize(
     "estimator",
-    [EQUAL, per_channel, lambda regression: huber(regression, pooled=True)[0]],
+    [EQUAL, per_channel, lambda regression: huber(regression)[0]],
     ids=["W=1", "W", "huber"],
 )
 def test_every_estimator_serves_it_and_nuisances_stay_free(estimator) -> None:

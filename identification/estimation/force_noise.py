@@ -1,6 +1,13 @@
-"""Covariance of an estimate where noise has memory: the sandwich with an autocovariance from the residuals.
+"""Noise of the forces: as a case states it, as residuals show it, and what it does to an estimate where it has memory.
 
-Kernel estimates of the long-run covariance (`fit.long_run_covariance`) need long runs: at the frequencies of the
+A force sample errs by cov = diag(sigma_f^2) + G diag(sigma_a^2) G^T, where G = df/d(twist rate) holds the moved body:
+vibration is measured in proportion to it, and by all sensors together. W = cov^-1 (24) is then right. As the noise of
+accelerations is the same in all directions, cov depends on neither pose nor motion, only on the body. Errors of
+strut lengths are not part of it: second derivatives make them grow with the square of the frequency, so that at the few
+hertz of a motion they are below a hundredth of the residuals near the cut-off, and W is about the former.
+
+Where noise has memory, the covariance is the sandwich with an autocovariance from the residuals.
+Kernel estimates of the long-run covariance (`long_run_covariance`) need long runs: at the frequencies of the
 motion, where it matters, a short run leaves them too few residuals. Here noise is described channel by channel, the
 channels turned to be independent at lag zero, as a mixture: an autoregressive model of the residuals (Burg's, its order
 by Akaike 1974) and first-order noises with memories of up to the run's length, of which short series show an
@@ -14,14 +21,18 @@ shown by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and w
 must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
+from cases.sensors import Sensors
 from cases.units import Array
-from identification.estimation.compressed import orthonormal
+from identification.estimation.fit import Filtered, Fit, Regression, orthonormal
+from identification.finding import Finding, Kind, note
+from identification.model import Model
 
 Places = NDArray[np.int64]
 Spectra = NDArray[np.complex128]
@@ -215,3 +226,128 @@ def toeplitz(autocovariance: Array, columns: Array) -> Array:
     ring[:count] = autocovariance
     ring[length - count + 1 :] = autocovariance[:0:-1]
     return np.asarray(irfft(rfft(ring)[:, None] * rfft(columns, length, axis=0), length, axis=0)[:count])
+
+
+def scores(regressors: Array, residuals: Array, weights: Array) -> Array:
+    """A_j^T W r_j of each sample, shape (n, u); the covariance of an estimate follows from their spread."""
+    return np.asarray(np.einsum("nku,nk->nu", regressors, weights * residuals))
+
+
+def long_run_covariance(scores: Array) -> Array:
+    """Sum over all lags of the autocovariance of a series times its length, by Bartlett's kernel (Newey and West 1987).
+
+    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column of the series, shape (n, u).
+    """
+    count = len(scores)
+    variance = np.maximum(np.sum(scores[1:] ** 2, axis=0), np.finfo(float).tiny)
+    rho = np.clip(np.sum(scores[1:] * scores[:-1], axis=0) / variance, -0.97, 0.97)
+    alpha = float(np.mean(4 * rho**2 / ((1 - rho) ** 2 * (1 + rho) ** 2)))
+    width = int(np.clip(np.ceil(1.1447 * (alpha * count) ** (1 / 3)), 1, max(1, count // 4)))
+    # A Bartlett-weighted sum of lagged products is the mean product of moving sums over the bandwidth.
+    padded = np.vstack([np.zeros((1, scores.shape[1])), np.cumsum(np.pad(scores, ((0, width - 1), (0, 0))), axis=0)])
+    upper = np.arange(1, count + width)
+    moving = padded[upper] - padded[np.maximum(upper - width, 0)]
+    return np.asarray(moving.T @ moving / width)
+
+
+def with_kernel(fit: Fit, regression: Regression) -> Fit:
+    """A fit of `fit_along` that allows for noise with memory by Bartlett's kernel, `long_run_covariance`."""
+    inverse = fit.covariance * regression.filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
+    # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
+    long_run = long_run_covariance(scores(regression.regressors, fit.residuals, fit.weights))
+    return replace(fit, covariance_robust=inverse @ long_run @ inverse)
+
+
+def noise_covariance(model: Model, sensors: Sensors, values: Array) -> Array:
+    """Covariance of a force sample of the body with parameters u by the noise that a case states, shape (6, 6).
+
+    Args:
+        sensors: they state noise of the forces.
+        values: u, shape (u,).
+    """
+    force, acceleration = sensors.force_noise, sensors.acceleration_noise
+    assert force is not None
+    effects = acceleration_to_force(model, values) * (np.zeros(6) if acceleration is None else acceleration)
+    return np.asarray(np.diag(force**2) + effects @ effects.T)
+
+
+def acceleration_to_force(model: Model, values: Array) -> Array:
+    """G = df/d(twist rate) at u where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in that rate."""
+    still, rotations = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))
+    matrices = model.matrices(still[:, :3], rotations, still, np.vstack([np.zeros(6), np.eye(6)]))
+    forces = matrices @ values
+    return np.asarray((forces[1:] - forces[0]).T)
+
+
+def whitening_of(covariance: Array) -> Array:
+    """C with C covariance C^T = 1, shape (6, 6), lower triangular; newtons and newton metres are scaled apart."""
+    std = np.sqrt(np.diag(covariance))
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance / np.outer(std, std))) / std)
+
+
+METRIC_ROUNDS = 10  # of covariance and metric
+LEAST_INDEPENDENT = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
+TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
+
+
+def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, weights: str) -> list[Finding]:
+    """Takes the residuals of a run apart: noise that would leave such ones; nothing where they are too few.
+
+    Args:
+        fit: its values begin with u; its residuals are those of the forces behind the filter.
+        wrench: whether the channels are three forces and three moments.
+        weights: weights of the identification.
+    """
+    freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
+    if freedom < LEAST_INDEPENDENT:
+        return []
+    covariance = fit.residuals.T @ fit.residuals * filtered.stride / freedom
+    if np.linalg.matrix_rank(covariance) < len(covariance):
+        return []
+    (force, *moment, acceleration, angular), share = components_of(
+        covariance, model, fit.values[: len(model.parameters)], wrench
+    )
+    moments = f" and {moment[0]:.3g} N m" if wrench else ""
+    sentence = (
+        f"the residuals look like noise of {force:.3g} N{moments} in the channels and of {acceleration:.3g} m/s^2 and "
+        f"{angular:.3g} rad/s^2 in the accelerations: if that is the machine's, state it in [sensors] of the case "
+        "(force_noise_N, acceleration_noise_m_s2, angular_acceleration_noise_rad_s2), for smaller deviations with "
+        "--weights stated; the vibration of a structure looks alike, and identify --flexible estimates its mode"
+    )
+    entries = {
+        "force_noise_N": force,
+        **({"moment_noise_Nm": moment[0]} if wrench else {}),
+        "acceleration_noise_m_s2": acceleration,
+        "angular_acceleration_noise_rad_s2": angular,
+        "share_of_accelerations": share,
+    }
+    silent = share < TELLING or weights == "stated"
+    return [note(Kind.NOISE, "" if silent else sentence, noise_components=entries)]
+
+
+def components_of(total: Array, model: Model, values: Array, wrench: bool) -> tuple[list[float], float]:
+    """White noise of one recorded sample that makes a covariance of the channels, shape (6, 6).
+
+    Returns:
+        Standard deviations of a force channel [N], of a moment channel where there are such [N m], of the acceleration
+        of the origin of {P} in each direction [m/s^2] and of the angular acceleration [rad/s^2]; and the share of the
+        variance, in units of the channels' own, that the accelerations explain.
+    """
+    from scipy.optimize import nnls  # half a second, which those that simulate or weigh can do without
+
+    effects = acceleration_to_force(model, values)
+    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
+    parts = [np.diag(k) for k in kinds] + [effects[:, k] @ effects[:, k].T for k in (slice(0, 3), slice(3, 6))]
+    covariance = total
+    theta = np.zeros(len(parts))
+    for _ in range(METRIC_ROUNDS):
+        root = whitening_of(covariance)
+        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
+        size = np.linalg.norm(columns, axis=0)
+        theta = nnls(columns / size, (root @ total @ root.T).ravel())[0] / size
+        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
+        covariance = covariance + 1e-9 * np.diag(np.diag(total))  # positive definite also without noise of a channel
+    remainder = np.diag(
+        covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6)))
+    )
+    return np.sqrt(theta).tolist(), float(np.mean(remainder / np.diag(covariance)))
