@@ -160,7 +160,8 @@ def test_the_noise_of_a_wrist_sensor_is_taken_apart_by_unit() -> None:
     model = identification_model(load_case("ft_wrist"), 6)
     values = np.array([{"m": 3.0, "mzC": 0.2, "I11": 0.05, "I22": 0.05, "I33": 0.02}.get(n, 0.0) for n in model.names])
     keys = ("force_noise_N", "moment_noise_Nm", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
-    noise = Sensors.model_validate(dict(zip(keys, (0.2, 0.01, 0.05, 0.3), strict=True)))
+    stated = dict(zip(keys, (0.2, 0.01, 0.05, 0.3), strict=True))
+    noise = Sensors.model_validate({"weights": "per_unit", **stated})
     sample = draw.normal(size=(20_000, 6)) @ np.linalg.cholesky(noise_covariance(model, noise, values)).T
     found, _ = components_of(np.cov(sample.T), model, values, True)
     assert found[:2] == pytest.approx((0.2, 0.01), rel=0.05)
