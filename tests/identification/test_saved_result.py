@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from cases.errors import FileProblem
 from cases.schema import load_case
+from identification.estimation.fit import Value
 from identification.finding import SEVERITIES, Finding, Kind, note
 from identification.hexapod import Hexapod
 from identification.identify import identify
@@ -68,7 +69,7 @@ def results(draw: st.DrawFn) -> Result:
         error_terms=(),
         **entries_of_parameters(physical_values(model, u, white, robust), freedom, u, white, robust),
         names=tuple(model.names),
-        delay_s=draw(st.none() | st.just((2.5e-3, draw(POSITIVE)))),
+        delay_s=draw(st.none() | POSITIVE.map(lambda std: Value(2.5e-3, std, std, "s"))),
         accelerometer=None,
         estimator="gauss-markov",
         weights="equal",
