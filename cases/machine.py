@@ -107,8 +107,12 @@ def frozen(values: Any) -> Array:
 def si(*keys: str) -> cached_property[Array]:
     """Values of a table in SI, of several keys one after the other, as an array that cannot be changed."""
 
+    units = own_units(keys)
+
     def values(table: Part) -> Array:
-        return frozen(np.hstack([np.multiply(getattr(table, key), own_units([key])) for key in keys]))
+        return frozen(
+            np.hstack([np.multiply(getattr(table, key), unit) for key, unit in zip(keys, units, strict=True)])
+        )
 
     return cached_property(values)
 
