@@ -6,7 +6,6 @@ proven, however early the search stops. `enclose` bounds the features of the reg
 
 import heapq
 from collections.abc import Callable
-from dataclasses import dataclass
 from time import monotonic, process_time
 from typing import NamedTuple
 
@@ -27,14 +26,9 @@ Bounding = Callable[[Array, Array], Bounds]
 """Bounds of a function over cells, from their lower to their upper corners, shapes (n, dimensions)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Maximum:
-    """Result of branch and bound."""
-
-    upper: float  # proven: no value is larger
-    lower: float  # the largest value that was found
-    points: Array  # points with values above `tolerable`, the largest first, shape (k, dimensions)
-    cells: int  # number of cells that were bounded
+Maximum = tuple[float, float, Array]
+"""Of a function: a proven upper bound, infinite where nothing is proven; the largest value that was found; and points
+with large values, shape (k, dimensions of the points)."""
 
 
 def maximise(
@@ -55,20 +49,20 @@ def maximise(
         low: lower corners of the first cells, shape (n, dimensions).
         high: upper corners.
         enough: the upper bound that is wanted.
-        tolerable: less than that; points above it are collected.
+        tolerable: less than that; points above it are collected, the largest first.
         deadline: `time.process_time()` at which to stop [s].
     """
     heap: list[tuple[float, int, Array, Array, int]] = []
     candidates: list[tuple[float, Array]] = []
-    lower, cells, last_report = -np.inf, 0, monotonic()
+    lower, number, last_report = -np.inf, 0, monotonic()
 
     def bound(lows: Array, highs: Array, parents: Array) -> None:
-        nonlocal lower, cells
+        nonlocal lower, number
         upper, values, points, splits = bounding(lows, highs)
         upper = np.minimum(upper, parents)
         for k in range(len(lows)):
-            cells += 1
-            heapq.heappush(heap, (-float(upper[k]), cells, lows[k], highs[k], int(splits[k])))
+            number += 1  # so that cells with equal bounds have an order
+            heapq.heappush(heap, (-float(upper[k]), number, lows[k], highs[k], int(splits[k])))
             lower = max(lower, float(values[k]))
             if values[k] > tolerable:
                 candidates.append((float(values[k]), points[k]))
@@ -92,7 +86,7 @@ def maximise(
             progress(f"largest value between {lower:.4f} and {-heap[0][0]:.4f}, {len(heap)} cells open")
     candidates.sort(key=lambda m: -m[0])
     points = np.array([p for _, p in candidates]) if candidates else np.empty((0, 0))
-    return Maximum(-heap[0][0], lower, points, cells)
+    return -heap[0][0], lower, points
 
 
 NODES = np.array(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij")).reshape(3, 27).T

@@ -18,7 +18,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from cases.units import Array, Indices
+from cases.units import Array
 from planner.bounds.branch import CONTROL, WIDEST, Bounds, Enclosure, enclose
 from planner.bounds.features import (
     CONSTANT,
@@ -31,7 +31,7 @@ from planner.bounds.features import (
     RATES,
     SQUARES,
     Features,
-    lagrangian_at,
+    monomials,
 )
 
 _SIGNS = np.array(list(product([-1.0, 1.0], repeat=CORNERS))).T  # (8, 256)
@@ -59,52 +59,41 @@ def first_cells(features: Features) -> tuple[Array, Array]:
     return cells[:, :, 0], cells[:, :, 1]
 
 
-@dataclass(frozen=True)
-class BoxDerivative:
-    """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`."""
+def box_bounds(features: Features, form: Array, low: Array, high: Array) -> Bounds:
+    """Bounds of d over cells of angles and angular rates, shapes (n, 6) [rad, rad/s]; form: Q of the design."""
+    control = enclose(features, low, high)
+    values = _at_control_points(form, control)  # (n, 3^6, 256)
+    count = len(low)
+    index = np.arange(count)
+    control_point, corner = np.divmod(values.reshape(count, -1).argmax(axis=1), values.shape[2])
+    largest = values[index, control_point, corner]
+    upper = (np.sqrt(np.maximum(largest, 0.0)) + _error(form, control)) ** 2
+    grid = values.reshape(count, *[3] * 6, -1)
+    places = np.column_stack(np.unravel_index(control_point, [3] * 6))
+    split = [
+        _split(_excess(grid[k][..., corner[k]], places[k]), upper[k] - largest[k], high[k] - low[k]) for k in index
+    ]
+    at_corners = grid[:, ::2, ::2, ::2, ::2, ::2, ::2].reshape(count, -1)
+    best = at_corners.argmax(axis=1)
+    ends, corner = np.divmod(best, _SIGNS.shape[1])
+    upper_end = (ends[:, None] >> np.arange(5, -1, -1)) & 1
+    shares = np.zeros((count, 18))
+    shares[:, CORNER_COORDINATES] = _SIGNS[:, corner].T
+    shares[:, _ANGLES_AND_RATES] = _shares(features, np.where(upper_end == 1, high, low))
+    return upper, at_corners[index, best], np.clip(shares, -1.0, 1.0), np.array(split)
 
-    features: Features
-    form: Array  # Q of the design
 
-    def __call__(self, low: Array, high: Array) -> Bounds:
-        """Bounds over cells, shapes (n, 6) [rad, rad/s]."""
-        control = enclose(self.features, low, high)
-        values = self._values(control.tables, control.products)  # (n, 3^6, 256)
-        count = len(low)
-        place = values.reshape(count, -1).argmax(axis=1)
-        control_point, corner = np.divmod(place, values.shape[2])
-        error = _error(self.form, control)
-        largest = values[np.arange(count), control_point, corner]
-        upper = (np.sqrt(np.maximum(largest, 0.0)) + error) ** 2
-        grid = values.reshape(count, *[3] * 6, -1)
-        places = np.column_stack(np.unravel_index(control_point, [3] * 6))
-        split = [
-            _split(_excess(grid[k][..., corner[k]], places[k]), upper[k] - largest[k], high[k] - low[k])
-            for k in range(count)
-        ]
-        at_corners = grid[:, ::2, ::2, ::2, ::2, ::2, ::2].reshape(count, -1)
-        best = at_corners.argmax(axis=1)
-        return upper, at_corners[np.arange(count), best], self._states(low, high, best), np.array(split)
-
-    def _values(self, tables: Array, products: Array) -> Array:
-        """The derivative at all control points: constant, linear and quadratic part in the signs of the corner."""
-        forms = np.swapaxes(tables, -1, -2) @ (self.form @ tables)  # (n, 27, 15, 15)
-        fixed = np.concatenate([np.ones((*products.shape[:2], 1)), products], axis=-1)  # (n, 27, 7)
-        of_fixed = forms[:, :, _FIXED]
-        linear = np.einsum("nrk,nakv->narv", fixed, of_fixed[..., _VARYING], optimize=True)
-        constant = np.einsum("nrk,nakl,nrl->nar", fixed, of_fixed[..., _FIXED], fixed, optimize=True)
-        quadratic = forms[:, :, _VARYING, _VARYING][:, :, _UPPER[0], _UPPER[1]] @ _SIGN_PRODUCTS
-        values = 2.0 * (linear @ _SIGNS) + constant[..., None] + quadratic[:, :, None, :]
-        return np.asarray(values.reshape(len(tables), 27 * 27, -1))
-
-    def _states(self, low: Array, high: Array, best: Indices) -> Array:
-        """States, as shares of the half widths, of corners of cells numbered as in `grid`."""
-        ends, corner = np.divmod(best, _SIGNS.shape[1])
-        upper_end = (ends[:, None] >> np.arange(5, -1, -1)) & 1
-        shares = np.zeros((len(low), 18))
-        shares[:, CORNER_COORDINATES] = _SIGNS[:, corner].T
-        shares[:, _ANGLES_AND_RATES] = _shares(self.features, np.where(upper_end == 1, high, low))
-        return np.clip(shares, -1.0, 1.0)
+def _at_control_points(form: Array, control: Enclosure) -> Array:
+    """The derivative at all control points: constant, linear and quadratic part in the signs of the corner."""
+    tables, products = control.tables, control.products
+    forms = np.swapaxes(tables, -1, -2) @ (form @ tables)  # (n, 27, 15, 15)
+    fixed = np.concatenate([np.ones((*products.shape[:2], 1)), products], axis=-1)  # (n, 27, 7)
+    of_fixed = forms[:, :, _FIXED]
+    linear = np.einsum("nrk,nakv->narv", fixed, of_fixed[..., _VARYING], optimize=True)
+    constant = np.einsum("nrk,nakl,nrl->nar", fixed, of_fixed[..., _FIXED], fixed, optimize=True)
+    quadratic = forms[:, :, _VARYING, _VARYING][:, :, _UPPER[0], _UPPER[1]] @ _SIGN_PRODUCTS
+    values = 2.0 * (linear @ _SIGNS) + constant[..., None] + quadratic[:, :, None, :]
+    return np.asarray(values.reshape(len(tables), 27 * 27, -1))
 
 
 def _error(form: Array, control: Enclosure) -> Array:
@@ -160,7 +149,7 @@ class TightDerivative:
     def at(self, shares: Array) -> Array:
         """Values of h at states given as shares, shape (n,)."""
         y = self.features.of(shares)
-        return np.asarray(np.einsum("nk,kl,nl->n", y, self.form, y) - lagrangian_at(self.multipliers, shares))
+        return np.asarray(np.einsum("nk,kl,nl->n", y, self.form, y) - monomials(shares) @ self.multipliers)
 
     def __call__(self, low: Array, high: Array) -> Bounds:
         """Bounds over cells, shapes (n, 12)."""

@@ -7,7 +7,8 @@ log det G <= log det F + u log(dmax / u), dmax being the largest derivative over
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from time import process_time
 
 import numpy as np
@@ -17,7 +18,7 @@ from cases.units import Array
 from identification.model import Model
 from identification.symbolic import over_samples
 from planner.bounds.branch import Maximum, maximise
-from planner.bounds.certificate import BoxDerivative, first_cells
+from planner.bounds.certificate import box_bounds, first_cells
 from planner.bounds.features import CORNER_COORDINATES, Features
 
 SEED = 0
@@ -57,9 +58,9 @@ def optimal_design(
 
     def largest(inverse: Array, _: Array) -> Maximum:
         levels = size * (1.0 + gap), size * (1.0 + gap / 2)
-        derivative = BoxDerivative(features, features.form(inverse))
-        maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
-        return replace(maximum, points=np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED])
+        bounding = partial(box_bounds, features, features.form(inverse))
+        upper, lower, points = maximise(bounding, *first_cells(features), *levels, deadline, progress)
+        return upper, lower, np.unique(np.round(points, 12), axis=0)[:EXCHANGED]
 
     return exchanged(features.matrices, _first_states(), largest, gap, deadline, progress)
 
@@ -89,11 +90,11 @@ def exchanged(
         states, weights = states[support], weights[support] / weights[support].sum()
         information = (weights @ products[support]).reshape(size, size)
         logdet = float(np.linalg.slogdet(information)[1])
-        maximum = largest(np.linalg.inv(information), states)
-        proven, fresh = np.isfinite(maximum.upper), maximum.points
-        certified = bool(maximum.upper <= size * (1.0 + gap) * (1.0 + 1e-9))
-        dmax = max(float(size), maximum.upper if certified else maximum.lower)
-        value = max(float(size), maximum.upper if proven else maximum.lower)
+        upper, lower, fresh = largest(np.linalg.inv(information), states)
+        proven = np.isfinite(upper)
+        certified = bool(upper <= size * (1.0 + gap) * (1.0 + 1e-9))
+        dmax = max(float(size), upper if certified else lower)
+        value = max(float(size), upper if proven else lower)
         more = f"{'at most' if proven else 'about'} {size * np.log(value / size):.4f} more"
         progress(f"log det {logdet:.4f}, {more}; {len(states)} states")
         if value <= size * (1.0 + gap) or process_time() >= deadline or not len(fresh) or number == ROUNDS - 1:
@@ -101,7 +102,13 @@ def exchanged(
         states = np.vstack([states, fresh])
         share = min(0.5, len(fresh) / len(states))
         weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
-    return Design(states, weights, logdet, logdet, dmax, max(float(size), maximum.upper), certified)
+    return Design(states, weights, logdet, logdet, dmax, max(float(size), upper), certified)
+
+
+def directional(matrices: Array, inverse: Array) -> Array:
+    """Directional derivative trace(A F^-1 A^T) of states, shape (n,), from A, shape (n, 6, u), and F^-1."""
+    root = np.linalg.cholesky((inverse + inverse.T) / 2)
+    return np.asarray(np.square(matrices @ root).sum(axis=(1, 2)))
 
 
 def _first_states() -> Array:
@@ -181,15 +188,11 @@ def searched_design(
                 yield (k, (-1.0, 1.0), ()) if k >= 2 * n else (k, () if sweep else LEVELS, CLIMBS)
 
     def largest(inverse: Array, known: Array) -> Maximum:
-        root = np.linalg.cholesky((inverse + inverse.T) / 2)
-
         def derivative(shares: Array) -> Array:
-            return np.asarray(np.square(matrices_of(shares) @ root).sum(axis=(1, 2)))
+            return directional(matrices_of(shares), inverse)
 
-        random = _drawn(draw, RANDOM, n)
-        starts = np.vstack([random[np.argsort(-derivative(random))[:CLIMBERS]], known])
-        climbed, values = climb(derivative, starts, variations())
-        return Maximum(np.inf, float(values.max()), climbed[values > size * (1.0 + gap / 2)], 0)
+        climbed, values = climb(derivative, _drawn(draw, RANDOM, n), CLIMBERS, known, variations())
+        return np.inf, float(values.max()), climbed[values > size * (1.0 + gap / 2)]
 
     return exchanged(matrices_of, _drawn(draw, FIRST_SEARCHED, n), largest, gap, deadline, progress)
 
@@ -199,19 +202,26 @@ Variation = tuple[int, tuple[float, ...], tuple[float, ...]]
 
 
 def climb(
-    function: Callable[[Array], Array], starts: Array, variations: Iterable[Variation], quadratic: range = range(0)
+    function: Callable[[Array], Array],
+    pool: Array,
+    most: int,
+    known: Array,
+    variations: Iterable[Variation],
+    quadratic: range = range(0),
 ) -> tuple[Array, Array]:
     """Distinct local maxima of a function, coordinate by coordinate from many states.
 
     Args:
         function: states, shape (n, k) -> values, shape (n,).
-        starts: states as shares of the half widths, shape (n, k).
+        pool: states as shares of the half widths, shape (n, k), of which the best `most` are starts.
+        known: further starts, shape (m, k).
         quadratic: coordinates in which the function is quadratic: three values determine its vertex.
 
     Returns:
         States, shape (n, k), and values, shape (n,).
     """
-    states, values = starts, function(starts)
+    states = np.vstack([pool[np.argsort(-function(pool))[:most]], known])
+    values = function(states)
 
     def at(k: int, level: Array | float) -> tuple[Array, Array]:
         trial = states.copy()

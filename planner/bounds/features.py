@@ -147,36 +147,26 @@ def mean_square_share(rate: Array, acceleration: Array, jerk: Array) -> Array:
         return np.asarray(np.where(hold >= 0.0, trapezoid, 2.0 * rate * jerk / (3.0 * acceleration**2)))
 
 
-@dataclass(frozen=True)
-class Moments:
-    """The constraints on means over states, given as shares of the half widths of the box.
-
-    Every constraint is the mean of one linear combination of a_j, q_i a_j, v_i v_j (angles only) and a_i^2, less a
-    constant, in shares: equal to zero, or at most zero.
-    """
-
-    equal: Array  # coefficients of the equalities, shape (m, 6 + 36 + 9 + 6)
-    at_most: Array  # coefficients of the inequalities, shape (k, 6 + 36 + 9 + 6)
-    constant: Array  # constant of `at_most`, shape (k,)
-
-    @staticmethod
-    def monomials(shares: Array) -> Array:
-        """a_j, q_i a_j, v_i v_j of the angles, a_i^2 of states, shape (n, 57)."""
-        q, v, a = shares[:, :6], shares[:, 9:12], shares[:, 12:]
-        mixed = (q[:, :, None] * a[:, None, :]).reshape(-1, 36)
-        rates = (v[:, :, None] * v[:, None, :]).reshape(-1, 9)
-        return np.hstack([a, mixed, rates, a**2])
+LINEAR, MIXED, RATES, SQUARES, CONSTANT = slice(6), slice(6, 42), slice(42, 51), slice(51, 57), 57  # of `monomials`
 
 
-def motion_moments(case: Case, features: Features) -> Moments:
-    """All constraints of a case."""
+def monomials(shares: Array) -> Array:
+    """a_j, q_i a_j, v_i v_j of the angles, a_i^2 and 1 of states as shares of the box, shape (n, 58)."""
+    q, v, a = shares[:, :6], shares[:, 9:12], shares[:, 12:]
+    mixed = (q[:, :, None] * a[:, None, :]).reshape(-1, 36)
+    rates = (v[:, :, None] * v[:, None, :]).reshape(-1, 9)
+    return np.hstack([a, mixed, rates, a**2, np.ones((len(shares), 1))])
+
+
+def motion_moments(case: Case, features: Features) -> tuple[Array, Array]:
+    """Coefficients of `monomials` whose means over a motion are zero, and whose are at most zero, shapes (m, 58)."""
     limits = case.need_machine("the information limit")[2]
     half = features.half
     product = half[:6, None] * half[None, 12:]  # of q_i a_j
-    equal, at_most, constant = [], [], []
+    equal, at_most = [], []
 
     def row(places: dict[int, float]) -> Array:
-        values = np.zeros(57)
+        values = np.zeros(58)
         values[list(places)] = list(places.values())
         return values
 
@@ -191,32 +181,15 @@ def motion_moments(case: Case, features: Features) -> Moments:
                 size = np.sqrt(product[i, j] * product[j, i])
                 equal.append(row({first: product[i, j] / size, second: -product[j, i] / size}))
             elif i == j:
-                at_most += [row({first: 1.0}), row({first: -1.0})]
-                constant += [0.0, limits.rate[i] ** 2 / product[i, i]]
+                at_most += [row({first: 1.0}), row({first: -1.0, CONSTANT: -(limits.rate[i] ** 2) / product[i, i]})]
     share = mean_square_share(limits.rate, limits.acceleration, limits.jerk)
-    at_most += [row({51 + i: 1.0}) for i in range(6)]
-    return Moments(np.array(equal), np.array(at_most), np.r_[constant, share])
+    at_most += [row({51 + i: 1.0, CONSTANT: -share[i]}) for i in range(6)]
+    return np.array(equal), np.array(at_most)
 
 
-LINEAR, MIXED, RATES, SQUARES, CONSTANT = slice(6), slice(6, 42), slice(42, 51), slice(51, 57), 57  # of a Lagrangian
-
-
-def lagrangian(moments: Moments, of_equal: Array, of_at_most: Array) -> Array:
+def lagrangian(moments: tuple[Array, Array], of_equal: Array, of_at_most: Array) -> Array:
     """Multipliers of all constraints as one function of the state, whose mean is at most 0 for every such motion.
 
-    Those of inequalities below 0 are rounding and become 0.
-
-    Args:
-        of_equal: multipliers of the equalities, shape (equalities,).
-        of_at_most: multipliers of the inequalities, shape (inequalities,).
-
-    Returns:
-        Coefficients of `Moments.monomials`, and the constant that is added, shape (58,).
+    Those of inequalities below 0 are rounding and become 0. It is returned as coefficients of `monomials`, shape (58,).
     """
-    positive = np.maximum(of_at_most, 0.0)
-    return np.append(of_equal @ moments.equal + positive @ moments.at_most, -float(positive @ moments.constant))
-
-
-def lagrangian_at(coefficients: Array, shares: Array) -> Array:
-    """The function at states given as shares, shape (n,)."""
-    return np.asarray(Moments.monomials(shares) @ coefficients[:CONSTANT] + coefficients[CONSTANT])
+    return np.asarray(of_equal @ moments[0] + np.maximum(of_at_most, 0.0) @ moments[1])

@@ -20,7 +20,7 @@ from cases.units import Array
 from planner.bounds.branch import maximise
 from planner.bounds.certificate import TightDerivative, first_tight_cells
 from planner.bounds.design import Design, climb
-from planner.bounds.features import Features, Moments, lagrangian, motion_moments
+from planner.bounds.features import Features, lagrangian, monomials, motion_moments
 
 SEED = 0
 FIRST_STATES = 1000
@@ -96,12 +96,12 @@ def tight_design(
     derivative = TightDerivative(features, features.form(inverse), multipliers)
     logdet = -float(np.linalg.slogdet(inverse)[1])
     lower_bound = max(size, largest)
-    maximum = maximise(
+    upper, lower, _ = maximise(
         derivative, *first_tight_cells(features), lower_bound * (1.0 + aim), lower_bound, deadline, progress
     )
-    certified = maximum.upper <= max(lower_bound, maximum.lower) * (1.0 + gap) * (1.0 + 1e-9)
-    dmax = maximum.upper if certified else max(largest, maximum.lower)
-    return Design(*solved, attained, logdet, max(dmax, size), max(maximum.upper, size), certified)
+    certified = upper <= max(lower_bound, lower) * (1.0 + gap) * (1.0 + 1e-9)
+    dmax = upper if certified else max(largest, lower)
+    return Design(*solved, attained, logdet, max(dmax, size), max(upper, size), certified)
 
 
 def _candidates(count: int, draw: np.random.Generator) -> Array:
@@ -115,18 +115,18 @@ def _candidates(count: int, draw: np.random.Generator) -> Array:
     return states
 
 
-def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[Array, Array]:
+def _best_weights(features: Features, moments: tuple[Array, Array], states: Array) -> tuple[Array, Array]:
     """Weights that maximise log det under the constraints, and the Lagrangian of these."""
     cp: Any = import_module("cvxpy")  # takes 2 s to import, and has no types
 
     size = features.coefficients.shape[-1]
     matrices = features.matrices(states)
     products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(states), -1)
-    monomials = Moments.monomials(states)
     weights = cp.Variable(len(states), nonneg=True)
     information = cp.reshape(products.T @ weights, (size, size), order="C")
-    equal = (monomials @ moments.equal.T).T @ weights == 0
-    at_most = (monomials @ moments.at_most.T - moments.constant).T @ weights <= 0
+    of_states = monomials(states)
+    equal = (of_states @ moments[0].T).T @ weights == 0
+    at_most = (of_states @ moments[1].T).T @ weights <= 0
     total = cp.sum(weights) == 1
     problem = cp.Problem(cp.Maximize(cp.log_det((information + information.T) / 2)), [total, equal, at_most])
     try:
@@ -151,11 +151,9 @@ def climbed_from(derivative: TightDerivative, known: Array, draw: np.random.Gene
     Returns:
         States, shape (n, 18), and values, shape (n,).
     """
-    random = _candidates(RANDOM, draw)
-    best = np.argsort(-derivative.at(random))[:CLIMBERS]
     variations = (
         (k, LEVELS, STEPS) if 3 <= k < 12 else (k, (-1.0, 1.0), ())
         for _ in range(SWEEPS)
         for k in draw.permutation(_ACTIVE)
     )
-    return climb(derivative.at, np.vstack([random[best], known]), variations, range(12, 18))
+    return climb(derivative.at, _candidates(RANDOM, draw), CLIMBERS, known, variations, range(12, 18))

@@ -16,7 +16,7 @@ from identification.limit import TOLERANCE
 from identification.model import Model
 from identification.motion import Array
 from planner.bounds.branch import Maximum
-from planner.bounds.design import EXCHANGED, LEVELS, Design, climb, exchanged
+from planner.bounds.design import EXCHANGED, LEVELS, Design, climb, directional, exchanged
 from planner.pose_criteria import pose_regressors
 from planner.poses.space import JointSpace, space_of, standing_report, standing_shares
 from planner.search.feasibility import remedy
@@ -157,10 +157,10 @@ def candidate_design(regressors: Array) -> Design:
     size = regressors.shape[2]
 
     def largest(inverse: Array, _: Array) -> Maximum:
-        derivative = _derivative(regressors, inverse)
+        derivative = directional(regressors, inverse)
         order = np.argsort(-derivative)[:EXCHANGED]
         fresh = order[derivative[order] > size * (1.0 + GAP / 2)]
-        return Maximum(float(derivative[order[0]]), float(derivative[order[0]]), fresh[:, None], 0)
+        return float(derivative[order[0]]), float(derivative[order[0]]), fresh[:, None]
 
     first = np.arange(0.0, len(regressors), max(1, len(regressors) // FIRST))[:, None]
     return exchanged(lambda rows: regressors[rows[:, 0].astype(int)], first, largest, GAP)
@@ -182,17 +182,10 @@ def continuous_design(case: Case, model: Model, scaling: Array, seeds: Array) ->
 
     def largest(inverse: Array, known: Array) -> Maximum:
         def derivative(shares: Array) -> Array:
-            return _derivative(matrices_of(shares), inverse)
+            return directional(matrices_of(shares), inverse)
 
-        starts = np.vstack([pool[np.argsort(-derivative(pool))[:STARTS]], known])
         variations = ((k, () if sweep else LEVELS, CLIMBS) for sweep in range(SWEEPS) for k in range(space.size))
-        climbed, values = climb(derivative, starts, variations)
-        return Maximum(np.inf, float(values.max()), climbed[values > len(scaling) * (1.0 + SPACE_GAP / 2)], 0)
+        climbed, values = climb(derivative, pool, STARTS, known, variations)
+        return np.inf, float(values.max()), climbed[values > len(scaling) * (1.0 + SPACE_GAP / 2)]
 
     return exchanged(matrices_of, pool, largest, SPACE_GAP)
-
-
-def _derivative(matrices: Array, inverse: Array) -> Array:
-    """Directional derivative trace(A F^-1 A^T) of each pose, shape (n,)."""
-    root = np.linalg.cholesky((inverse + inverse.T) / 2)
-    return np.asarray(np.square(matrices @ root).sum(axis=(1, 2)))

@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import identification_model
 from planner.bounds.certificate import TightDerivative
-from planner.bounds.features import Features, Moments, box_features, lagrangian, motion_moments
+from planner.bounds.features import Features, box_features, lagrangian, monomials, motion_moments
 from planner.bounds.tight import climbed_from
 
 Array = NDArray[np.float64]
@@ -63,19 +63,19 @@ def least_condition(case: Case, number: int, rounds: int = ROUNDS) -> float:
     return solved.condition
 
 
-def _solve(features: Features, moments: Moments, states: Array) -> _Solved:
+def _solve(features: Features, moments: tuple[Array, Array], states: Array) -> _Solved:
     cp: Any = import_module("cvxpy")
 
     size = features.coefficients.shape[-1]
     matrices = features.matrices(states)
     products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(states), -1)
-    monomials = Moments.monomials(states)
+    of_states = monomials(states)
     weights, smallest = cp.Variable(len(states), nonneg=True), cp.Variable()
     information = cp.reshape(products.T @ weights, (size, size), order="C")
     information = (information + information.T) / 2
     bounds = [information >> smallest * np.eye(size), information << np.eye(size)]
-    equal = (monomials @ moments.equal.T).T @ weights == 0
-    at_most = (monomials @ moments.at_most.T - moments.constant).T @ weights <= 0
+    equal = (of_states @ moments[0].T).T @ weights == 0
+    at_most = (of_states @ moments[1].T).T @ weights <= 0
     problem = cp.Problem(cp.Maximize(smallest), [*bounds, equal, at_most])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of inaccuracy: what comes out is evaluated anew

@@ -13,12 +13,12 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
-from planner.bounds.features import Moments, box_features, lagrangian, lagrangian_at, mean_square_share, motion_moments
+from planner.bounds.features import box_features, lagrangian, mean_square_share, monomials, motion_moments
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)
 FEATURES = box_features(CASE, MODEL, reference_scaling(CASE, MODEL))
-MOMENTS = motion_moments(CASE, FEATURES)
+EQUAL, AT_MOST = MOMENTS = motion_moments(CASE, FEATURES)
 BOX = CASE.limits.motion
 HOME = CASE.machine.home.vector
 
@@ -95,8 +95,8 @@ def at_the_limits(phase: np.ndarray, derivatives: list[np.ndarray]) -> Motion:
 
 
 def lagrangian_means(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    means = Moments.monomials(shares_of(motion)).mean(axis=0)
-    return MOMENTS.equal @ means, MOMENTS.at_most @ means - MOMENTS.constant
+    means = monomials(shares_of(motion)).mean(axis=0)
+    return EQUAL @ means, AT_MOST @ means
 
 
 FAMILIES = [random_moves, random_spline, random_fourier, random_circles]
@@ -155,11 +155,9 @@ def test_both_cases_agree_where_they_meet():
 
 def test_multipliers_add_up_to_the_constraints_they_come_from():
     draw = np.random.default_rng(0)
-    of_equal, of_at_most = draw.normal(size=len(MOMENTS.equal)), draw.uniform(0.0, 1.0, len(MOMENTS.at_most))
-    shares = draw.uniform(-1.0, 1.0, (20, 18))
-    monomials = Moments.monomials(shares)
-    expected = monomials @ MOMENTS.equal.T @ of_equal + (monomials @ MOMENTS.at_most.T - MOMENTS.constant) @ of_at_most
-    first = lagrangian(MOMENTS, of_equal, of_at_most)
-    assert np.allclose(lagrangian_at(first, shares), expected)
+    of_equal, of_at_most = draw.normal(size=len(EQUAL)), draw.uniform(0.0, 1.0, len(AT_MOST))
+    rows = monomials(draw.uniform(-1.0, 1.0, (20, 18)))
+    expected = rows @ EQUAL.T @ of_equal + rows @ AT_MOST.T @ of_at_most
+    assert np.allclose(rows @ lagrangian(MOMENTS, of_equal, of_at_most), expected)
     second = lagrangian(MOMENTS, of_equal, -of_at_most)  # of inequalities negative ones do not count
-    assert np.allclose(lagrangian_at(second, shares), monomials @ MOMENTS.equal.T @ of_equal)
+    assert np.allclose(rows @ second, rows @ EQUAL.T @ of_equal)

@@ -123,8 +123,8 @@ def random_derivative(seed: int) -> TightDerivative:
     draw = np.random.default_rng(seed)
     root = draw.normal(size=(20, 25))
     moments = motion_moments(CASE, ALL_FEATURES)
-    of_equal = 0.3 * draw.normal(size=len(moments.equal))
-    multipliers = lagrangian(moments, of_equal, draw.uniform(0.0, 2.0, len(moments.at_most)))
+    of_equal = 0.3 * draw.normal(size=len(moments[0]))
+    multipliers = lagrangian(moments, of_equal, draw.uniform(0.0, 2.0, len(moments[1])))
     return TightDerivative(ALL_FEATURES, ALL_FEATURES.form(root @ root.T / 25), multipliers)
 
 
