@@ -5,8 +5,6 @@ over them is certified. That over the continuous pose space is an estimate and s
 derivative is searched from many starts; limits of the machine inside the space are omitted, which can only raise it.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -29,13 +27,8 @@ SECONDS_SQUARED = 5e-8
 ROUNDING = 1e-9  # [m] poses on the very edge of the ring are in it
 
 
-@dataclass(frozen=True, slots=True)
-class Candidates:
-    """Valid poses to choose from."""
-
-    poses: Array  # shape (n, 6), R = Rz(yaw) Ry(pitch) Rx(roll) [m, rad]
-    considered: int  # number of poses that were checked, valid or not
-    origin: str  # one phrase that says where they come from
+Candidates = tuple[Array, int, str]
+"""Valid poses to choose from, shape (n, k) [m or rad]; how many were checked, valid or not; where they come from."""
 
 
 def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -> Array:
@@ -129,7 +122,7 @@ def _valid(case: Case, poses: Array, origin: str) -> Candidates:
             f"none of {len(poses)} poses is valid: {worst.sentence(timed=False)}, exceeded at {share:.0f} % of them; "
             f"{remedy(worst, case)}, or narrow {'[poses]' if case.chain is None else 'limits.motion.joints'}"
         )
-    return Candidates(poses[valid], len(poses), origin)
+    return poses[valid], len(poses), origin
 
 
 def _too_many(count: int, name: str) -> str:

@@ -57,18 +57,18 @@ def poses_planned(
     case.need_motion("a plan of poses")
     setting = case.need_standing("a plan of poses")
     model = standing_model(case, request.model)
-    candidates = candidates_of(request, case, given)
-    unscaled = pose_regressors(model, candidates.poses)
+    candidates, considered, origin = candidates_of(request, case, given)
+    unscaled = pose_regressors(model, candidates)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
-    chosen_poses, remark = _choose(request, case, model, candidates.poses, regressors, scaling, done)
+    chosen_poses, remark = _choose(request, case, model, candidates, regressors, scaling, done)
     selected = perf_counter() - start
     order, unordered = _ordered(case, chosen_poses)
     poses = chosen_poses[order]
     motion, limits = _motion(case, poses)
     travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
     selection = pose_regressors(model, poses) * scaling
-    seeds = np.vstack([candidates.poses[:: max(1, len(candidates.poses) // SEEDS)], poses])
+    seeds = np.vstack([candidates[:: max(1, len(candidates) // SEEDS)], poses])
     designs = candidate_design(regressors), continuous_design(case, model, scaling, seeds)
     information = total_information(selection)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
@@ -79,23 +79,21 @@ def poses_planned(
     noise = request.noise if request.noise is not None else noise_of_average(case)
     worth = PoseWorth(
         settings={
-            "candidates": candidates.origin,
-            "considered": candidates.considered,
+            "candidates": origin,
+            "considered": considered,
             "settle_s": setting.settle_s,
             "average_s": setting.average_s,
         },
         remark=remark,
-        candidates=len(candidates.poses),
+        candidates=len(candidates),
         travel_s=travel,
         travel_in_order_of_choice_s=unordered,
         criterion_value=float(criterion.value(information / len(poses))),
         condition=float(np.sqrt(np.linalg.cond(information))),
         efficiency=efficiency,
         efficiency_space=efficiency_space,
-        fewest_poses=len(reduce_best(selection, criterion, 1).kept),  # Table 5, "Min. poses"
-        predicted_std_of_all_candidates=predicted_std_at_poses(
-            case, model, scaling, regressors, candidates.poses, noise
-        ),
+        fewest_poses=len(reduce_best(selection, criterion, 1)[0]),  # Table 5, "Min. poses"
+        predicted_std_of_all_candidates=predicted_std_at_poses(case, model, scaling, regressors, candidates, noise),
         select_s=selected,
         solve_s=perf_counter() - start,
     )
@@ -118,7 +116,7 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
                 place = case.words(given[number - 1])
                 worst = standing_report(case, given[number - 1 : number]).violations[0].sentence(timed=False)
                 raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({place}): {worst}; take another one")
-        return Candidates(given, len(given), "poses of one's own")
+        return given, len(given), "poses of one's own"
     if request.candidates is None:
         return grid_candidates(case)
     return sampled_candidates(case, request.candidates, request.seed)
@@ -191,9 +189,9 @@ def _choose(
                 f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
                 f"most, here are {len(poses)}; choose backward"
             )
-        indices = reduce_smallest_change(regressors, criterion, count, done).kept
+        indices, _ = reduce_smallest_change(regressors, criterion, count, done)
     else:
-        indices = reduce_best(regressors, criterion, count, done).kept
+        indices, _ = reduce_best(regressors, criterion, count, done)
     if len(indices) > count:
         raise InfeasiblePlan(
             f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(indices)}, every further "

@@ -8,7 +8,6 @@ Refinement then lets the poses of a set move freely through the pose space until
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -32,15 +31,6 @@ FEW = 60  # poses from which on the information is summed anew and the rank is w
 MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it evaluates all of them at every step
 
 
-@dataclass(frozen=True, slots=True)
-class Reduction:
-    """Result of Algorithm 1."""
-
-    removed: Index  # indices of the poses in the order of their removal, shape (n - r,)
-    values: Array  # values of the criterion after each removal, shape (n - r,)
-    kept: Index  # indices of the remaining poses, ascending, shape (r,)
-
-
 def full_rank(regressors: Array) -> bool:
     """Whether poses, shape (n, 6, u), determine all parameters: singular values against the paper's zero (Fig. 3)."""
     rows = regressors.reshape(-1, regressors.shape[2])
@@ -52,20 +42,23 @@ def full_rank(regressors: Array) -> bool:
 
 def reduce_best(
     regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
-) -> Reduction:
+) -> tuple[Index, Index]:
     """Removes poses one by one, each time the one without which the criterion is best; evaluates as few as possible.
 
-    Stops early where every further removal would lose rank: `kept` then is the smallest set that the algorithm finds.
+    Stops early where every further removal would lose rank: what remains is the smallest set that the algorithm finds.
 
     Args:
         regressors: scaled regressors of all poses, shape (n, 6, u); together of full rank.
         done: called with the number of remaining poses after each removal.
+
+    Returns:
+        Indices of the remaining poses, ascending, shape (r,), and of the others in the order of removal, (n - r,).
     """
     members: Index = np.arange(len(regressors))  # poses of the screen; `alive` are those that are not yet removed
     alive = np.ones(len(members), dtype=bool)
     information = total_information(regressors)
     present, screen = regressors, criterion.screen(regressors, information)
-    removed, values, summed = [], [], EXACT
+    removed, summed = [], EXACT
     for size in range(len(regressors), count, -1):
         removal = None
         if size > FEW:
@@ -84,10 +77,9 @@ def reduce_best(
             alive[position] = True
             break
         removed.append(members[position])
-        values.append(value)
         information = information - present[position].T @ present[position]
         done(size - 1)
-    return Reduction(np.array(removed, dtype=np.int64), np.array(values), members[alive])
+    return members[alive], np.array(removed, dtype=np.int64)
 
 
 def _best_removal(
@@ -127,14 +119,14 @@ def _tied(best: float) -> float:
 
 def reduce_smallest_change(
     regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
-) -> Reduction:
+) -> tuple[Index, Index]:
     """Removes poses one by one, each time the one whose removal changes the criterion least, for better or worse.
 
-    Args: see `reduce_best`; at most `MOST_EXHAUSTIVE` poses, since all are evaluated at every step.
+    Arguments and answer as of `reduce_best`; at most `MOST_EXHAUSTIVE` poses, since all are evaluated at every step.
     """
     rest: Index = np.arange(len(regressors))
     products = regressors.transpose(0, 2, 1) @ regressors
-    removed, values = [], []
+    removed = []
     while len(rest) > count:
         information = products[rest].sum(axis=0)
         now, after = float(criterion.value(information)), criterion.value(information - products[rest])
@@ -145,10 +137,9 @@ def reduce_smallest_change(
         ):
             break
         removed.append(rest[position])
-        values.append(float(after[position]))
         rest = np.delete(rest, position)
         done(len(rest))
-    return Reduction(np.array(removed, dtype=np.int64), np.array(values), rest)
+    return rest, np.array(removed, dtype=np.int64)
 
 
 STEPS = 300

@@ -32,55 +32,14 @@ ITERATIONS = 300
 INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is integrated
 
 
-@dataclass(frozen=True, slots=True)
-class PathConstraints:
-    """A path and the terms of its limits, at the points at which they are constraints."""
-
-    s: Array  # places on the path, its own time, shape (n,) [s]
-    first: Array  # derivatives of the c coordinates and the lengths of k struts with respect to s, shape (n, c + k)
-    second: Array  # shape (n, c + k)
-    third: Array  # third derivatives of the coordinates, shape (n, c)
-    velocity: Array  # limits, shape (c + k,)
-    acceleration: Array  # shape (c + k,)
-    jerk: Array  # shape (c,)
-
-    @classmethod
-    def of(cls, path: Trajectory, case: Case, margin: float) -> "PathConstraints":
-        """The constraints along a path.
-
-        Args:
-            path: path from rest to rest.
-            margin: share of every limit that stays unused.
-        """
-        limits = case.need_motion("re-timing")[1]
-        knots = _knots(path.duration)
-        s = (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel()
-        motion = path.at(s)
-        struts, most = machine_of(case).further_drives(case, motion.pose, motion.rates, motion.accelerations)
-        return cls(
-            s,
-            np.hstack([motion.rates, struts[0]]),
-            np.hstack([motion.accelerations, struts[1]]),
-            motion.jerks,
-            np.concatenate([limits.rate, most[0]]) * (1.0 - margin),
-            np.concatenate([limits.acceleration, most[1]]) * (1.0 - margin),
-            limits.jerk * (1.0 - margin),
-        )
-
-    @property
-    def own_pace(self) -> float:
-        """The largest share of the path's own pace, the same all along, that satisfies all limits."""
-        shares = [
-            float((np.abs(values) / limit).max()) ** (1.0 / (order + 1))
-            for order, (values, limit) in enumerate(
-                ((self.first, self.velocity), (self.second, self.acceleration), (self.third, self.jerk))
-            )
-        ]
-        return float(1.0 / max(*shares, 1e-9))
-
-
 def _knots(duration: float) -> Array:
     return np.linspace(0.0, duration, max(20, int(np.ceil(duration / KNOT_DISTANCE))) + 1)
+
+
+def constrained_places(duration: float) -> Array:
+    """Places on a path at which its limits are constraints, in its own time, equally far apart, shape (n,) [s]."""
+    knots = _knots(duration)
+    return np.asarray((knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel())
 
 
 @dataclass(frozen=True)
@@ -129,37 +88,56 @@ class PacedMotion:
         )
 
 
-def paced(path: Trajectory, limits: PathConstraints, most: float, free: tuple[Array, Array]) -> PacedMotion:
+def paced(path: Trajectory, case: Case, margin: float, most: float, free: tuple[Array, Array]) -> PacedMotion:
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
+        path: path from rest to rest.
+        margin: share of every limit that stays unused.
         most: largest pace, as a multiple of the planned one.
-        free: shares of the limits of accelerations and of jerks that may be used at each point of the path, each of
-            shape (n,), above 0 and at most 1.
+        free: shares of the limits of accelerations and of jerks that may be used at each of `constrained_places`, each
+            of shape (n,), above 0 and at most 1.
     """
     from scipy.interpolate import BSpline
 
+    limits, s = case.need_motion("re-timing")[1], constrained_places(path.duration)
+    motion = path.at(s)
+    struts, of_struts = machine_of(case).further_drives(case, motion.pose, motion.rates, motion.accelerations)
+    # derivatives of coordinates and struts with respect to s, shapes (n, c + k); third ones of the coordinates alone
+    first, second = np.hstack([motion.rates, struts[0]]), np.hstack([motion.accelerations, struts[1]])
+    velocity, acceleration = (
+        np.concatenate([limits.rate, of_struts[0]]),
+        np.concatenate([limits.acceleration, of_struts[1]]),
+    )
+    velocity, acceleration, jerk = (limit * (1.0 - margin) for limit in (velocity, acceleration, limits.jerk))
+    shares = [
+        float((np.abs(values) / limit).max()) ** (1.0 / order)
+        for order, (values, limit) in enumerate(
+            ((first, velocity), (second, acceleration), (motion.jerks, jerk)), start=1
+        )
+    ]
+    own_pace = 1.0 / max(*shares, 1e-9)  # the largest share of the planned pace, the same all along, inside all limits
     knots = _knots(path.duration)
     basis = BSpline(np.concatenate([np.zeros(3), knots, np.full(3, path.duration)]), np.eye(len(knots) + 2), 3)
-    at = [ca.sparsify(ca.DM(basis(limits.s, nu=order))) for order in range(3)]
+    at = [ca.sparsify(ca.DM(basis(s, nu=order))) for order in range(3)]
     x = ca.MX.sym("x", basis.c.shape[0])
     p, slope, bend = (ca.mtimes(matrix, x) for matrix in at)
     change, third = p * slope, p * (slope**2 + p * bend)
     with np.errstate(divide="ignore"):
-        fastest = np.minimum(most, np.min(limits.velocity / np.abs(limits.first), axis=1))
+        fastest = np.minimum(most, np.min(velocity / np.abs(first), axis=1))
     rows = [p / ca.DM(fastest)]
-    for k, limit in enumerate(limits.acceleration):
-        one, two = (ca.DM(v[:, k] / (limit * free[0])) for v in (limits.first, limits.second))
+    for k, limit in enumerate(acceleration):
+        one, two = (ca.DM(v[:, k] / (limit * free[0])) for v in (first, second))
         rows.append(two * p**2 + one * change)
-    for k, limit in enumerate(limits.jerk):
-        one, two, three = (ca.DM(v[:, k] / (limit * free[1])) for v in (limits.first, limits.second, limits.third))
+    for k, limit in enumerate(jerk):
+        one, two, three = (ca.DM(v[:, k] / (limit * free[1])) for v in (first, second, motion.jerks))
         rows.append(three * p**3 + 3.0 * two * p * change + one * third)
-    weights = np.full(len(limits.s), path.duration / len(limits.s))
+    count = len(s)
+    weights = np.full(count, path.duration / count)
     problem = {"x": x, "f": ca.dot(ca.DM(weights), 1.0 / p) / path.duration, "g": ca.vertcat(*rows)}
     options = {"ipopt": {"print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-6}, "print_time": False}
     solver = ca.nlpsol("pace", "ipopt", problem, options)
-    begin = min(most, limits.own_pace * float(min(h.min() for h in free)))
-    count = len(limits.s)
+    begin = min(most, own_pace * float(min(h.min() for h in free)))
     low = np.concatenate([np.zeros(count), -np.ones((len(rows) - 1) * count)])
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
     stats = solver.stats()

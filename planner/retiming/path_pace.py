@@ -17,7 +17,7 @@ from identification.limit_proof import kinetic_shares, prove
 from identification.motion import Array, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from planner.families.spline import in_pieces
-from planner.retiming.pacing import POINTS, PacedMotion, PathConstraints, paced
+from planner.retiming.pacing import POINTS, PacedMotion, constrained_places, paced
 from planner.search.feasibility import MARGIN, remedy
 
 STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers recognise a cubic spline
@@ -72,11 +72,11 @@ def _search(
     path: Trajectory, case: Case, most: float, report: Callable[[str], None]
 ) -> tuple[PacedMotion, PolynomialMotion, float]:
     """The best motion of some rounds, its spline, and by how much that must be slower."""
-    constraints = PathConstraints.of(path, case, MARGIN)
-    factors = (np.ones(len(constraints.s)), np.ones(len(constraints.s)))
+    points = constrained_places(path.duration)
+    factors = np.ones(len(points)), np.ones(len(points))
     best, least = None, np.inf
     for number in range(ROUNDS):
-        motion = paced(path, constraints, most, factors)
+        motion = paced(path, case, MARGIN, most, factors)
         spline = fitted_spline(motion, STEP)
         t = np.linspace(0.0, spline.duration, int(spline.duration * WATCHED) + 2)
         shares = kinetic_shares(spline, case, t)
@@ -90,21 +90,17 @@ def _search(
         if not gained or slower == 1.0:
             break
         places = motion.places(t)
-        factors = (
-            factors[0] / _excess(shares[1], places, constraints),
-            factors[1] / _excess(shares[2], places, constraints),
-        )
+        factors = factors[0] / _excess(shares[1], places, points), factors[1] / _excess(shares[2], places, points)
     assert best is not None
     return best
 
 
-def _excess(shares: Array, places: Array, constraints: PathConstraints) -> Array:
+def _excess(shares: Array, places: Array, points: Array) -> Array:
     """Share of the worst limit near each point of the path, at least 1."""
     from scipy.ndimage import maximum_filter1d
 
-    step = constraints.s[1] - constraints.s[0]
-    nearest = np.clip(np.round(places / step - 0.5).astype(int), 0, len(constraints.s) - 1)
-    over = np.ones(len(constraints.s))
+    nearest = np.clip(np.round(places / (points[1] - points[0]) - 0.5).astype(int), 0, len(points) - 1)
+    over = np.ones(len(points))
     np.maximum.at(over, nearest, shares / (1.0 - MARGIN))
     return np.asarray(maximum_filter1d(over, 2 * POINTS + 1))
 

@@ -33,7 +33,7 @@ def pose_figures() -> list[list[str]]:
     """Rows of the table of figures."""
     case = load_case("hexapod")
     model = identification_model(case, 5)
-    grid = _scaled(model, grid_candidates(case).poses)
+    grid = _scaled(model, grid_candidates(case)[0])
     rows = []
     for letter, criterion in POSE_CRITERIA.items():
         began = time.perf_counter()
@@ -42,7 +42,7 @@ def pose_figures() -> list[list[str]]:
     began = time.perf_counter()
     reduce_smallest_change(grid, POSE_CRITERIA["K"], 30)
     rows.append(["480 -> 30 poses, K by smallest change", f"{time.perf_counter() - began:.2f} s", "1 s"])
-    many = _scaled(model, sampled_candidates(case, MANY, 0).poses)
+    many = _scaled(model, sampled_candidates(case, MANY, 0)[0])
     for letter, criterion in POSE_CRITERIA.items():
         began, worked = time.perf_counter(), time.process_time()
         reduce_best(many, criterion, 30)

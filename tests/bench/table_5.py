@@ -13,7 +13,7 @@ from identification.model import identification_model
 from identification.parameters import physical_form
 from planner.pose_criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.candidates import grid_candidates
-from planner.poses.removal import Reduction, reduce_best, reduce_smallest_change
+from planner.poses.removal import reduce_best, reduce_smallest_change
 
 Array = NDArray[np.float64]
 
@@ -80,15 +80,15 @@ class Table5:
 def table_5(case: Case) -> Table5:
     """Computes all columns for the frame and the poses of a case."""
     model = identification_model(case, 5)
-    unscaled = pose_regressors(model, grid_candidates(case).poses)
+    unscaled = pose_regressors(model, grid_candidates(case)[0])
     scaled = unscaled * candidate_scaling(unscaled)
-    reductions: dict[str, Reduction] = {f"Q5{c}": reduce_best(scaled, POSE_CRITERIA[c], 1) for c in "ADKN"}
+    reductions = {f"Q5{c}": reduce_best(scaled, POSE_CRITERIA[c], 1) for c in "ADKN"}
     reductions["Q5K'"] = reduce_smallest_change(scaled, POSE_CRITERIA["K"], 1)
     deviations = {"Q5M": group_deviations(unscaled, case, PUBLISHED["Q5M"])}
-    for name, reduction in reductions.items():
-        left = np.setdiff1d(np.arange(len(unscaled)), reduction.removed[: len(unscaled) - LEFT])
+    for name, (_, removed) in reductions.items():
+        left = np.setdiff1d(np.arange(len(unscaled)), removed[: len(unscaled) - LEFT])
         deviations[name] = group_deviations(unscaled[left], case, PUBLISHED[name.rstrip("'")])
-    return Table5(deviations, {name: len(r.kept) for name, r in reductions.items()})
+    return Table5(deviations, {name: len(kept) for name, (kept, _) in reductions.items()})
 
 
 def rows_of(table: Table5) -> list[list[str]]:

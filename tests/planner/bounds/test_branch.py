@@ -43,9 +43,7 @@ def test_a_value_above_what_is_tolerable_ends_the_search_early_and_is_handed_ove
 
 def test_without_time_what_is_known_is_still_an_upper_bound():
     peak = np.full(3, 0.3)
-    upper, lower, points = maximise(
-        parabola(peak, 5.0), -np.ones((1, 3)), np.ones((1, 3)), 5.01, 5.005, time.process_time()
-    )
+    upper, _, _ = maximise(parabola(peak, 5.0), -np.ones((1, 3)), np.ones((1, 3)), 5.01, 5.005, time.process_time())
     assert upper >= 5.0
 
 

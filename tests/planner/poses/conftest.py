@@ -25,10 +25,10 @@ class Setting(NamedTuple):
 def setting(sampled: int | None) -> Setting:
     case = load_case("hexapod")
     model = identification_model(case, 5)
-    candidates = grid_candidates(case) if sampled is None else sampled_candidates(case, sampled, 3)
-    regressors = pose_regressors(model, candidates.poses)
+    poses, *_ = grid_candidates(case) if sampled is None else sampled_candidates(case, sampled, 3)
+    regressors = pose_regressors(model, poses)
     scaling = candidate_scaling(regressors)
-    return Setting(case, model, candidates.poses, scaling, regressors * scaling)
+    return Setting(case, model, poses, scaling, regressors * scaling)
 
 
 @pytest.fixture(scope="session")

@@ -40,14 +40,14 @@ def test_no_set_of_candidates_passes_the_bound(sample: Setting) -> None:
 
 def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid: Setting) -> None:
     bound = candidate_design(grid.regressors).bound(14)
-    kept = reduce_best(grid.regressors, POSE_CRITERIA["D"], 30).kept
+    kept = reduce_best(grid.regressors, POSE_CRITERIA["D"], 30)[0]
     mean = value("D", grid.regressors[kept]) - 14 * np.log(30)
     assert 0.99 < np.exp((mean - bound) / 14) <= 1.0
 
 
 @pytest.mark.parametrize("letter", few(*"DNAK", kept=2))
 def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, letter: str) -> None:
-    start = reduce_best(sample.regressors, POSE_CRITERIA[letter], 10).kept
+    start = reduce_best(sample.regressors, POSE_CRITERIA[letter], 10)[0]
     found, _ = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA[letter], sample.poses[start])
     exact = value(letter, pose_regressors(sample.model, found) * sample.scaling)
     assert exact > value(letter, sample.regressors[start])
@@ -55,7 +55,7 @@ def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, lette
 
 
 def test_30_refined_poses_reach_95_percent_of_what_any_poses_in_the_space_could(sample: Setting) -> None:
-    chosen = reduce_best(sample.regressors, POSE_CRITERIA["D"], 30).kept
+    chosen = reduce_best(sample.regressors, POSE_CRITERIA["D"], 30)[0]
     found, _ = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA["D"], sample.poses[chosen])
     bound = continuous_design(sample.case, sample.model, sample.scaling, sample.poses).bound(14)
     mean = total_information(pose_regressors(sample.model, found) * sample.scaling) / 30
