@@ -31,9 +31,10 @@ from cases.recording_format import (
     TEMPERATURE,
     TRIGGER,
     WRENCH,
+    own_units,
 )
 from cases.schema import Case
-from cases.units import MM, Array, as_html
+from cases.units import Array, as_html
 from identification.formats.table import Channel, Stream, lost_samples, unreadable
 
 
@@ -208,24 +209,20 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
-    table = {name: np.round(values, _DECIMALS.get(name, FINE)) for name, values in _columns(recording, case).items()}
+    table = {} if recording.t is None else {CLOCK: recording.t}
+    groups = (
+        (case.drive_columns, recording.struts),
+        (ROTATION, recording.rotations),
+        (case.sensor_frame.channels, recording.forces),
+        (ACCELEROMETER, recording.specific_forces),
+        ((TEMPERATURE,), recording.temperature),
+        ((OVERRIDE,), recording.override),
+    )
+    for names, values in groups:
+        if values is not None:
+            columns = values.reshape(-1, len(names)) / own_units(names)
+            table |= dict(zip(names, columns.T, strict=True))
+    table = {name: np.round(column, _DECIMALS.get(name, FINE)) for name, column in table.items()}
     if recording.trigger is not None:
         table[TRIGGER] = recording.trigger.astype(np.int8)
     pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
-
-
-def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]:
-    """Numbers by the names of their columns, in the units that the names say."""
-    table = {} if recording.t is None else {CLOCK: recording.t}
-    groups = (
-        (case.drive_columns, recording.struts, MM if case.chain is None else case.chain.units),
-        (ROTATION, None if recording.rotations is None else recording.rotations.reshape(-1, 9), 1.0),
-        (case.sensor_frame.channels, recording.forces, 1.0),
-        (ACCELEROMETER, recording.specific_forces, 1.0),
-        ((TEMPERATURE,), None if recording.temperature is None else recording.temperature[:, None], 1.0),
-        ((OVERRIDE,), None if recording.override is None else recording.override[:, None], 0.01),
-    )
-    for names, values, unit in groups:
-        if values is not None:
-            table |= dict(zip(names, (values / unit).T, strict=True))
-    return table

@@ -20,7 +20,7 @@ the low-pass is set to half of it.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,7 @@ from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.recording import Recording
 from identification.runs.noise_sources import acceleration_effects, expected_squares, twist_rate_squares
+from identification.samples import PlainSamples
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
 from identification.symbolic import Kinematics, Machine
 
@@ -46,7 +47,7 @@ DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class Run(PlainSamples):
     """A moving run, ready to be evaluated at any delay between forces and motion."""
 
     recording: Recording
@@ -62,8 +63,6 @@ class Run:
     spoilt: NDArray[np.bool_] | None = None
     consecutive: ClassVar[bool] = True
     noise_stated: ClassVar[bool] = True
-    wide: ClassVar[None] = None  # the delay is estimated
-    scale: ClassVar[float] = 1.0
 
     @property
     def t(self) -> Array:
@@ -193,7 +192,7 @@ class Run:
         shift[breaks + 1] = np.maximum(np.diff(places)[breaks] - FORGOTTEN, 0)
         return np.asarray(places - np.cumsum(shift))
 
-    def excerpt(self, times: int = 1) -> "Run":
+    def excerpt(self, times: int = 1) -> Self:
         """A part of the run that stands for it, `fair_part`; the run itself where that is all of it."""
         part = fair_part(len(self.rows), times)
         if len(part) == len(self.rows):
@@ -202,9 +201,11 @@ class Run:
         left_out[part] = False
         return self.without(left_out)
 
-    def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> "Run":
-        """The run with its smoothing to be estimated, where that is worth it, see `smoothed`; as it is elsewhere."""
-        return self if self.flexible else smoothed(self, fit, basis, w, delay)
+    def refined(self, fit: Fit, basis: Array, w: Array, delay: float) -> Self:
+        """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere."""
+        if self.flexible or not worth_smoothing(self, fit, basis, w, delay):
+            return self
+        return replace(self, smoothing=True)
 
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
         """The smoothing, or the structural mode that it stands for, where it was estimated."""
@@ -213,11 +214,6 @@ class Run:
             return ()
         smoothing = smoothing_of(self, fit)
         return (mode_finding(smoothing, self.filter.cutoff) if self.flexible else smoothing_finding(smoothing),)
-
-    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array | None:
-        """None: the delay is estimated."""
-        del delay, matrices, values
-        return None
 
     def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
         """Effect of stated noise on A, from a part of a long run."""
@@ -236,7 +232,7 @@ class Run:
         predicted = expected_forces(every.model, every.kinematics(delay), values)
         return Residuals(every.t, every.recorded_forces, predicted, self.filter.step, every.forces)
 
-    def without(self, left_out: NDArray[np.bool_]) -> "Run":
+    def without(self, left_out: NDArray[np.bool_]) -> Self:
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())
         return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))
@@ -270,8 +266,8 @@ def mode_finding(smoothing: Value, cutoff: float) -> Finding:
     return note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})
 
 
-def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
-    """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
+def worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
+    """Whether it is worth to estimate the smoothing of a run.
 
     That is where the run determines b more closely than sampling can make it, or where a low-pass of the forces is
     clear; elsewhere neglecting b biases parameters by less than estimating it would widen them. Noise of the struts
@@ -291,7 +287,7 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     even = np.diff(part.rows) == run.filter.stride
     inner = 1 + np.flatnonzero(even[1:] & even[:-1])
     if len(inner) <= free:
-        return run
+        return False
     slope = (expected[inner + 1] - expected[inner - 1]) / (2.0 * run.step)
     bend = (expected[inner + 1] - 2.0 * expected[inner] + expected[inner - 1]) / run.step**2
     root, residuals = np.linalg.cholesky(w).T, (part.forces - expected)[inner]
@@ -299,11 +295,11 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     triangle = np.asarray(np.linalg.qr(rows.reshape(-1, free + 3), mode="r"))[:-1]
     information = float(triangle[-1, -2]) ** 2  # on b
     if np.abs(np.diag(triangle)).min() == 0.0:  # nothing bends, as in a standstill
-        return run
+        return False
     std = fit.s0 * np.sqrt(share / (run.filter.stride * information))
     smoothing = float(triangle[-1, -1] / triangle[-1, -2])
     if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
-        return run
+        return False
     assert part.recording.struts is not None
     noise, draw, struts = strut_noise(part), np.random.default_rng(0), part.recording.struts.copy()
     for first in range(0, len(struts), BLOCK):
@@ -312,7 +308,7 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     noisy = replace(part, recording=replace(part.recording, struts=struts))
     error = (noisy.regressors(delay) @ fit.values[:size] - expected) @ root.T
     bias = float(np.sum(error[inner] * (2.0 * error[inner] - error[inner + 1] - error[inner - 1]))) / run.step**2
-    return replace(run, smoothing=True) if bias < max(std, smoothing / CLEAR) * information else run
+    return bool(bias < max(std, smoothing / CLEAR) * information)
 
 
 DIFFERENCES = 8  # repeated differences of the struts, which leave nothing of a motion far below the sampling rate

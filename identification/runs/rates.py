@@ -27,8 +27,10 @@ ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 def at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
     """The run at the samples of the motion, which are an interval apart [s], the forces averaged over it."""
     assert motion.t is not None
+    assert motion.struts is not None
     assert recording.t is not None
-    t, forces = _measured(recording.t, recording.forces, recording.missing)
+    measured = slice(None) if recording.missing is None else ~recording.missing  # the others make a gap
+    t, forces = recording.t[measured], recording.forces[measured]
     half = interval / 2.0
     # A sample more on either side for the curvature; rounding must not decide whether the first reaches the edge.
     room = half - ROUNDING * step
@@ -39,31 +41,14 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     curvature = means[2:] - 2.0 * means[1:-1] + means[:-2]
     means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature
     inside = inside[1:-1]
+    at = motion.t[inside]
     # The neighbours' averages are in the curvature.
-    hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, motion.t[inside], 1.5 * interval)
-    missing = hidden if motion.missing is None else hidden | motion.missing[inside]
-    means = _at_full_range(means, t, forces, motion.t[inside], half, case)
-    trigger = motion.trigger
-    override, temperature = (_latest(recording, name, motion.t) for name in ("override", "temperature"))
-    if trigger is None:
-        trigger = _latest(recording, "trigger", motion.t)
+    hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, at, 1.5 * interval)
+    means = _at_full_range(means, t, forces, at, half, case)
     # from the differences of neighbours
     noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
-    assert motion.struts is not None
-    return replace(
-        recording, source=motion.source, t=motion.t[inside], struts=motion.struts[inside], forces=means,
-        rotations=None, poses=None, specific_forces=None, others=(), lines=motion.lines.later(int(inside[0])),
-        trigger=None if trigger is None else trigger[inside],
-        averaged=interval / step, sample_noise=noise,
-        override=None if override is None else override[inside],
-        temperature=None if temperature is None else temperature[inside],
-        missing=missing, missing_in=(*motion.missing_in, *(("the forces averaged there",) if hidden.any() else ())),
-    )  # fmt: skip
-
-
-def _measured(t: Array, values: Array, missing: NDArray[np.bool_] | None) -> tuple[Array, Array]:
-    """The samples without those that were not measured, which make a gap."""
-    return (t, values) if missing is None else (t[~missing], values[~missing])
+    run = _at_clock(recording, motion, inside, hidden, "the forces averaged there")
+    return replace(run, struts=motion.struts[inside], forces=means, averaged=interval / step, sample_noise=noise)
 
 
 def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> NDArray[np.bool_]:
@@ -136,18 +121,32 @@ def at_the_forces(recording: Recording, motion: Stream) -> Recording:
     assert motion.t is not None
     assert motion.struts is not None
     assert recording.t is not None
-    at, struts = _measured(motion.t, motion.struts, motion.missing)
+    measured = slice(None) if motion.missing is None else ~motion.missing
+    at, struts = motion.t[measured], motion.struts[measured]
     usual = float(np.median(np.diff(at)))
     inside = np.flatnonzero((recording.t >= at[0]) & (recording.t <= at[-1]))
     if not len(inside):
         return recording
     t = recording.t[inside]
-    trigger, override, temperature = (_latest(recording, name, t) for name in ("trigger", "override", "temperature"))
-    hidden = _reach_a_gap(at, GAP * usual, t, usual)
-    missing = hidden if recording.missing is None else hidden | recording.missing[inside]
+    run = _at_clock(recording, recording, inside, _reach_a_gap(at, GAP * usual, t, usual), "the struts there")
+    return replace(run, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside])
+
+
+def _at_clock(
+    recording: Recording, clock: Stream, inside: NDArray[np.int64], hidden: NDArray[np.bool_], what: str
+) -> Recording:
+    """The run at some samples of one of its clocks, without forces and struts.
+
+    Args:
+        hidden: samples that a gap would hide, which are marked missing, shape (m,).
+        what: what is missing there.
+    """
+    assert clock.t is not None
+    t = clock.t[inside]
+    override, temperature = _latest(recording, "override", t), _latest(recording, "temperature", t)
+    trigger = _latest(recording, "trigger", t) if clock.trigger is None else clock.trigger[inside]
     return replace(
-        recording, t=t, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside],
-        trigger=trigger, override=override, temperature=temperature, rotations=None, poses=None, specific_forces=None,
-        others=(), lines=recording.lines.later(int(inside[0])),
-        missing=missing, missing_in=(*recording.missing_in, *(("the struts there",) if hidden.any() else ())),
+        recording, source=clock.source, t=t, trigger=trigger, override=override, temperature=temperature,
+        rotations=None, poses=None, specific_forces=None, others=(), lines=clock.lines.later(int(inside[0])),
+        missing=hidden | clock.bad[inside], missing_in=(*clock.missing_in, *((what,) if hidden.any() else ())),
     )  # fmt: skip
