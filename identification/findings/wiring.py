@@ -189,7 +189,7 @@ def _compensated(signals: Sequence[Array], motion: Kinematics, case: Case, model
         return (
             f"the force hardly changes, where that of the nominal load does: it is compensated, or none; {RECORD_RAW}"
         )
-    in_base = [_turned(turn, signal) for signal in signals]
+    in_base = [np.einsum("nji,nkj->nki", turn, s.reshape(-1, 2, 3)).reshape(-1, 6) for s in signals]
     weights, weights_of_base = _weights(signals[0], case), _weights(in_base[0], case)
     mass = model.names.index("m")
     tried = (
@@ -207,11 +207,6 @@ def _compensated(signals: Sequence[Array], motion: Kinematics, case: Case, model
     if not least * FACTOR < recorded:
         return None
     return f"{words}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
-
-
-def _turned(turn: Array, readings: Array) -> Array:
-    """Readings in the axes of the base, shape (n, 6), in those of the sensor."""
-    return np.hstack([np.einsum("nji,nj->ni", turn, readings[:, k : k + 3]) for k in (0, 3)])
 
 
 def _regressors_of(drives: Sequence[Array], case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:

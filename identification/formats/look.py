@@ -177,46 +177,40 @@ def _units(
 ) -> dict[str, str]:
     """Units that names do not state, from the values; what is a guess is added to `guessed`."""
     units: dict[str, str] = {}
-    chain = None if case is None else case.chain
-    if CLOCK in places and CLOCK not in name_units:
-        steps = np.diff(columns[places[CLOCK]])
-        step = float(np.median(steps)) if len(steps) else 0.0
-        start = float(columns[places[CLOCK]][0]) if len(steps) else 0.0
-        names = ("filetime",) if start > 1e17 and start < 1e18 else ("s", "ms", "us", "ns")
+
+    def unstated(group: Sequence[str]) -> list[Array]:
+        own = [ours for ours in group if ours in places]
+        return [] if {*own} & name_units.keys() else [columns[places[ours]] for ours in own]
+
+    def take(group: Sequence[str], unit: str | None) -> None:
+        if unit is not None:
+            units.update(dict.fromkeys(group, unit))
+            guessed.update(group if unit != _unit(group[0], {}) else ())
+
+    for clock in unstated((CLOCK,)):
+        step = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
+        names = ("filetime",) if step > 0.0 and 1e17 < clock[0] < 1e18 else ("s", "ms", "us", "ns")
         rates = {u: 1.0 / (step * TICKS[u]) for u in names if step > 0.0}
-        candidates = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
-        if candidates:
-            units[CLOCK] = min(candidates, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)))
-            guessed |= {CLOCK} if units[CLOCK] != "s" else set()
-    if STRUTS[0] in places and STRUTS[0] not in name_units:
-        unit = _strut_unit([columns[places[name]] for name in STRUTS], case)
-        units |= dict.fromkeys(STRUTS, unit) if unit else {}
-        guessed |= set(STRUTS) if unit not in (None, "mm") else set()
-    turning = [
-        ours
-        for ours in (chain.columns if chain is not None else ())
-        if ROLE_OF.get(ours) is Role.JOINTS and ours in places
-    ]
-    if turning and not {*turning} & name_units.keys():
-        widest = max(float(np.nanmax(np.abs(columns[places[ours]]))) for ours in turning)
-        units |= dict.fromkeys(turning, "rad") if widest <= _MOST_RADIANS else {}
-        guessed |= set(turning) if widest <= _MOST_RADIANS else set()
+        possible = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
+        take((CLOCK,), min(possible, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)), default=None))
+    if struts := unstated(STRUTS):
+        take(STRUTS, _strut_unit(struts, case))
+    turning = [] if case is None or case.chain is None else case.chain.columns
+    turning = [ours for ours in turning if ROLE_OF.get(ours) is Role.JOINTS and ours in places]
+    if joints := unstated(turning):
+        take(turning, "rad" if max(float(np.nanmax(np.abs(joint))) for joint in joints) <= _MOST_RADIANS else None)
     for group in (BAR_FORCES, WRENCH[:3]):
-        if group[0] in places and group[0] not in name_units and case is not None and case.nominal is not None:
+        if (forces := unstated(group)) and case is not None and case.nominal is not None:
             weight = case.nominal.mass_kg * float(np.linalg.norm(case.gravity))
-            span = max(float(np.ptp(columns[places[name]][np.isfinite(columns[places[name]])])) for name in group)
+            span = max(float(np.ptp(force[np.isfinite(force)])) for force in forces)
             low, high = (share * weight for share in _FORCES_OVER_WEIGHT)
-            fits = [u for u, factor in ROLE_UNITS[Role.FORCES].items() if low <= span * factor <= high]
-            if fits and fits[0] != "N":
-                units |= dict.fromkeys(group, fits[0])
-                guessed |= set(group)
+            take(group, next((u for u, f in ROLE_UNITS[Role.FORCES].items() if low <= span * f <= high), None))
     return units
 
 
 def _unit(ours: str | None, units: Mapping[str, str]) -> str:
-    if ours is None:
-        return ""
-    return units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
+    """The unit of a column of ours, or that of its name."""
+    return "" if ours is None else units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
 
 
 def _add_meaning(

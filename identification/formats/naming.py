@@ -135,22 +135,20 @@ def matched(
     if joints is not None:
         shifted = _of_joints(names, shifted, joints)
     groups = GROUPS if joints is None else (tuple(joints.values()), *(g for g in GROUPS if g not in _OF_DRIVES))
-    whole = {ours: k for ours, k in shifted.items() if _is_whole(ours, shifted, groups)}
+    incomplete = {ours for group in groups if not shifted.keys() >= {*group} for ours in group}
+    whole = {ours: k for ours, k in shifted.items() if ours not in incomplete}
     column_units = {ours: unit for ours, k in whole.items() if (unit := meanings[k][1]) is not None}
     return whole, column_units
 
 
 def _from_one(places: Mapping[str, int]) -> Iterator[tuple[str, int]]:
     """The same with groups that count from 0 counted from 1."""
-    for group in (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, BAR_FORCES):
+    numbered = (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, BAR_FORCES)
+    for group in numbered:
         zeroth = group[0].replace("1", "0")
-        if zeroth in places:
-            theirs = (zeroth, *group[:-1])
-            yield from ((ours, places[old]) for ours, old in zip(group, theirs, strict=True) if old in places)
-        else:
-            yield from ((ours, places[ours]) for ours in group if ours in places)
-    numbered = {*STRUTS, *STRUT_VELOCITIES, *DRIVES, *DRIVE_VELOCITIES, *BAR_FORCES}
-    yield from ((ours, k) for ours, k in places.items() if ours in COLUMNS and ours not in numbered)
+        theirs = (zeroth, *group[:-1]) if zeroth in places else group
+        yield from ((ours, places[old]) for ours, old in zip(group, theirs, strict=True) if old in places)
+    yield from ((ours, k) for ours, k in places.items() if ours in COLUMNS and not any(ours in g for g in numbered))
 
 
 def _of_joints(names: Sequence[str], places: Mapping[str, int], joints: Mapping[str, str]) -> dict[str, int]:
@@ -163,11 +161,6 @@ def _of_joints(names: Sequence[str], places: Mapping[str, int], joints: Mapping[
         if place is not None:
             columns[ours] = place
     return columns
-
-
-def _is_whole(ours: str, places: Mapping[str, int], groups: Sequence[Sequence[str]]) -> bool:
-    group = next((group for group in groups if ours in group), (ours,))
-    return all(column in places for column in group)
 
 
 def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]]:

@@ -212,7 +212,9 @@ class Run(PlainSamples):
         del w
         if not self.smoothing:
             return ()
-        smoothing = smoothing_of(self, fit)
+        place = len(self.model.parameters) + self.nuisances.index("smoothing")
+        variance = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place]))
+        smoothing = Uncertain(float(fit.values[place]), variance**0.5)
         return (mode_finding(smoothing, self.filter.cutoff) if self.flexible else smoothing_finding(smoothing),)
 
     def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
@@ -322,10 +324,3 @@ def strut_noise(run: Run) -> Array:
     moving = run.recording.struts[run.filter.margin + run.rows[0] : run.filter.margin + run.rows[-1]][:BLOCK]
     changes = np.median(np.abs(np.diff(moving, DIFFERENCES, axis=0)), axis=0)
     return np.asarray(changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES))))
-
-
-def smoothing_of(run: Run, fit: Fit) -> Value:
-    """The smoothing b by a fit of a run with that unknown [s^2]."""
-    place = len(run.model.parameters) + run.nuisances.index("smoothing")
-    std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
-    return Value(float(fit.values[place]), std, std, "s^2")

@@ -108,30 +108,19 @@ def missing_values(stream: Stream) -> list[Finding]:
             )
         )
     if inserted.any():
-        before = np.flatnonzero(np.diff(np.r_[False, inserted].astype(np.int8)) > 0)
-        sentence = f"{behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"
+        before = np.r_[inserted[1:] & ~inserted[:-1], False]
+        sentence = f"{_behind(stream.lines, before, int(inserted.sum()))}; bridged from their neighbours"
         findings.append(warning(Kind.DAMAGE, sentence))
     gaps = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
     if gaps.any():
-        sentence = f"{behind(stream.lines, np.flatnonzero(gaps), int(gaps.sum()))}; no filter reaches across"
+        sentence = f"{_behind(stream.lines, gaps > 0, int(gaps.sum()))}; no filter reaches across"
         findings.append(warning(Kind.DAMAGE, sentence))
     return findings
 
 
-def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
-    """The sentence on rows behind which samples are missing, and on how many.
-
-    Args:
-        lines: places of the rows.
-        rows: last row before each gap, counted from 0, shape (gaps,).
-        count: samples that are missing in all.
-    """
-    numbers = [str(lines.number(int(k))) for k in rows[:MOST_NAMED]]
-    more = f" and {len(rows) - MOST_NAMED} more places" if len(rows) > MOST_NAMED else ""
-    return (
-        f"behind {lines.word}{'s' if len(rows) > 1 else ''} {', '.join(numbers)}{more}: {count} "
-        f"{'samples are' if count > 1 else 'sample is'} missing"
-    )
+def _behind(lines: Lines, rows: Rows, count: int) -> str:
+    """What to say of rows behind which samples are missing, and of how many are in all."""
+    return f"behind {places(lines, rows)}: {count} {'samples are' if count > 1 else 'sample is'} missing"
 
 
 def _clipped(recording: Recording, case: Case) -> list[Problem]:

@@ -119,46 +119,39 @@ def match(averages: Recording, case: Case, expected: Array, names: str) -> tuple
     assert averages.struts is not None
     assert averages.weights is not None
     home, limits = case.need_motion("the match of poses")
-    poses, turns = machine_of(case).coordinates(averages.struts), limits.turns
-    indices = list(range(len(poses)))
-    while (
-        len(indices) > len(expected) and _same(poses[indices[0]], home, turns) and not _same(expected[0], home, turns)
-    ):
-        indices.pop(0)
-    while (
-        len(indices) > len(expected) and _same(poses[indices[-1]], home, turns) and not _same(expected[-1], home, turns)
-    ):
-        indices.pop()
+    poses, tolerance = machine_of(case).coordinates(averages.struts), np.where(limits.turns, SAME_ANGLE, SAME_POSITION)
+
+    def same(pose: Array, other: Array) -> bool:
+        return bool(np.all(np.abs(pose - other) <= tolerance))
+
+    first, end = 0, len(poses)
+    while end - first > len(expected) and same(poses[first], home) and not same(expected[0], home):
+        first += 1
+    while end - first > len(expected) and same(poses[end - 1], home) and not same(expected[-1], home):
+        end -= 1
     for k, pose in enumerate(expected):
-        if k >= len(indices):
-            raise RecordingError(
-                names,
-                f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, the recording ends "
-                f"with standstill {len(indices)}",
-                "record the whole program",
-            )
-        actual = poses[indices[k]]
-        if _same(actual, pose, turns):
+        words = f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured"
+        if first + k >= end:
+            reason = f"{words}, the recording ends with standstill {end - first}"
+            raise RecordingError(names, reason, "record the whole program")
+        actual = poses[first + k]
+        if same(actual, pose):
             continue
-        if k + 1 < len(expected) and _same(actual, expected[k + 1], turns):
-            raise RecordingError(
-                names,
-                f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, pose {k + 2} follows pose {k}",
-                "record the whole program",
-            )
+        if k + 1 < len(expected) and same(actual, expected[k + 1]):
+            raise RecordingError(names, f"{words}, pose {k + 2} follows pose {k}", "record the whole program")
         raise RecordingError(
             names,
             f"standstill {k + 1} is at {case.words(actual)}, pose {k + 1} of the program at {case.words(pose)}",
             "is the recording of this program?",
         )
-    if len(indices) > len(expected):
+    if end - first > len(expected):
         raise RecordingError(
             names,
-            f"standstill {len(expected) + 1} at {case.words(poses[indices[len(expected)]])} is none of the "
+            f"standstill {len(expected) + 1} at {case.words(poses[first + len(expected)])} is none of the "
             f"program's {len(expected)} poses",
             "cut the recording at its end, or name the right plan",
         )
-    part = slice(indices[0], indices[-1] + 1)
+    part = slice(first, end)
     degrees = None if averages.temperature is None else averages.temperature[part]
     struts, forces, weights = averages.struts[part], averages.forces[part], averages.weights[part]
     return replace(averages, struts=struts, forces=forces, weights=weights, temperature=degrees), part
@@ -187,10 +180,6 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
     t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
     scale = np.ones(len(valid)) if recording.weights is None else recording.weights
     return Standstills(model, t[valid], recording.forces[valid], matrices, scale[valid], recording.t is not None)
-
-
-def _same(pose: Array, other: Array, turns: Flags) -> bool:
-    return bool(np.all(np.abs(pose - other) <= np.where(turns, SAME_ANGLE, SAME_POSITION)))
 
 
 def _moving(struts: Array, step: float) -> Flags:
