@@ -324,9 +324,24 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     sure = np.abs(change[-6:]) / np.sqrt(spread)
     if not np.any(sure > most):
         return []
-    return [
-        _drift_finding(case, np.asarray(change[-6:]), sure, most, float(np.ptp(axis)), warming, recording.t is not None)
-    ]
+    worst = int(np.argmax(sure / most))
+    channel, unit = channel_words(case, worst)
+    by, span = float(change[-6:][worst]), float(np.ptp(axis))
+    if warming:
+        rate, over = f"{by / span:+.2g} {unit}/K", f"the {span:.2g} K of this run"
+    elif recording.t is not None:
+        rate, over = f"{60.0 * by / span:+.2g} {unit} a minute", f"the {span:.3g} s of this run"
+    else:
+        rate, over = f"{by / span:+.2g} {unit} from standstill to standstill", f"these {round(span) + 1}"
+    others = [channel_words(case, k)[0] for k in np.flatnonzero(sure > most).tolist() if k != worst]
+    more = f"; {', '.join(others)} too" if others else ""
+    sentence = (
+        f"the offset of {channel} drifts by {rate}, {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
+        f"deviations){more}: the result has the mean; {WARM_UP}"
+    )
+    drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit,
+             "with": "temperature" if warming else "time"}  # fmt: skip
+    return [warning(Kind.OFFSETS, sentence, offset_drift=drift)]
 
 
 def _with_lines(fitted: Fitted, line: Array, rows: NDArray[np.int64]) -> Regression:
@@ -352,29 +367,6 @@ def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
     own = np.arange(1.0, len(recording.temperature) + 1.0) if recording.t is None else recording.t
     temperature = np.interp(t, own, recording.temperature)
     return (temperature, True) if np.ptp(temperature) >= LEAST_WARMING else (t, False)
-
-
-def _drift_finding(
-    case: Case, change: Array, sure: Array, most: Array, span: float, warming: bool, clocked: bool
-) -> Finding:  # fmt: skip
-    worst = int(np.argmax(sure / most))
-    channel, unit = channel_words(case, worst)
-    by = float(change[worst])
-    if warming:
-        rate, over = f"{by / span:+.2g} {unit}/K", f"the {span:.2g} K of this run"
-    elif clocked:
-        rate, over = f"{60.0 * by / span:+.2g} {unit} a minute", f"the {span:.3g} s of this run"
-    else:
-        rate, over = f"{by / span:+.2g} {unit} from standstill to standstill", f"these {round(span) + 1}"
-    others = [channel_words(case, k)[0] for k in np.flatnonzero(sure > most).tolist() if k != worst]
-    more = f"; {', '.join(others)} too" if others else ""
-    sentence = (
-        f"the offset of {channel} drifts by {rate}, {by:+.2g} {unit} over {over} ({sure[worst]:.0f} standard "
-        f"deviations){more}: the result has the mean; {WARM_UP}"
-    )
-    drift = {"channel": channel, "change": by, "standard_deviations": float(sure[worst]), "span": span, "unit": unit,
-             "with": "temperature" if warming else "time"}  # fmt: skip
-    return warning(Kind.OFFSETS, sentence, offset_drift=drift)
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.chain import Chain
 from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.recording_format import (
@@ -75,6 +74,9 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
     if override is not None:
         _require_override(table, override, form)
     trigger = _single(table, form, TRIGGER)
+    specific = None if form.accelerometer is None else _group(table, form, ACCELEROMETER)
+    if specific is not None and form.accelerometer is not None:
+        specific = specific @ form.accelerometer.matrix.T
     stream = Stream(
         source=table.source,
         t=t,
@@ -85,13 +87,17 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
         override=override,
         temperature=_single(table, form, TEMPERATURE),
         poses=_group(table, form, POSE),
-        specific_forces=_specific_forces(table, form),
+        specific_forces=specific,
         lines=table.lines,
         missing=missing,
         missing_in=missing_in,
     )
     if not stream.channels:
-        raise RecordingError(table.source, _nothing(table, case.sensor_frame.channels, form))
+        wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
+        unmounted = "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
+        raise RecordingError(
+            table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, form, wanted)
+        )
     _require_rotations(stream)
     if STRUTS[0] in table.values:
         _require_reach(stream, case, form)
@@ -116,13 +122,6 @@ def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
     # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
     tick = Fraction(table.tick).limit_denominator(10**12)
     return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
-
-
-def _nothing(table: ColumnTable, forces: tuple[str, ...], form: RecordingFormat) -> str:
-    """What to say of a file in which nothing serves the case."""
-    if ACCELEROMETER[0] in table.values:
-        return "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
-    return without(table.names, form, (STRUTS[0], POSE[0], ROTATION[0], forces[0]))
 
 
 def _group(table: ColumnTable, form: RecordingFormat, channels: tuple[str, ...]) -> Array | None:
@@ -152,7 +151,12 @@ def _single(table: ColumnTable, form: RecordingFormat, ours: str) -> Array | Non
 def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | None:
     """Strut lengths of a hexapod, positions of the joints of a chain."""
     if case.chain is not None:
-        return _unwrapped(_group(table, form, case.chain.columns), case.chain)
+        positions = _group(table, form, case.chain.columns)
+        for joint, column in zip(case.chain.joints, () if positions is None else positions.T, strict=False):
+            if joint.kind == "continuous":  # as if its encoder counted turns: from row to row less than half a turn
+                rows = np.flatnonzero(np.isfinite(column))
+                column[rows] = np.unwrap(column[rows])
+        return positions
     struts, drives = _group(table, form, STRUTS), _group(table, form, DRIVES)
     if drives is None:
         return struts
@@ -165,25 +169,6 @@ def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | No
             table.source, "has drive positions", "say in [recording.drives] of the case how they move the struts"
         )
     return np.array(form.drives.sign) * drives[:, form.drives.index] + form.drives.offset
-
-
-def _unwrapped(positions: Array | None, chain: Chain) -> Array | None:
-    """Joints that turn without end as if their encoder counted turns: from row to row less than half a turn."""
-    if positions is None:
-        return None
-    for k, joint in enumerate(chain.joints):
-        if joint.kind == "continuous":
-            rows = np.flatnonzero(np.isfinite(positions[:, k]))
-            positions[rows, k] = np.unwrap(positions[rows, k])
-    return positions
-
-
-def _specific_forces(table: ColumnTable, form: RecordingFormat) -> Array | None:
-    """Specific forces in the axes of {P}; None where the case has no accelerometer, whatever the columns."""
-    if form.accelerometer is None:
-        return None
-    readings = _group(table, form, ACCELEROMETER)
-    return None if readings is None else np.asarray(readings @ form.accelerometer.matrix.T)
 
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).

@@ -133,8 +133,14 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     main = next(s for s in streams if s.forces is not None)
     if case.setup == "1a" and main.forces is not None:  # the frame does not move
         main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
-    if main.struts is None and main.poses is not None:
-        main = _with_kinematics(main, main.poses, case)
+    if main.struts is None and main.poses is not None and case.hexapod is not None:
+        from identification.hexapod import Hexapod
+
+        main = replace(main, struts=Hexapod.of(case).strut_lengths(main.poses))
+    elif main.struts is None and main.poses is not None:
+        from scipy.spatial.transform import Rotation
+
+        main = replace(main, rotations=Rotation.from_euler("xyz", main.poses[:, 3:]).as_matrix())
     return main, *(s for s in streams if s.forces is None)
 
 
@@ -233,14 +239,3 @@ def _require_one_time(streams: Sequence[Stream]) -> None:
             f"starts {start - end:.6g} s after {early} ends",
             "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
         )
-
-
-def _with_kinematics(stream: Stream, poses: np.ndarray, case: Case) -> Stream:
-    """The stream with what follows from its poses: strut lengths (7), or, without a machine, rotations."""
-    if case.hexapod is not None:
-        from identification.hexapod import Hexapod
-
-        return replace(stream, struts=Hexapod.of(case).strut_lengths(poses))
-    from scipy.spatial.transform import Rotation
-
-    return replace(stream, rotations=Rotation.from_euler("xyz", poses[:, 3:]).as_matrix())

@@ -75,24 +75,15 @@ def read_blocks(
     Raises:
         RecordingError: it cannot be read, or has a line without end.
     """
-    for line, data in _all_blocks(file, trailing_rows, size, kept):
-        above = header_rows + 1 - line
-        if above <= 0:
-            yield line, data
-            continue
-        rows = data.split(b"\n", above)
-        if len(rows) > above and rows[-1]:
-            yield header_rows + 1, rows[-1]
-
-
-def _all_blocks(file: Path, trailing_rows: int, size: int, reserve: int) -> Iterator[Block]:
-    line, rest = 1, b""
+    line = header_rows + 1
     try:
         with file.open("rb") as stream:
-            rest = stream.read(len(_MARK)).removeprefix(_MARK)
+            for _ in range(header_rows):
+                stream.readline(_LONGEST_LINE)
+            rest = b"" if header_rows else stream.read(len(_MARK)).removeprefix(_MARK)
             while chunk := stream.read(size):
                 rest += chunk
-                end = max(len(rest) - reserve, 0)
+                end = max(len(rest) - kept, 0)
                 cut = rest.rfind(b"\n", 0, end) + 1
                 if cut:
                     yield line, rest[:cut]

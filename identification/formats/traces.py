@@ -158,15 +158,11 @@ def _present(file: Path, block: Block, column: pa.ChunkedArray) -> Stamps:
 
 def _groups(stamps: Mapping[str, Stamps]) -> list[tuple[str, ...]]:
     """Wanted columns that share their clock: the same one, or equal ones; their last samples may be missing."""
-    groups: list[list[str]] = []
+    groups: dict[str, tuple[str, ...]] = {}
     for ours, clock in stamps.items():
-        for group in groups:
-            if _alike(stamps[group[0]], clock):
-                group.append(ours)
-                break
-        else:
-            groups.append([ours])
-    return [tuple(group) for group in groups]
+        first = next((other for other in groups if _alike(stamps[other], clock)), ours)
+        groups[first] = (*groups.get(first, ()), ours)
+    return [*groups.values()]
 
 
 def _alike(one: Stamps, other: Stamps) -> bool:

@@ -32,16 +32,15 @@ from identification.runs.periods import (
     FEWEST,
     each_period,
     kept_periods,
-    longest_window,
     noise_spectra,
     rows_of_periods,
     telling_harmonics,
 )
-from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_on, require_position
 from identification.runs.repeating import RepeatingPart, find_part, given_part
 from identification.runs.sample_checks import bridged
 from identification.samples import Conditioning, PlainSamples
-from identification.signals import MOST_SAMPLES, Residuals
+from identification.signals import MOST_SAMPLES, Residuals, stretches
 from identification.symbolic import Kinematics
 
 Rows = NDArray[np.bool_]
@@ -279,7 +278,10 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Condition
     recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad & ~long))
     t = recording.t
     assert t is not None
-    window = longest_window(recording)
+    window = np.arange(len(t))
+    if recording.trigger is not None:
+        longest = max(stretches(require_on(recording.source, recording.trigger)), key=lambda on: on.stop - on.start)
+        window = window[longest]
     if np.ptp(struts[window], axis=0).max() < LEAST_TRAVEL:
         raise IdentificationError(recording.source, "the pose is constant; record the excitation")
     part = find_part(t, struts, window) if wish.period is None else given_part(t, struts, window, wish.period)

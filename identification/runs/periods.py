@@ -17,7 +17,6 @@ from identification.recording import Recording
 from identification.runs.fourier_series import FourierSeries, basis, fit_series
 from identification.runs.repeating import RepeatingPart
 from identification.runs.sample_checks import places
-from identification.signals import stretches
 
 INDEPENDENT = 24  # complex values that a spectral matrix of six channels is averaged over
 STRANGE = 8.0  # standard deviations of the periods' scatter, anywhere in a period, that noise never reaches
@@ -99,21 +98,6 @@ FEWEST = 2  # harmonics
 MEDIAN_POWER = float(chdtri(12, 0.5)) / 12.0  # over the mean, of a harmonic of six struts
 
 
-def longest_window(recording: Recording) -> NDArray[np.int64]:
-    """Consecutive rows to look at, shape (m,): the longest time that the trigger is on; without a trigger all of them.
-
-    Raises:
-        RecordingError: the trigger is never on.
-    """
-    if recording.trigger is None:
-        return np.arange(len(recording.forces))
-    on = stretches(recording.trigger)
-    if not on:
-        raise RecordingError(f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out")
-    longest = max(on, key=lambda part: part.stop - part.start)
-    return np.arange(longest.start, longest.stop)
-
-
 def kept_periods(
     recording: Recording, periods: Sequence[Index], forces: Array, bad: Rows
 ) -> tuple[list[int], tuple[Finding, ...]]:
@@ -132,24 +116,18 @@ def kept_periods(
     if not sound:
         raise RecordingError(recording.source, f"every one of the {count} periods has samples left out")
     strange = {sound[k]: size for k, size in strangers(forces[sound]).items()}
-    warnings: tuple[Finding, ...] = ()
+    warnings = []
     if len(strange) > len(sound) / 2:
-        most = max(strange.values())
-        warnings = (
-            warning(
-                Kind.DAMAGE, f"forces of {len(strange)} of {count} periods differ by up to {most:.3g} N; all are used"
-            ),
-        )
-        strange = {}
-    for k in range(count):
-        if k in strange or k not in sound:
-            reason = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
-            rows = np.zeros(len(bad), dtype=bool)
-            rows[periods[k]] = True
-            warnings += (
-                warning(Kind.DAMAGE, f"period {k + 1} of {count} {reason}; left out", places(recording.lines, rows)),
-            )
-    return [k for k in sound if k not in strange], warnings
+        sentence = f"forces of {len(strange)} of {count} periods differ by up to {max(strange.values()):.3g} N"
+        warnings, strange = [warning(Kind.DAMAGE, f"{sentence}; all are used")], {}
+    kept = [k for k in sound if k not in strange]
+    for k in sorted({*range(count)} - {*kept}):
+        reason = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
+        rows = np.zeros(len(bad), dtype=bool)
+        rows[periods[k]] = True
+        where = places(recording.lines, rows)
+        warnings.append(warning(Kind.DAMAGE, f"period {k + 1} of {count} {reason}; left out", where))
+    return kept, tuple(warnings)
 
 
 def telling_harmonics(motion: FourierSeries, scatter: Array, periods: Sequence[Index], t: Array, struts: Array) -> int:

@@ -160,6 +160,13 @@ def delimited(trigger: NDArray[np.bool_] | None) -> bool:
     return trigger is not None and len(stretches(trigger)) > 1
 
 
+def require_on(source: str, trigger: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The trigger, shape (n,); raises RecordingError where it is never on."""
+    if not trigger.any():
+        raise RecordingError(f"{source}, trigger", "is never 1", "record with the trigger or leave it out")
+    return trigger
+
+
 def checked_filter(recording: Recording, case: Case) -> Filter:
     """The low-pass of a case at the rate of a recording.
 
@@ -252,11 +259,7 @@ def _window(
     low_pass.require(recording.struts, 0.0)
     warnings: tuple[Finding, ...] = ()
     if recording.trigger is not None:
-        rows = np.flatnonzero(recording.trigger[margin:-margin])
-        if not len(rows):
-            raise RecordingError(
-                f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out"
-            )
+        rows = np.flatnonzero(require_on(recording.source, recording.trigger[margin:-margin]))
     else:
         speed = low_pass.apply(recording.struts, 1)
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)

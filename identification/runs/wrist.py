@@ -197,16 +197,9 @@ def wrist_run(
     if len(samples) < LEAST_ROWS:
         raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
     return WristRun(
-        model,
-        low_pass,
-        t[samples],
-        smooth[samples],
-        recorded[inner][samples],
-        quaternion,
-        specific,
-        len(rows),
+        model, low_pass, t[samples], smooth[samples], recorded[inner][samples], quaternion, specific, len(rows),
         warnings,
-    )
+    )  # fmt: skip
 
 
 def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple[CubicSpline, Rows]:
