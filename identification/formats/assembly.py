@@ -56,7 +56,7 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
 }
 
 
-def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
+def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     """Channels of a table in SI; samples that were lost, a few at a time, are rows of it too.
 
     Args:
@@ -67,27 +67,26 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
     """
     t = None
     if table.stamps is not None:
-        t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table, form) - origin)
-    table, missing, missing_in = _marked(table, form)
-    rotation = _group(table, form, ROTATION)
-    override = _single(table, form, OVERRIDE)
+        t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table) - origin)
+    table, missing, missing_in = _marked(table)
+    rotation = _group(table, ROTATION)
+    override = _single(table, OVERRIDE)
     if override is not None:
-        _require_override(table, override, form)
-    trigger = _single(table, form, TRIGGER)
-    specific = None if form.accelerometer is None else _group(table, form, ACCELEROMETER)
-    if specific is not None and form.accelerometer is not None:
-        specific = specific @ form.accelerometer.matrix.T
+        _require_override(table, override)
+    trigger = _single(table, TRIGGER)
+    accelerometer = table.form.accelerometer
+    readings = None if accelerometer is None else _group(table, ACCELEROMETER)
     stream = Stream(
         source=table.source,
         t=t,
-        struts=_struts(table, case, form),
+        struts=_struts(table, case),
         rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
-        forces=_group(table, form, case.sensor_frame.channels),
-        trigger=None if trigger is None else _switch(table, trigger, form),
+        forces=_group(table, case.sensor_frame.channels),
+        trigger=None if trigger is None else _switch(table, trigger),
         override=override,
-        temperature=_single(table, form, TEMPERATURE),
-        poses=_group(table, form, POSE),
-        specific_forces=specific,
+        temperature=_single(table, TEMPERATURE),
+        poses=_group(table, POSE),
+        specific_forces=None if readings is None or accelerometer is None else readings @ accelerometer.matrix.T,
         lines=table.lines,
         missing=missing,
         missing_in=missing_in,
@@ -96,23 +95,25 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
         wanted = (STRUTS[0], POSE[0], ROTATION[0], case.sensor_frame.channels[0])
         unmounted = "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
         raise RecordingError(
-            table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, form, wanted)
+            table.source, unmounted if ACCELEROMETER[0] in table.values else without(table.names, table.form, wanted)
         )
     _require_rotations(stream)
     if STRUTS[0] in table.values:
-        _require_reach(stream, case, form)
+        _require_reach(stream, case, table.form)
     _require_gravity(stream, case)
     return _with_lost_rows(stream)
 
 
-def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
+def start_of(table: ColumnTable) -> Fraction:
     """Time of the first sample [s], exact: a double has too few digits for epochs in ns.
 
     Raises:
         RecordingError: columns of one clock are shifted by different times.
     """
     assert table.stamps is not None
-    shifts = {form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}}
+    shifts = {
+        table.form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}
+    }
     if len(shifts) > 1:
         raise RecordingError(
             table.source,
@@ -124,13 +125,13 @@ def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
     return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
 
 
-def _group(table: ColumnTable, form: RecordingFormat, channels: tuple[str, ...]) -> Array | None:
+def _group(table: ColumnTable, channels: tuple[str, ...]) -> Array | None:
     """Columns that belong together in SI units, shape (n, k); None if the file has none of them."""
     present = [ours in table.values for ours in channels]
     if not any(present):
         return None
     if not all(present):
-        missing = form.file_name(channels[present.index(False)])
+        missing = table.form.file_name(channels[present.index(False)])
         raise RecordingError(
             table.source,
             f"column {missing} is missing",
@@ -138,37 +139,37 @@ def _group(table: ColumnTable, form: RecordingFormat, channels: tuple[str, ...])
         )
     group = np.empty((len(channels), table.rows)).T  # each channel in one piece, for it is worked on channel by channel
     for k, ours in enumerate(channels):
-        np.multiply(table.values[ours], form.factor(ours), out=group[:, k])
+        np.multiply(table.values[ours], table.form.factor(ours), out=group[:, k])
     return group
 
 
-def _single(table: ColumnTable, form: RecordingFormat, ours: str) -> Array | None:
+def _single(table: ColumnTable, ours: str) -> Array | None:
     """A column of its own in SI units, shape (n,); None if the file has none such."""
-    column = _group(table, form, (ours,))
+    column = _group(table, (ours,))
     return None if column is None else column[:, 0]
 
 
-def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | None:
+def _struts(table: ColumnTable, case: Case) -> Array | None:
     """Strut lengths of a hexapod, positions of the joints of a chain."""
     if case.chain is not None:
-        positions = _group(table, form, case.chain.columns)
+        positions = _group(table, case.chain.columns)
         for joint, column in zip(case.chain.joints, () if positions is None else positions.T, strict=False):
             if joint.kind == "continuous":  # as if its encoder counted turns: from row to row less than half a turn
                 rows = np.flatnonzero(np.isfinite(column))
                 column[rows] = np.unwrap(column[rows])
         return positions
-    struts, drives = _group(table, form, STRUTS), _group(table, form, DRIVES)
+    struts, drives = _group(table, STRUTS), _group(table, DRIVES)
     if drives is None:
         return struts
     if struts is not None:
         raise RecordingError(
             table.source, "has strut lengths and drive positions", "take one of them out of [recording.columns]"
         )
-    if form.drives is None:
+    if (how := table.form.drives) is None:
         raise RecordingError(
             table.source, "has drive positions", "say in [recording.drives] of the case how they move the struts"
         )
-    return np.array(form.drives.sign) * drives[:, form.drives.index] + form.drives.offset
+    return np.array(how.sign) * drives[:, how.index] + how.offset
 
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
@@ -181,7 +182,7 @@ MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
 _FIRST = 10_000  # rows that show a wrong unit as well as all of them
 
 
-def require_clock(table: ColumnTable, form: RecordingFormat) -> None:
+def require_clock(table: ColumnTable) -> None:
     """Raises RecordingError at the first time stamp that cannot be of a clock, or not later than the one above it."""
     stamps = table.stamps
     if stamps is None:
@@ -189,32 +190,27 @@ def require_clock(table: ColumnTable, form: RecordingFormat) -> None:
     possible = np.abs(stamps) < _MOST
     if not possible.all():
         row = int(np.argmin(possible))
-        raise RecordingError(_place(table, row, form, CLOCK), f"{stamps[row]} is not a time stamp", "remove the row")
+        raise RecordingError(table.place(row, CLOCK), f"{stamps[row]} is not a time stamp", "remove the row")
     later = stamps[1:] > stamps[:-1]
     if later.all():
         return
     row = int(np.argmin(later)) + 1
-    unit = form.clock_unit
+    unit = table.form.clock_unit
     now, then = (f"{v:.6f} s" if unit == "s" else f"{v} {unit}" for v in (stamps[row].item(), stamps[row - 1].item()))
     raise RecordingError(
-        _place(table, row, form, CLOCK),
+        table.place(row, CLOCK),
         f"{now} comes after {then}",
         "time must increase: sort the rows or remove the repeated part",
     )
 
 
-def _place(table: ColumnTable, row: int, form: RecordingFormat, ours: str) -> str:
-    """File, line and column of a value, as a message names them."""
-    return f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(ours))}"
-
-
-def _require_override(table: ColumnTable, override: Array, form: RecordingFormat) -> None:
+def _require_override(table: ColumnTable, override: Array) -> None:
     """Raises RecordingError at the first feed override, shape (n,), that no control has."""
     wrong = (override < 0.0) | (override > MOST_OVERRIDE)
     if wrong.any():
         row = int(np.argmax(wrong))
         raise RecordingError(
-            _place(table, row, form, OVERRIDE),
+            table.place(row, OVERRIDE),
             f"{100 * override[row]:g} % is not a feed override, they are 0 to {100 * MOST_OVERRIDE:g} %",
             "state recording.units.override = '1' if it is a ratio",
         )
@@ -233,7 +229,7 @@ def switched(values: Array) -> Rows | None:
     return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
 
 
-def _switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> Rows:
+def _switch(table: ColumnTable, trigger: Array) -> Rows:
     """Whether the trigger is on, shape (n,).
 
     Raises:
@@ -246,7 +242,7 @@ def _switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> Rows:
     usual = float(np.median(trigger[trigger > 0.0])) if (trigger > 0.0).any() else 1.0
     row = int(np.argmax((trigger != 0.0) & (trigger != usual)))
     raise RecordingError(
-        _place(table, row, form, TRIGGER),
+        table.place(row, TRIGGER),
         f"{trigger[row]:g} is neither 0 nor {usual:g}, and the values have more than two levels",
         "export the trigger as a switch, or leave the column out",
     )
@@ -306,7 +302,7 @@ MOST_PUT_BACK = 3  # samples in a row
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
 
 
-def _marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Rows | None, tuple[str, ...]]:
+def _marked(table: ColumnTable) -> tuple[ColumnTable, Rows | None, tuple[str, ...]]:
     """A table in which every value is finite, the rows in which one stands for nothing, and the columns in which.
 
     Rows have the shape (n,), None: there are none; columns are named as in the file.
@@ -321,19 +317,18 @@ def _marked(table: ColumnTable, form: RecordingFormat) -> tuple[ColumnTable, Row
         if column.size and column.min() > -_MOST and column.max() < _MOST:  # both are false where one is NaN
             continue
         good = np.asarray(np.abs(column) < _MOST)
-        name = shown(form.file_name(ours))
         share = 1.0 - float(good.mean())
         if share > MOST_MISSING:
             row = int(np.argmin(good))
             raise RecordingError(
-                f"{table.source}, {table.lines.place(row)}, {name}",
+                table.place(row, ours),
                 f"{column[row]} is not a measured value, nor are {100 * share:.3g} % of this column's rows, at "
                 f"most {100 * MOST_MISSING:g} % may be missing",
                 "record again, or give what is sampled less often in a file of its own",
             )
         values[ours] = spread(column[good], np.flatnonzero(good), np.arange(len(good)), ours in _KEPT)
         missing |= ~good
-        columns = (*columns, name)
+        columns = (*columns, shown(table.form.file_name(ours)))
     if not columns:
         return table, None, ()
     return replace(table, values={**table.values, **values}), missing, columns

@@ -179,7 +179,7 @@ def _table(
         raise RecordingError(source, "its headers have no stamps", "use a driver that stamps its messages")
     ours, lines = {form.file_name(column): column for column in form.columns}, Lines(1, word="message")
     values = {ours[name]: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)}
-    table = ColumnTable(source, (STAMP, *names), values, stamps, form.tick, lines)
+    table = ColumnTable(source, form, (STAMP, *names), values, stamps, form.tick, lines)
     if len(stamps) < 2 or np.any(np.diff(stamps) <= 0):
         return table  # the reader says why that is not a run
     instants, _ = equal_steps(source, (stamps - stamps[0]) * form.tick, lines)
@@ -221,7 +221,7 @@ def _row_groups(file: Path, parquet: "pq.ParquetFile", form: RecordingFormat) ->
         stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
         if stamps is None and form.clock.period is not None:
             stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
-        yield ColumnTable(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
+        yield ColumnTable(str(file), form, names, values, stamps, tick, Lines(count + 1, word="row"))
         count += batch.num_rows
     if not count:
         raise RecordingError(file, "has columns but no rows", "record again")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import TextFile
+from cases.recording_format import RecordingFormat
 from identification.formats.looked import Column
 from identification.formats.reading import whole
 from identification.formats.table import is_number, is_value, split, unreadable
@@ -87,7 +87,7 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
     raise RecordingError(file, "is not text", "export the recording as CSV or Parquet")
 
 
-def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[TextFile, list[bool]]:
+def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[RecordingFormat, list[bool]]:
     """The separator and decimal sign by which most columns are numbers, and which of them are."""
     sample = [line for line in lines if line.strip()][-_SAMPLE:-1] or list(lines[-1:])
     best, most = None, 1
@@ -96,7 +96,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None)
         for decimal in ".,":
             if decimal == separator:
                 continue
-            form = TextFile(delimiter=separator, decimal=decimal, encoding=encoding)
+            form = RecordingFormat(delimiter=separator, decimal=decimal, encoding=encoding)
             rows = [split(line, separator) for line in sample]
             count = Counter(len(row) for row in rows).most_common(1)[0][0]
             same = [row for row in rows if len(row) == count]
@@ -114,7 +114,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None)
     return best, numeric
 
 
-def _is_row(form: TextFile, line: str, numeric: Sequence[bool]) -> bool:
+def _is_row(form: RecordingFormat, line: str, numeric: Sequence[bool]) -> bool:
     """Whether a line is one of the table's: as many fields, numbers where others have such, not all of them empty."""
     fields = split(line, form.separator)
     numbers = [field for field, number in zip(fields, numeric, strict=False) if number]
@@ -129,7 +129,7 @@ def _names_row(head: Sequence[Sequence[str]], count: int) -> int:
     return distinct.index(max(distinct)) + 1 if any(distinct) else 0
 
 
-def _below(file: Path, form: TextFile, numeric: Sequence[bool]) -> tuple[int, bool]:
+def _below(file: Path, form: RecordingFormat, numeric: Sequence[bool]) -> tuple[int, bool]:
     """Lines without numbers at the end of a file, and whether the last is a row that ends early."""
     try:
         with file.open("rb") as stream:

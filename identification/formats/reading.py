@@ -117,17 +117,14 @@ def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
     """
     if not paths:
         raise RecordingError("no recording is named; give the files of one run")
-    tables: list[tuple[ColumnTable, RecordingFormat]] = []
+    tables: list[ColumnTable] = []
     for path in paths:
-        file, form = _file_of(path, case)
-        cells = sum(table.rows * len(table.values) for table, _ in tables)
-        tables += [(table, form) for table in read_tables(file, form, cells)]
-    for table, form in tables:
-        require_clock(table, form)  # before the first of them is taken for the run's beginning
-    starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
-    origin = min(starts, default=Fraction(0))
-    streams = [stream_of(table, case, form, origin) for table, form in tables]
-    _require_whole(streams, case, [name for table, _ in tables for name in table.names])
+        tables += read_tables(*_file_of(path, case), sum(table.rows * len(table.values) for table in tables))
+    for table in tables:
+        require_clock(table)  # before the first of them is taken for the run's beginning
+    origin = min((start_of(table) for table in tables if table.stamps is not None), default=Fraction(0))
+    streams = [stream_of(table, case, origin) for table in tables]
+    _require_whole(streams, case, [name for table in tables for name in table.names])
     streams = _joined(streams)
     _require_one_time(streams)
     main = next(s for s in streams if s.forces is not None)

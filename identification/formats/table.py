@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.recording_format import TextFile
+from cases.recording_format import RecordingFormat
 from cases.units import Array
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
@@ -71,12 +71,12 @@ def split(line: str, separator: str) -> list[str]:
         return line.split(separator)
 
 
-def missing_fields(form: TextFile) -> tuple[str, ...]:
+def missing_fields(form: RecordingFormat) -> tuple[str, ...]:
     """Fields that stand for no value; of a sampler, which measures every one, an empty field is an error."""
     return () if form.format == "halsampler" else ("", " ")
 
 
-def is_value(text: str, form: TextFile) -> bool:
+def is_value(text: str, form: RecordingFormat) -> bool:
     """Whether a field can be read."""
     if text in missing_fields(form):
         return True
@@ -109,6 +109,7 @@ class ColumnTable:
     """Columns of a file that share their rows, in the file's units."""
 
     source: str  # the file, for messages
+    form: RecordingFormat  # how it is written
     names: tuple[str, ...]  # all columns that the file has, as it calls them
     # our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know
     values: Mapping[str, Array]
@@ -122,6 +123,10 @@ class ColumnTable:
         """Number of rows."""
         columns = [*self.values.values(), *([] if self.stamps is None else [self.stamps])]
         return len(columns[0]) if columns else 0
+
+    def place(self, row: int, ours: str) -> str:
+        """File, line and column of a value, as a message names them."""
+        return f"{self.source}, {self.lines.place(row)}, {shown(self.form.file_name(ours))}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from cases.errors import RecordingError
-from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat, TextFile
+from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
 from identification.formats.table import (
     Block,
     ColumnTable,
@@ -114,7 +114,7 @@ def _without_end(data: bytes, trailing_rows: int) -> bytes:
 def parse(
     file: Path,
     block: Block,
-    form: TextFile,
+    form: RecordingFormat,
     fields: Sequence[str],
     numbers: Iterable[int],
     stamps: Sequence[int],
@@ -156,7 +156,7 @@ def parse(
     return columns
 
 
-def decoded(file: Path, lines: Sequence[bytes], form: TextFile) -> list[str]:
+def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
     """Header lines as text.
 
     Raises:
@@ -177,7 +177,7 @@ def decoded(file: Path, lines: Sequence[bytes], form: TextFile) -> list[str]:
     return texts
 
 
-def cells(line: str, form: TextFile) -> list[str]:
+def cells(line: str, form: RecordingFormat) -> list[str]:
     """Fields of a header line."""
     return [name.strip() for name in split(line, form.separator)]
 
@@ -218,7 +218,7 @@ def rows_of(
     blocks: Iterable[Block],
     names: Sequence[str],
     chosen: Mapping[str, int],
-    form: TextFile,
+    form: RecordingFormat,
     tick: float | None,
 ) -> Iterator[ColumnTable]:
     """Turns lines of numbers into tables.
@@ -245,7 +245,7 @@ def rows_of(
                 place = f"{file}, {lines.place(row)}, {shown(names[at])}"
                 raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
             stamps = clock.to_numpy()
-        yield ColumnTable(str(file), tuple(names), values, stamps, tick or 0.0, lines)
+        yield ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, lines)
         count += rows
     if not count:
         raise RecordingError(file, "has a header but no rows", "record again")

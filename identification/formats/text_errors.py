@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from cases.errors import RecordingError
-from cases.recording_format import COLUMNS, RecordingFormat, TextFile
+from cases.recording_format import COLUMNS, RecordingFormat
 from identification.formats.table import Block, is_number, is_value, listed, shown, split
 
 _DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
@@ -52,7 +52,7 @@ def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] =
 
 
 def explain(
-    file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: TextFile, cause: str
+    file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
 ) -> RecordingError:
     """The error for a block that could not be read: its first line that is to blame.
 
@@ -80,7 +80,7 @@ def explain(
     return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
 
 
-def not_text(place: str, form: TextFile) -> RecordingError:
+def not_text(place: str, form: RecordingFormat) -> RecordingError:
     """The error for bytes that the file's encoding does not know."""
     return RecordingError(place, f"is not {form.encoding.upper()} text", "save the file as UTF-8")
 
@@ -105,7 +105,7 @@ def _remedy(count: int, wanted: int, separator: str, text: str, ends: bool) -> s
     return "correct or remove the row"
 
 
-def _not_a_number(text: str, form: TextFile) -> str:
+def _not_a_number(text: str, form: RecordingFormat) -> str:
     if not text.strip():
         return "is empty where a number is needed; correct or remove the row"
     value = f"{shown(text)!r} is not a number"

@@ -75,7 +75,7 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
                 continue
             values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
             places = lines_of(filled, len(columns[clocks[0]]))
-            yield ColumnTable(str(file), channels, values, clock, form.tick, places)
+            yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
     if not groups:
         raise RecordingError(file, "has a header but no rows", "export the recording again")
 
