@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
@@ -31,10 +30,9 @@ from cases.recording_format import (
     TEMPERATURE,
     TRIGGER,
     WRENCH,
-    own_units,
 )
 from cases.schema import Case
-from cases.units import Array, as_html
+from cases.units import Array, Indices, as_html, own_units
 from identification.formats.table import Channel, Stream, lost_samples, unreadable
 
 
@@ -111,7 +109,7 @@ class Recording(Stream):
     _repr_html_ = as_html
 
     @property
-    def lost(self) -> NDArray[np.int64]:
+    def lost(self) -> Indices:
         """How many samples were lost between each row and the next, shape (n - 1,)."""
         return lost_samples(self.t)
 
@@ -130,6 +128,7 @@ SCHEMA_VERSION = 1
 _DECIMALS = {CLOCK: 9} | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
 _DECIMALS |= dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
 FINE = 12  # decimals of all other columns
+PERCENT = 0.01
 
 
 def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
@@ -216,7 +215,7 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
         (case.sensor_frame.channels, recording.forces),
         (ACCELEROMETER, recording.specific_forces),
         ((TEMPERATURE,), recording.temperature),
-        ((OVERRIDE,), recording.override),
+        ((OVERRIDE,), None if recording.override is None else recording.override / PERCENT),
     )
     for names, values in groups:
         if values is not None:

@@ -8,19 +8,16 @@ from math import inf
 from typing import ClassVar, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import HexciteError
 from cases.sensors import Sensors
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.estimation.channel_weights import independent_poses
 from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, inverse_root, joint_triangle
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.model import Model
 from identification.signals import Residuals
-
-Rows = NDArray[np.bool_]
 
 
 class Samples(Protocol):
@@ -88,7 +85,7 @@ class Samples(Protocol):
     ) -> Robust | None:
         """Covariance of u for noise that is not white; None for too few samples."""
 
-    def without(self, left_out: Rows) -> Self:
+    def without(self, left_out: Flags) -> Self:
         """The same without the samples that are marked, shape (n,)."""
 
     def series(self, delay: float, values: Array) -> Residuals:
@@ -223,7 +220,7 @@ class Standstills(PlainSamples):
         del delay
         return Residuals(self.t, self.recorded, self.matrices @ values, None)
 
-    def without(self, left_out: Rows) -> "Standstills":
+    def without(self, left_out: Flags) -> "Standstills":
         """The standstills that are not marked, shape (n,)."""
         mask = ~left_out
         return Standstills(

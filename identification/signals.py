@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from cases.errors import RecordingError
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 
 Spectrum = NDArray[np.complex128]
 
@@ -159,9 +159,7 @@ def _sinc_derivatives(t: Array, w: float) -> tuple[Array, Array, Array]:
     return gain * value, gain * w * first, gain * w**2 * second
 
 
-def decimated(
-    low_pass: Filter, values: Array, rows: NDArray[np.int64], wanted: Sequence[tuple[int, float]]
-) -> list[Array]:
+def decimated(low_pass: Filter, values: Array, rows: Indices, wanted: Sequence[tuple[int, float]]) -> list[Array]:
     """`low_pass.apply(values, order, delay)[rows]` for several orders and delays, up to rounding.
 
     Args:
@@ -225,13 +223,13 @@ FAIR_PART = 8_000
 STRETCHES = 8  # number of stretches that hold them
 
 
-def stretches(on: NDArray[np.bool_]) -> list[slice]:
+def stretches(on: Flags) -> list[slice]:
     """One slice for each stretch of neighbours that are on, shape (n,)."""
     edges = np.flatnonzero(np.diff(np.r_[False, on, False].astype(np.int8))).tolist()
     return [slice(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
+def fair_part(count: int, times: int = 1) -> Indices:
     """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all."""
     most = times * FAIR_PART
     if count <= most:

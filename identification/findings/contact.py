@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.special import chdtri, ndtri
 
 from cases.errors import IdentificationError
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.estimation.channel_weights import EACH, least_trimmed_squares
 from identification.estimation.estimators import robust_of
 from identification.estimation.fit import Regression
@@ -27,8 +26,6 @@ from identification.recording import Recording
 from identification.runs.sample_checks import MOST_NAMED, places
 from identification.samples import Samples
 from identification.signals import FAIR_PART, fair_part, stretches
-
-Rows = NDArray[np.bool_]
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are needed, so that a run of an hour has no false contact
 CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
@@ -115,7 +112,7 @@ def find_contacts(
     return tuple(contact for contact in contacts if contact.end - contact.start + step >= SHORTEST)
 
 
-def touched(t: Array, contacts: tuple[Contact, ...]) -> Rows:
+def touched(t: Array, contacts: tuple[Contact, ...]) -> Flags:
     """Samples that a contact may have moved, shape (n,)."""
     rows = np.zeros(len(t), dtype=bool)
     for contact in contacts:

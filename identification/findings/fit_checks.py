@@ -8,13 +8,12 @@ in time, or in the recorded temperature, which is judged by deviations that allo
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.special import stdtrit
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Indices
 from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
 from identification.estimation.force_noise import noise_components
@@ -344,7 +343,7 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     return [warning(Kind.OFFSETS, sentence, offset_drift=drift)]
 
 
-def _with_lines(fitted: Fitted, line: Array, rows: NDArray[np.int64]) -> Regression:
+def _with_lines(fitted: Fitted, line: Array, rows: Indices) -> Regression:
     """Residuals of some samples by A with a line in each channel, as an estimator takes them."""
     basis = fitted.method.selection(fitted.samples.model).basis
     free = fitted.regression.regressors[rows] @ block_diag(basis, np.eye(fitted.regression.nuisance))

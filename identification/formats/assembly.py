@@ -9,7 +9,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.machine import POSE
@@ -32,12 +31,11 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
-from cases.units import MM, Array
+from cases.units import MM, Array, Flags, Indices
 from identification.formats.table import (
     UNIFORMITY,
     Channel,
     ColumnTable,
-    Rows,
     Stream,
     crowded,
     listed,
@@ -220,7 +218,7 @@ LEVELS = 0.2  # of the way between two levels that a switch may be off either: n
 OFF = 0.3  # share of the level on, up to which the level off of a voltage may be
 
 
-def switched(values: Array) -> Rows | None:
+def switched(values: Array) -> Flags | None:
     """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None if it is not a switch."""
     low, high = float(np.min(values)), float(np.max(values))
     if low == high:
@@ -229,7 +227,7 @@ def switched(values: Array) -> Rows | None:
     return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
 
 
-def _switch(table: ColumnTable, trigger: Array) -> Rows:
+def _switch(table: ColumnTable, trigger: Array) -> Flags:
     """Whether the trigger is on, shape (n,).
 
     Raises:
@@ -302,7 +300,7 @@ MOST_PUT_BACK = 3  # samples in a row
 _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost sample gets their last value
 
 
-def _marked(table: ColumnTable) -> tuple[ColumnTable, Rows | None, tuple[str, ...]]:
+def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, ...]]:
     """A table in which every value is finite, the rows in which one stands for nothing, and the columns in which.
 
     Rows have the shape (n,), None: there are none; columns are named as in the file.
@@ -362,7 +360,7 @@ def _with_lost_rows(stream: Stream) -> Stream:
     return replace(stream, t=t, lines=lines, missing=missing, **more)
 
 
-def spread(values: Array, own: NDArray[np.int64], rows: NDArray[np.int64], last: bool) -> Array:
+def spread(values: Array, own: Indices, rows: Indices, last: bool) -> Array:
     """Values at all rows: straight lines between those that are there, or the last of them."""
     if last:
         return np.asarray(values[np.maximum(np.searchsorted(own, rows, side="right") - 1, 0)])

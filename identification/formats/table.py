@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
-from cases.units import Array
+from cases.units import Array, Flags
 
 Stamps = NDArray[np.float64] | NDArray[np.int64]
-Rows = NDArray[np.bool_]
 Channel = Literal["struts", "rotations", "forces", "trigger", "poses", "specific_forces", "override", "temperature"]
 
 _SHOWN_NAMES = 40
@@ -139,14 +138,14 @@ class Stream:
     struts: Array | None
     rotations: Array | None  # R, shape (n, 3, 3)
     forces: Array | None  # forces of the sensors, shape (n, 6) [N, or N and N m]
-    trigger: Rows | None  # shape (n,)
+    trigger: Flags | None  # shape (n,)
     poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
     specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
     override: Array | None = None  # override of the feed, shape (n,); 1 for 100 %
     temperature: Array | None = None  # of the sensor, shape (n,) [degC]
     lines: Lines = field(default_factory=Lines)  # where the rows stand in the file
     # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
-    missing: Rows | None = None
+    missing: Flags | None = None
     missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
 
     @property
@@ -161,7 +160,7 @@ class Stream:
         return len(next(iter(self.channels.values()), ()))
 
     @property
-    def bad(self) -> Rows:
+    def bad(self) -> Flags:
         """Rows that no estimate may use, shape (n,)."""
         return np.zeros(self.rows, dtype=bool) if self.missing is None else self.missing
 
@@ -289,7 +288,7 @@ def _numbers(t: Array, step: float) -> Array:
     return numbers
 
 
-def crowded(gaps: NDArray[np.bool_]) -> int | None:
+def crowded(gaps: Flags) -> int | None:
     """The first of gaps between samples, shape (n - 1,), so close together that the rate has changed; None: none is."""
     total = np.r_[0, np.cumsum(gaps)]
     width = min(2 * _FEW_STEPS, len(gaps))
@@ -299,7 +298,7 @@ def crowded(gaps: NDArray[np.bool_]) -> int | None:
     return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))
 
 
-def _uneven(place: str, steps: Array, usual: float, off: NDArray[np.bool_], row: int) -> str:
+def _uneven(place: str, steps: Array, usual: float, off: Flags, row: int) -> str:
     """What to say of a clock that is not uniform: another rate, or single steps that differ."""
     count = int(off.sum())
     local_step = float(np.median(steps[row : row + _TYPICAL_STEPS]))

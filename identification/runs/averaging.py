@@ -11,7 +11,6 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft, rfft
 from scipy.ndimage import binary_opening
 from scipy.special import fdtrc
@@ -19,7 +18,7 @@ from scipy.special import fdtrc
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.sensors import Sensors
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.estimation.fit import Filtered, Fit, Robust, orthonormal
 from identification.finding import Finding, Kind, note, warning
 from identification.hexapod import Hexapod, StrutsDoNotClose
@@ -43,8 +42,6 @@ from identification.samples import Conditioning, PlainSamples
 from identification.signals import MOST_SAMPLES, Residuals, stretches
 from identification.symbolic import Kinematics
 
-Rows = NDArray[np.bool_]
-
 FINER = 6  # regressors are computed at so many times the evaluated instants: their harmonics must not fold back
 BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
 SAME_STEP = 0.2  # of an encoder's step, by which struts of periods differ if their steps are the same; else 0.4 or more
@@ -60,7 +57,7 @@ class PeriodicRun(PlainSamples):
     hexapod: Hexapod
     recording: Recording
     part: RepeatingPart  # part that repeats
-    used: Rows  # recorded samples of the periods that are evaluated, shape (n of the recording,)
+    used: Flags  # recorded samples of the periods that are evaluated, shape (n of the recording,)
     # their motion, with some harmonics more than the forces: oscillations mix in the regressor [m]
     struts: FourierSeries
     forces_series: FourierSeries  # Fourier series of the forces, of H harmonics [N, or N and N m]
@@ -184,7 +181,7 @@ class PeriodicRun(PlainSamples):
         meat = np.einsum("h,hki,hkl,hlj->ij", share, response.conj(), spectra, response).real
         return Robust(np.asarray(half @ (meat + meat.T) / 2.0 @ half.T))
 
-    def without(self, left_out: Rows) -> "PeriodicRun":
+    def without(self, left_out: Flags) -> "PeriodicRun":
         """The run itself: whole periods were left out before, see `kept_periods`."""
         del left_out
         return self

@@ -23,10 +23,9 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.sensors import Sensors
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.estimation.fit import Filtered, Fit, Robust, Value, joint_triangle
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
@@ -54,13 +53,13 @@ class Run(PlainSamples):
     model: Model
     machine: Machine
     filter: Filter
-    rows: NDArray[np.int64]  # samples that are evaluated, counted after the filter's margin, shape (n,)
+    rows: Indices  # samples that are evaluated, counted after the filter's margin, shape (n,)
     samples: int  # recorded samples of the window that they stand for
     window: tuple[Finding, ...] = ()
     smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
     flexible: bool = False  # whether that is the lowest structural mode
     # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
-    spoilt: NDArray[np.bool_] | None = None
+    spoilt: Flags | None = None
     consecutive: ClassVar[bool] = True
     noise_stated: ClassVar[bool] = True
 
@@ -76,7 +75,7 @@ class Run(PlainSamples):
         return self.filter.step * self.filter.stride
 
     @property
-    def places(self) -> NDArray[np.int64]:
+    def places(self) -> Indices:
         """Places of the evaluated samples in a series of equal steps, shape (n,); gaps and sections leave some out."""
         offsets = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
         rows = self.rows + offsets - offsets[0]
@@ -184,7 +183,7 @@ class Run(PlainSamples):
         coloured = coloured_covariance(data)
         return None if coloured is None else Robust(coloured)
 
-    def _places_of(self, part: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _places_of(self, part: Indices) -> Indices:
         """Places of a part of the samples; its stretches follow each other, so far apart that noise is independent."""
         places = self.places[part]
         breaks = np.flatnonzero(np.diff(part) > 1)
@@ -213,8 +212,8 @@ class Run(PlainSamples):
         if not self.smoothing:
             return ()
         place = len(self.model.parameters) + self.nuisances.index("smoothing")
-        variance = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place]))
-        smoothing = Uncertain(float(fit.values[place]), variance**0.5)
+        std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
+        smoothing = Value(float(fit.values[place]), std, std, "s^2")
         return (mode_finding(smoothing, self.filter.cutoff) if self.flexible else smoothing_finding(smoothing),)
 
     def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
@@ -234,7 +233,7 @@ class Run(PlainSamples):
         predicted = expected_forces(every.model, every.kinematics(delay), values)
         return Residuals(every.t, every.recorded_forces, predicted, self.filter.step, every.forces)
 
-    def without(self, left_out: NDArray[np.bool_]) -> Self:
+    def without(self, left_out: Flags) -> Self:
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())
         return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))

@@ -11,7 +11,7 @@ from scipy.fft import rfft
 from scipy.special import chdtri
 
 from cases.errors import RecordingError
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.finding import Finding, Kind, warning
 from identification.recording import Recording
 from identification.runs.fourier_series import FourierSeries, basis, fit_series
@@ -23,10 +23,7 @@ STRANGE = 8.0  # standard deviations of the periods' scatter, anywhere in a peri
 MAJORITY = 3  # periods that are needed to say which of them is strange
 
 
-Index = NDArray[np.int64]
-
-
-def rows_of_periods(t: Array, part: RepeatingPart) -> list[Index]:
+def rows_of_periods(t: Array, part: RepeatingPart) -> list[Indices]:
     """Samples of each period, counted from the first of all samples, whose times are t, shape (n,) [s]."""
     inside = np.arange(part.first, part.end)
     number = ((t[inside] - t[part.first]) / part.period + 1e-9).astype(np.int64)
@@ -34,7 +31,7 @@ def rows_of_periods(t: Array, part: RepeatingPart) -> list[Index]:
     return [inside[number == k] for k in range(part.periods)]
 
 
-def each_period(t: Array, values: Array, periods: Sequence[Index], part: RepeatingPart, harmonics: int) -> Array:
+def each_period(t: Array, values: Array, periods: Sequence[Indices], part: RepeatingPart, harmonics: int) -> Array:
     """Coefficients of the Fourier series of each period, all with the same phase, shape (periods, 2 H + 1, channels).
 
     Args:
@@ -92,14 +89,12 @@ def strangers(periods: Array) -> dict[int, float]:
     return {int(k): float(deviations[k].max()) for k in strange}
 
 
-Rows = NDArray[np.bool_]
-
 FEWEST = 2  # harmonics
 MEDIAN_POWER = float(chdtri(12, 0.5)) / 12.0  # over the mean, of a harmonic of six struts
 
 
 def kept_periods(
-    recording: Recording, periods: Sequence[Index], forces: Array, bad: Rows
+    recording: Recording, periods: Sequence[Indices], forces: Array, bad: Flags
 ) -> tuple[list[int], tuple[Finding, ...]]:
     """Numbers of the periods that are averaged, and findings about the others.
 
@@ -130,7 +125,9 @@ def kept_periods(
     return kept, tuple(warnings)
 
 
-def telling_harmonics(motion: FourierSeries, scatter: Array, periods: Sequence[Index], t: Array, struts: Array) -> int:
+def telling_harmonics(
+    motion: FourierSeries, scatter: Array, periods: Sequence[Indices], t: Array, struts: Array
+) -> int:
     """The number of harmonics whose accelerations come closest to the true ones (Mallows 1973, Technometrics 15:661).
 
     A harmonic is worth its place if it is larger than its own noise: noise of accelerations grows with the square of
@@ -155,7 +152,7 @@ def telling_harmonics(motion: FourierSeries, scatter: Array, periods: Sequence[I
     return max(FEWEST, int(np.argmax(np.cumsum(gain))) + 1)
 
 
-def _floor(motion: FourierSeries, periods: Sequence[Index], t: Array, struts: Array) -> float:
+def _floor(motion: FourierSeries, periods: Sequence[Indices], t: Array, struts: Array) -> float:
     """Power of a harmonic of one period by white noise [m^2]: from half of the Nyquist frequency on nothing moves."""
     power = []
     for rows in periods:

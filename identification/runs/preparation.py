@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.finding import Finding, Kind, warning
 from identification.formats.assembly import MOST_PUT_BACK
 from identification.formats.table import Stream
@@ -155,12 +154,12 @@ def stands_only(recording: Recording) -> bool:
     return bool(ranges) and bool(max(ranges) < STANDING)
 
 
-def delimited(trigger: NDArray[np.bool_] | None) -> bool:
+def delimited(trigger: Flags | None) -> bool:
     """Whether a trigger, shape (n,), marks standstills: it comes on more than once."""
     return trigger is not None and len(stretches(trigger)) > 1
 
 
-def require_on(source: str, trigger: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def require_on(source: str, trigger: Flags) -> Flags:
     """The trigger, shape (n,); raises RecordingError where it is never on."""
     if not trigger.any():
         raise RecordingError(f"{source}, trigger", "is never 1", "record with the trigger or leave it out")
@@ -198,7 +197,7 @@ def _other_clock(step: float, cutoff: float) -> str:
     return ""
 
 
-def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter) -> NDArray[np.bool_]:
+def spoilt_by(bad: Flags, lost: Indices, low_pass: Filter) -> Flags:
     """Filtered samples that bad ones disturb, unless bridged, or that reach across a gap, shape (n - 2 margin,).
 
     Args:
@@ -250,9 +249,7 @@ def require_position(recording: Recording, model: Model) -> None:
         )
 
 
-def _window(
-    recording: Recording, low_pass: Filter, drives: str, unit: str
-) -> tuple[NDArray[np.int64], tuple[Finding, ...]]:
+def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> tuple[Indices, tuple[Finding, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
     margin = low_pass.margin

@@ -11,11 +11,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.formats.table import Channel, Stream
 from identification.recording import Recording
 
@@ -51,7 +50,7 @@ def at_the_motion(recording: Recording, motion: Stream, interval: float, step: f
     return replace(run, struts=motion.struts[inside], forces=means, averaged=interval / step, sample_noise=noise)
 
 
-def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> NDArray[np.bool_]:
+def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> Flags:
     """Whether samples further apart than `most` are within reach of some instants, shape (m,)."""
     long = np.flatnonzero(np.diff(t) > most)
     ends = np.searchsorted(centres + reach, t[long], side="right"), np.searchsorted(centres - reach, t[long + 1])
@@ -132,9 +131,7 @@ def at_the_forces(recording: Recording, motion: Stream) -> Recording:
     return replace(run, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside])
 
 
-def _at_clock(
-    recording: Recording, clock: Stream, inside: NDArray[np.int64], hidden: NDArray[np.bool_], what: str
-) -> Recording:
+def _at_clock(recording: Recording, clock: Stream, inside: Indices, hidden: Flags, what: str) -> Recording:
     """The run at some samples of one of its clocks, without forces and struts.
 
     Args:

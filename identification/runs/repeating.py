@@ -7,10 +7,9 @@ return and rests do no harm; a lag is a period if the stretch is as long, and if
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.units import Array
+from cases.units import Array, Indices
 from identification.runs.fourier_series import refined_period
 from identification.signals import stretches
 
@@ -47,7 +46,7 @@ class RepeatingPart(NamedTuple):
         return self.misfit / self.motion
 
 
-def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> RepeatingPart:
+def find_part(t: Array, struts: Array, window: Indices) -> RepeatingPart:
     """The period and the part of the run that it holds for: at least two periods of it.
 
     Args:
@@ -80,7 +79,7 @@ def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> RepeatingPa
     raise RecordingError(_refusal(x, step, motion, best))
 
 
-def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float) -> RepeatingPart:
+def given_part(t: Array, struts: Array, window: Indices, period: float) -> RepeatingPart:
     """The part of the run that a period holds for: one period may be all there is, if it ends where it begins.
 
     Args:
@@ -165,7 +164,7 @@ def _longest(x: Array, lag: int, tolerance: float) -> tuple[int, int]:
     return longest.start, longest.stop
 
 
-def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motion: float) -> RepeatingPart:
+def _part(t: Array, struts: Array, rows: Indices, period: float, motion: float) -> RepeatingPart:
     """The last whole periods of rows; the first ones hold what dies out after the start."""
     step = float(t[-1] - t[0]) / (len(t) - 1)
     deviations = _a_period_later(t, struts, rows, period)
@@ -182,7 +181,7 @@ def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motio
     return RepeatingPart(period, int(rows[0]), int(rows[-1]) + 1, periods, misfit, motion)
 
 
-def _a_period_later(t: Array, struts: Array, rows: NDArray[np.int64], period: float) -> Array:
+def _a_period_later(t: Array, struts: Array, rows: Indices, period: float) -> Array:
     """How far the struts are from where they will be a period later, rms over the struts, shape (m,) [m]."""
     inside = t[rows]
     now = inside[inside + period <= inside[-1]]

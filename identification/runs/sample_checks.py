@@ -7,20 +7,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.machine import MotionLimits
 from cases.schema import Case
-from cases.units import MM, Array
+from cases.units import MM, Array, Flags, Indices
 from identification.finding import Finding, Kind, warning
 from identification.formats.assembly import spread
 from identification.formats.table import GAP, HOST_GAP, Lines, Stream, lost_samples
 from identification.recording import Recording
 from identification.signals import stretches
 
-Rows = NDArray[np.bool_]
-Problem = tuple[int, str, Rows]  # number of a channel or strut, counted from 1, what is wrong with it, and where
+Problem = tuple[int, str, Flags]  # number of a channel or strut, counted from 1, what is wrong with it, and where
 
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is not chance
@@ -43,7 +41,7 @@ SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be sho
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
 
 
-def places(lines: Lines, rows: Rows) -> str:
+def places(lines: Lines, rows: Flags) -> str:
     """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
     spans = [(span.start, span.stop - 1) for span in stretches(rows)]
     numbers = [[lines.number(k) for k in dict.fromkeys(span)] for span in spans[:MOST_NAMED]]
@@ -91,7 +89,7 @@ def unmeasured(recording: Recording) -> tuple[Finding, ...]:
     return *missing_values(recording), *elsewhere
 
 
-def bridged(values: Array, bad: Rows) -> Array:
+def bridged(values: Array, bad: Flags) -> Array:
     """Values with bad samples replaced by the straight line between good neighbours, shape (n, k)."""
     return spread(values[~bad], np.flatnonzero(~bad), np.arange(len(bad)), False) if bad.any() else values
 
@@ -118,7 +116,7 @@ def missing_values(stream: Stream) -> list[Finding]:
     return findings
 
 
-def _behind(lines: Lines, rows: Rows, count: int) -> str:
+def _behind(lines: Lines, rows: Flags, count: int) -> str:
     """What to say of rows behind which samples are missing, and of how many are in all."""
     return f"behind {places(lines, rows)}: {count} {'samples are' if count > 1 else 'sample is'} missing"
 
@@ -217,7 +215,7 @@ def _from_neighbours(values: Array) -> Array:
     return np.asarray(deviations)
 
 
-def _bend(values: Array, rows: NDArray[np.int64]) -> Array:
+def _bend(values: Array, rows: Indices) -> Array:
     """Half of what the slope changes by across some samples, in units of the values, shape of `rows`."""
     slopes = np.diff(values)
     before, after = (np.clip(rows + k, 0, len(slopes) - 1) for k in (-BESIDE - 1, BESIDE))
@@ -229,13 +227,13 @@ def _median(values: Array) -> float:
     return float(np.median(values[:: max(1, len(values) // _ENOUGH)]))
 
 
-def _at(rows: NDArray[np.int64], count: int) -> Rows:
+def _at(rows: Indices, count: int) -> Flags:
     marked = np.zeros(count, dtype=bool)
     marked[rows] = True
     return marked
 
 
-def _around(size: Array, index: NDArray[np.int64]) -> Array:
+def _around(size: Array, index: Indices) -> Array:
     """What most samples around some of them stay below, shape of `index`."""
     half = LONELY_WIDTH // 2
     rank = int(LONELY_WIDTH * LONELY_SHARE / 100.0)
@@ -247,7 +245,7 @@ def _around(size: Array, index: NDArray[np.int64]) -> Array:
     return levels
 
 
-def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
+def _shaken(recording: Recording, rows: Indices) -> Flags:
     """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`.
 
     Encoders see an acceleration through two differences of their steps, far less clearly than force sensors. The
@@ -265,14 +263,14 @@ def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
     return np.asarray(mask.any(axis=1))
 
 
-def _peaks(size: Array, most: float) -> NDArray[np.int64]:
+def _peaks(size: Array, most: float) -> Indices:
     """Places that are larger than `most` and not smaller than their neighbours, which see half of it."""
     large = np.flatnonzero(size > most)
     before, after = (size[np.clip(large + k, 0, len(size) - 1)] for k in (-1, 1))
     return np.asarray(large[(size[large] >= before) & (size[large] >= after)])
 
 
-def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
+def _outside(recording: Recording, case: Case) -> list[tuple[str, Flags]]:
     """Struts beyond what the machine can reach: a run of another machine, or a wrong offset."""
     if recording.struts is None or case.workspace is None:
         return []

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from cases.units import DEG, MM, Array
+from cases.units import DEG, MM, Array, Flags
 from identification.formats.table import Lines
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, machine_of, regressors
@@ -16,8 +15,6 @@ from identification.recording import Recording
 from identification.runs.preparation import MOVING, delimited, require_position
 from identification.samples import Standstills
 from identification.signals import stretches
-
-Flags = NDArray[np.bool_]
 
 SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
 LEAVING = 0.04  # [s] of the beginning of a movement that is too slow to be seen

@@ -9,13 +9,12 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags, Indices
 from identification.estimation.biases import Biases
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.estimation.force_noise import coloured_covariance, turned
@@ -29,8 +28,6 @@ from identification.runs.preparation import about_left_out, spoilt_by
 from identification.runs.sample_checks import bridged
 from identification.samples import PlainSamples
 from identification.signals import Filter, Residuals
-
-Rows = NDArray[np.bool_]
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
 LEAST_ROWS = 20
@@ -125,7 +122,7 @@ class WristRun(PlainSamples):
         sentence += f"carry; parameters up to {self.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         return (note(Kind.CLOCK, sentence),)
 
-    def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
+    def without(self, left_out: Flags) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""
         mask = ~left_out
         return replace(
@@ -202,7 +199,7 @@ def wrist_run(
     )  # fmt: skip
 
 
-def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple[CubicSpline, Rows]:
+def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple[CubicSpline, Flags]:
     """A stream behind the filter, at any instant, and whether damage or a gap disturbs its samples, shape (m,)."""
     t, step = _equal_steps(stream)
     low_pass = _filter(stream, cutoff, step, reach)
@@ -210,13 +207,13 @@ def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple
     return signal, spoilt_by(stream.bad, _lost(stream), low_pass)
 
 
-def _spoilt_at(t: Array, signal: CubicSpline, spoilt: Rows) -> Rows:
+def _spoilt_at(t: Array, signal: CubicSpline, spoilt: Flags) -> Flags:
     """Whether a smooth stream is disturbed beside some instants, shape (n,)."""
     after = np.clip(np.searchsorted(signal.x, t), 1, len(signal.x) - 1)
     return np.asarray(spoilt[after] | spoilt[after - 1])
 
 
-def _lost(stream: Stream) -> NDArray[np.int64]:
+def _lost(stream: Stream) -> Indices:
     return lost_samples(stream.t, HOST_GAP)
 
 
