@@ -2,12 +2,9 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, progress
-
-if TYPE_CHECKING:
-    from planner.study.cluster import TaskEnd
 
 
 def study(
@@ -35,9 +32,9 @@ def study(
     counts: list[Callable[[str, int], None]] = []
     with ExitStack() as bars:
 
-        def show(number: int, cells: int, end: "TaskEnd | None") -> None:
-            if end is not None:
-                counts[0]("" if end.reason is None else "(the last one failed)", 1)
+        def show(number: int, cells: int, computed: bool | None) -> None:
+            if computed is not None:
+                counts[0]("" if computed else "(the last one failed)", 1)
                 return
             counts.append(bars.enter_context(progress("cells", number, json)))
             if not json:

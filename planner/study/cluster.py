@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from itertools import islice
 from threading import current_thread, main_thread
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from cases.errors import HexciteError
 from planner.search.parallel import ctrl_c_waits
@@ -119,26 +119,17 @@ LOOK = 10.0  # [s] between two checks for workers while no task ends
 AHEAD = 2  # tasks in the queue for each thread, so that workers do not wait
 
 
-class TaskEnd(NamedTuple):
-    """Result of a task."""
-
-    key: str  # key of the task
-    value: Any  # what it returned; None where it failed
-    reason: str | None  # why it failed twice, one line; None where it did not
-    seconds: float  # seconds that it took on its worker; 0 where it failed
-
-
 def run_tasks(
-    client: "Client", function: Callable[[Any], Any], tasks: Iterator[tuple[str, Any]], time_limit: float
-) -> Iterator[TaskEnd]:
-    """Runs `function` on each payload; yields the results as they arrive, in any order.
+    client: "Client", tasks: Iterator[tuple[str, Callable[[], Any]]], time_limit: float
+) -> Iterator[tuple[str, Any, float]]:
+    """Runs tasks; yields as they arrive, in any order, key, answer and seconds on the worker of each.
 
-    Only a few tasks a thread wait on the cluster at any time, so that a study of any size needs no more memory there.
+    The answer of a task that failed twice is a HexciteError that says why, in one line, after 0 s. Only a few tasks a
+    thread wait on the cluster at any time, so that a study of any size needs no more memory there.
 
     Args:
-        client: client of a cluster whose workers have one thread each and can import `function`.
-        function: function of a payload; an exception that it raises twice is the reason of a failure.
-        tasks: keys, each once, and payloads.
+        client: client of a cluster whose workers have one thread each and can import what the tasks call.
+        tasks: keys, each once, and functions.
         time_limit: time limit for one try [s]; a worker that passes it ends, and its nanny starts another.
 
     Raises:
@@ -154,37 +145,36 @@ def run_tasks(
             last_contact = time.monotonic() if threads else last_contact
             if time.monotonic() - last_contact > DESERTED:
                 raise HexciteError(f"the cluster has had no workers for {DESERTED:g} s; what is done so far is kept")
-            for key, payload in islice(tasks, max(0, AHEAD * max(1, threads) - len(pending))):
-                pending[client.submit(_on_worker, function, payload, time_limit, pure=False, retries=1)] = key
+            for key, task in islice(tasks, max(0, AHEAD * max(1, threads) - len(pending))):
+                pending[client.submit(_on_worker, task, time_limit, pure=False, retries=1)] = key
             if not pending:
                 return
             try:
                 ended = wait(list(pending), timeout=LOOK, return_when="FIRST_COMPLETED").done
             except TimeoutError:
                 continue
-            yield from (_end(pending.pop(future), future, time_limit) for future in ended)
+            yield from ((pending.pop(future), *_answer(future, time_limit)) for future in ended)
     finally:
         client.cancel(list(pending))
 
 
-def _on_worker(function: Callable[[Any], Any], payload: Any, time_limit: float) -> tuple[Any, float]:
+def _on_worker(task: Callable[[], Any], time_limit: float) -> tuple[Any, float]:
     """Value and seconds of the call; a watchdog ends the process also where code blocks the interpreter."""
     with open(os.devnull, "w") as nowhere:
         faulthandler.dump_traceback_later(time_limit, exit=True, file=nowhere)
         try:
             start = time.perf_counter()
-            return function(payload), time.perf_counter() - start
+            return task(), time.perf_counter() - start
         finally:
             faulthandler.cancel_dump_traceback_later()
 
 
-def _end(key: str, future: "Future", time_limit: float) -> TaskEnd:
+def _answer(future: "Future", time_limit: float) -> tuple[Any, float]:
     error = future.exception()
     if error is None:
-        value, seconds = future.result()
-        return TaskEnd(key, value, None, seconds)
+        answer: tuple[Any, float] = future.result()
+        return answer
+    reason = " ".join(f"{type(error).__name__}: {error}".split())
     if type(error).__name__ == "KilledWorker":
         reason = f"its worker died twice: too little memory, or past its limit of {time_limit:g} s"
-    else:
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-    return TaskEnd(key, None, reason, 0.0)
+    return HexciteError(reason), 0.0

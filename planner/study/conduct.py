@@ -13,7 +13,7 @@ from cases.schema import Case
 from cases.units import as_html
 from planner.request import require_workers
 from planner.study import ABOUT, DONE, PLANNED, Spec, check_study, load_spec, read_rows
-from planner.study.cluster import TaskEnd, local_client, remote_client, require_dask
+from planner.study.cluster import local_client, remote_client, require_dask
 from planner.study.study_run import about_study, cells_of, missing, run_study
 from planner.study.summary import SettingsGroup, best_groups, groups, study_page
 
@@ -67,7 +67,7 @@ def study(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int, int, TaskEnd | None], None] = lambda open_cells, cells, end: None,
+    progress: Callable[[int, int, bool | None], None] = lambda open_cells, cells, ended: None,
 ) -> Study:
     """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
 
@@ -79,7 +79,8 @@ def study(
         folder: its folder, continued if it is there; named after case and study unless given.
         workers: processes on this computer; one a core unless given.
         scheduler: a running Dask scheduler instead, tcp://host:port.
-        progress: called with the number of cells that were open, that of all, and each end of a cell; with None first.
+        progress: called with the number of cells that were open, that of all, and None first, then at the end of each
+            cell whether it could be computed.
 
     Raises:
         HexciteError: the study cannot be understood, its folder is another's, Dask is missing or the cluster is lost.
@@ -106,10 +107,10 @@ def study(
                 threads = sum(client.nthreads().values())
                 progress(number, len(cells), None)
 
-                def on_end(end: TaskEnd) -> None:
+                def on_end(seconds: float, computed: bool) -> None:
                     nonlocal busy
-                    busy += end.seconds
-                    progress(number, len(cells), end)
+                    busy += seconds
+                    progress(number, len(cells), computed)
 
                 computed = run_study(client, asked, case, place, on_end)
         except Interrupted:

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,48 +29,49 @@ from planner.study import (
     request_of,
     settings_of,
 )
-from planner.study.cluster import TaskEnd, run_tasks
+from planner.study.cluster import run_tasks
 
 if TYPE_CHECKING:
     from distributed import Client
 
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """The work of one cell."""
-
-    case: Case  # machine and limits, and a simulated machine where runs are asked for
-    request: Request  # request of the plan, with one start
-    noise_seeds: tuple[int, ...]  # noise seeds of the recordings to identify; none: the plan alone
-    disturbed: bool = False  # whether the simulated machine vibrates, ripples and errs with the pose
+    from planner.plans import Plan
 
 
-def work(job: Job) -> list[dict[str, Any]]:
+def work(case: Case, request: Request, noise_seeds: tuple[int, ...], disturbed: bool = False) -> list[dict[str, Any]]:
     """Rows of a cell: of the plan, and of each seed of the noise.
 
     A plan or run that is refused is a row with its reason: this is a result, not a failure of the study.
+
+    Args:
+        case: machine and limits, and a simulated machine where runs are asked for.
+        request: request of the plan, with one start.
+        noise_seeds: noise seeds of the recordings to identify; none: the plan alone.
+        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
     """
     try:
-        row, plan = _plan(job)
+        row, plan = _plan(case, request)
     except HexciteError as error:
-        return [{"noise_seed": PLANNED, "status": FAILED, "reason": error.typed, "seconds": 0.0}]
-    if not job.noise_seeds:
+        return [_failure(error)]
+    if not noise_seeds:
         return [row]
     start = time.perf_counter()
     try:
-        return [row, *_runs(job, plan, start)]
+        return [row, *_runs(plan, noise_seeds, disturbed)]
     except HexciteError as error:
-        seconds = (time.perf_counter() - start) / len(job.noise_seeds)
-        failure = {"status": FAILED, "reason": error.typed, "seconds": seconds}
-        return [row, *({"noise_seed": seed} | failure for seed in job.noise_seeds)]
+        seconds = (time.perf_counter() - start) / len(noise_seeds)
+        return [row, *(_failure(error) | {"noise_seed": seed, "seconds": seconds} for seed in noise_seeds)]
 
 
-def _plan(job: Job) -> tuple[dict[str, Any], Any]:
+def _failure(error: HexciteError) -> dict[str, Any]:
+    return {"noise_seed": PLANNED, "status": FAILED, "reason": error.typed, "seconds": 0.0}
+
+
+def _plan(case: Case, request: Request) -> tuple[dict[str, Any], "Plan"]:
     from planner.planning import make
     from planner.search.parallel import run_here, silent
 
     begin = time.perf_counter()
-    plan = make(job.request, job.case, silent, run_here)
+    plan = make(request, case, silent, run_here)
     worth = plan.of_motion[1]
     row = {
         "noise_seed": PLANNED,
@@ -85,23 +86,24 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
     return row, plan
 
 
-def _runs(job: Job, plan: Any, start: float) -> list[dict[str, Any]]:
+def _runs(plan: "Plan", noise_seeds: tuple[int, ...], disturbed: bool) -> list[dict[str, Any]]:
     from identification.identify import estimate_parameters
     from identification.limit import KINETIC
     from identification.simulate import circumstances, loaded_truth, simulate_recording, truth_rows
-    from planner.execution import execute
+    from planner.execution import carried_out
     from planner.plan_program import write
 
-    around = circumstances(job.case, job.request.payload, job.disturbed)
-    simulation = job.case.need_simulation("a study that executes its plans")
+    start, case = time.perf_counter(), plan.case
+    around = circumstances(case, plan.payloads[-1], disturbed)
+    simulation = case.need_simulation("a study that executes its plans")
     loaded = simulation.model_copy(update={"parameters": loaded_truth(simulation.parameters, around.weights)})
-    truth_case = job.case.model_copy(update={"simulation": loaded})  # its true parameters include the payload
+    truth_case = case.model_copy(update={"simulation": loaded})  # its true parameters include the payload
     # No machine moves: limits that this controller would not enforce are reported by `post`, not here.
-    run = execute(write(plan, accept=KINETIC), job.case, ControllerName.VIRTUAL, job.noise_seeds[0], around).run
+    run = carried_out(write(plan, accept=KINETIC), case, ControllerName.VIRTUAL)
     rows = []
-    for seed in job.noise_seeds:
-        recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)
-        estimate = estimate_parameters(recording, job.case, job.request.model)
+    for seed in noise_seeds:
+        recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
+        estimate = estimate_parameters(recording, case, plan.model)
         truth = truth_rows(truth_case, estimate)
         half = [v.interval(estimate.fit.freedom)[1] - v.value for v in estimate.physical.values()]
         inside = sum(abs(r["error"]) <= h for r, h in zip(truth, half, strict=True))
@@ -182,8 +184,11 @@ def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
     }
 
 
-def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Callable[[TaskEnd], None]) -> int:
-    """Computes the missing rows of a study folder, writes each cell as it arrives, calls `done`, and counts them.
+def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Callable[[float, bool], None]) -> int:
+    """Computes the missing rows of a study folder, writes each cell as it arrives, and counts them.
+
+    Args:
+        done: called for each cell with its seconds, and whether it could be computed.
 
     Raises:
         HexciteError: the folder is another study's, or the cluster is lost; finished cells stay in the folder.
@@ -192,17 +197,11 @@ def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Call
     open_study(folder, about_study(spec, case, len(cells)))
     open_cells = missing(cells, spec, folder)
     disturbed = spec.execute is not None and spec.execute.disturbed
-    tasks = ((key, Job(case, request_of(cells[key]), seeds, disturbed)) for key, seeds in open_cells.items())
-    for end in run_tasks(client, work, tasks, spec.cells.time_limit_s):
-        seeds = open_cells[end.key]
-        # The first seed is not 0 where a study was extended by more noise.
-        keep(folder, f"{end.key}-{seeds[0]}" if seeds else end.key, _rows(cells[end.key], end, case))
-        done(end)
+    tasks = ((key, partial(work, case, request_of(cells[key]), seeds, disturbed)) for key, seeds in open_cells.items())
+    for key, answer, seconds in run_tasks(client, tasks, spec.cells.time_limit_s):
+        failed, seeds = isinstance(answer, HexciteError), open_cells[key]
+        shared = {**cells[key], "cell": key, "case_hash": case.hash, "version": version("hexcite")}
+        rows = [shared | row for row in ([_failure(answer)] if failed else answer)]
+        keep(folder, f"{key}-{seeds[0]}" if seeds else key, rows)  # not from 0 where more noise extends a study
+        done(seconds, not failed)
     return len(open_cells)
-
-
-def _rows(settings: CellSettings, end: TaskEnd, case: Case) -> list[dict[str, Any]]:
-    shared = {**settings, "cell": end.key, "case_hash": case.hash, "version": version("hexcite")}
-    if end.reason is not None:
-        return [shared | {"noise_seed": PLANNED, "status": FAILED, "reason": end.reason, "seconds": end.seconds}]
-    return [shared | row for row in end.value]

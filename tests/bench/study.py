@@ -4,6 +4,7 @@ import operator
 import resource
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -35,10 +36,10 @@ def _overhead() -> list[list[str]]:
         run_study(client, warm, case, Path(folder) / "warm", lambda outcome: None)
         busy: list[float] = []
         began = time.perf_counter()
-        run_study(client, spec, case, Path(folder) / "study", lambda outcome: busy.append(outcome.seconds))
+        run_study(client, spec, case, Path(folder) / "study", lambda seconds, _: busy.append(seconds))
         seconds = time.perf_counter() - began
         began = time.perf_counter()
-        count = sum(1 for _ in run_tasks(client, operator.neg, ((str(k), k) for k in range(TASKS)), 60.0))
+        count = sum(1 for _ in run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(TASKS)), 60.0))
         task = (time.perf_counter() - began) / count
     overhead = seconds * threads / sum(busy)
     return [

@@ -16,7 +16,6 @@ from identification.motion import Standstill
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
 from planner.study import conduct, study_run
-from planner.study.cluster import TaskEnd
 from tests.helpers import HOME
 from tests.planner.command_line import call, refused
 from tests.simulated_machine import PoseExecution
@@ -116,10 +115,10 @@ def test_a_study_is_the_same_from_both(tmp_path: Path, hexapod_case: Case, monke
         def nthreads(self) -> dict[str, int]:
             return {"one": 1}
 
-    def answered(client: Any, work: Any, tasks: Any, limit: float) -> Any:
+    def answered(client: Any, tasks: Any, limit: float) -> Any:
         row = {"noise_seed": -1, "status": "done", "seconds": 1.0, "iterations": 3, "converged": True}
         for key, job in tasks:
-            yield TaskEnd(key, [row | {"score": float(job.request.family.order)}], None, 1.0)
+            yield key, [row | {"score": float(job.args[1].family.order)}], 1.0
 
     monkeypatch.setattr(conduct, "local_client", lambda workers, memory: Client())
     monkeypatch.setattr(study_run, "run_tasks", answered)

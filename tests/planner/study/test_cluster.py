@@ -1,6 +1,7 @@
 """Other people's clusters: reached over their address, and asked for their versions before any work."""
 
 import operator
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -26,8 +27,8 @@ class Workers:
 def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3]))
     with local_client(2, 1.0) as there, remote_client(there.scheduler.address) as client:
-        found = list(run_tasks(client, operator.neg, ((str(k), k) for k in range(20)), 60.0))
-    assert {o.key: o.value for o in found} == {str(k): -k for k in range(20)}
+        found = list(run_tasks(client, ((str(k), partial(operator.neg, k)) for k in range(20)), 60.0))
+    assert {key: value for key, value, _ in found} == {str(k): -k for k in range(20)}
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,9 @@ import pyarrow as pa
 import pytest
 
 from cases.basis import KEPT
+from cases.errors import HexciteError
 from cases.schema import Case
+from planner.request import Request
 from planner.study import (
     DONE,
     FAILED,
@@ -27,8 +30,7 @@ from planner.study import (
     schema,
     study_run,
 )
-from planner.study.cluster import TaskEnd
-from planner.study.study_run import Job, cells_of, missing, run_study
+from planner.study.study_run import cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
 from tests.helpers import tells
 from tests.planner.command_line import PROGRAM, call, refused
@@ -43,28 +45,27 @@ class Pretended:
     """Stands in for the cluster: notes what it was asked to do, answers at once, and stops when it is told to."""
 
     def __init__(self, stop_after: int = 10**9) -> None:
-        self.jobs: list[Job] = []
+        self.jobs: list[tuple[Request, tuple[int, ...]]] = []
         self.stop_after = stop_after
 
-    def __call__(self, client: object, work: object, tasks: Iterator[tuple[str, Job]], limit: float) -> Iterator:
+    def __call__(self, client: object, tasks: Iterator[tuple[str, partial]], limit: float) -> Iterator:
         for key, job in tasks:
             if len(self.jobs) == self.stop_after:
                 raise KeyboardInterrupt
-            self.jobs.append(job)
-            plan = {"noise_seed": PLANNED, "status": DONE, "score": float(job.request.family.order), "converged": True}
+            _, request, seeds, _ = job.args
+            self.jobs.append((request, seeds))
+            plan = {"noise_seed": PLANNED, "status": DONE, "score": float(request.family.order), "converged": True}
             plan |= {"seconds": 2.0, "iterations": 10}
             noise = [
-                {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1}
-                for s in job.noise_seeds
+                {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1} for s in seeds
             ]
-            failed = job.request.family.order == 7
-            yield TaskEnd(key, None if failed else [plan, *noise], "no\troot" if failed else None, 2.0)
+            yield key, HexciteError("no root") if request.family.order == 7 else [plan, *noise], 2.0
 
 
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
     monkeypatch.setattr(study_run, "run_tasks", cluster)
-    run_study(None, spec, case, folder, lambda outcome: None)
+    run_study(None, spec, case, folder, lambda seconds, computed: None)
     return cluster
 
 
@@ -85,7 +86,7 @@ def test_an_extended_study_computes_only_what_is_new(
 ) -> None:
     run(study(2, [2]), hexapod_case, tmp_path, monkeypatch)
     more = run(study(3, [2, 3]), hexapod_case, tmp_path, monkeypatch)
-    assert sorted((j.request.family.order, j.request.seed) for j in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
+    assert sorted((request.family.order, request.seed) for request, _ in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
 
 
 def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
@@ -93,7 +94,7 @@ def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
 ) -> None:
     run(study(1, [2], noise=3), hexapod_case, tmp_path, monkeypatch)
     more = run(study(1, [2], noise=5), hexapod_case, tmp_path, monkeypatch)
-    assert [j.noise_seeds for j in more.jobs] == [(3, 4)]
+    assert [seeds for _, seeds in more.jobs] == [(3, 4)]
     table = read_rows(tmp_path)
     assert sorted(table["noise_seed"].to_pylist()) == [PLANNED, 0, 1, 2, 3, 4]
 
@@ -105,7 +106,7 @@ def test_a_failed_cell_is_a_row_with_its_reason_and_is_not_tried_again(
     assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
     rows = {r["order"]: r for r in read_rows(tmp_path).to_pylist()}
     assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
-    assert rows[7]["reason"] == "no\troot"
+    assert rows[7]["reason"] == "no root"
     assert rows[2]["case_hash"] == hexapod_case.hash
 
 
@@ -203,7 +204,7 @@ def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: 
     from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
-    (one,), (other,) = work(Job(hexapod_case, request, ())), work(Job(hexapod_case, request, ()))
+    (one,), (other,) = work(hexapod_case, request, ()), work(hexapod_case, request, ())
     assert one["status"] == DONE
     assert one["score"] == other["score"]
 
@@ -231,7 +232,7 @@ def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(he
     from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})
-    plan, run = work(Job(hexapod_case, request, (7,)))
+    plan, run = work(hexapod_case, request, (7,))
     assert (plan["status"], run["status"], run["noise_seed"]) == (DONE, DONE, 7)
     assert abs(run["mass_error_kg"]) < 4.0 * run["mass_std_kg"] < 0.5
     assert run["inside_95"] <= run["parameters"] == 20
