@@ -14,19 +14,20 @@ from identification.motion import Joined
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
-from planner.execution import RunOutcome, best_controller, execute
+from planner.execution import best_controller, execute
 from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plan_program import usual_dialect, write
 from planner.plans import Plan
 from planner.request import Request
 from postprocessors.dialects import Program, dialect
+from postprocessors.execute import ExecutedRun
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
 OF_PATHS = ("acceleration", *ACCEPTED)
 
 
-Done = Callable[[Plan | Program | RunOutcome | Result], None]
+Done = Callable[[Plan | Program | Recording | Result], None]
 """Function that is called with the value that a step made."""
 
 
@@ -41,7 +42,7 @@ class Demo:
 
     plan: Plan
     program: Program  # program for LinuxCNC, or as a table of set points, proven
-    outcome: RunOutcome
+    run: ExecutedRun
     result: Result
     truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
 
@@ -75,7 +76,7 @@ def demo(
         on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
         seed: seed of the starts and of the sensors' noise.
         starts: number of random starts; one is enough for a demo.
-        done: called with the value of each step: plan, program, outcome of the run, result.
+        done: called with the value of each step: plan, program, recording, result.
 
     Raises:
         HexciteError: a step failed.
@@ -95,11 +96,11 @@ def demo(
     program = Program.load(file, case)
     program.proof.require()
     done(program)
-    outcome = execute(program, case, controller, seed)
-    outcome.recording.save(place / "recording", overwrite=True)
-    done(outcome)
+    run, recording = execute(program, case, controller, seed)
+    recording.save(place / "recording", overwrite=True)
+    done(recording)
     result = identify(Recording.load(place / "recording"), case, full_model(case))
     result.save(place / "result", overwrite=True)
     done(result)
     assert result.estimate is not None
-    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)))
+    return Demo(plan, program, run, result, tuple(truth_rows(case, result.estimate)))

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -36,15 +36,6 @@ SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # share of a run from which a remark says so
 
 
-@dataclass(frozen=True, slots=True)
-class RunOutcome:
-    """A run with its recording."""
-
-    run: ExecutedRun
-    recording: Recording  # simulated measurements
-    planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
-
-
 def best_controller(dialect: str = ControllerName.LINUXCNC) -> tuple[ControllerName, str]:
     """The real controller if it is installed and runs programs of a dialect, else the virtual one, with the reason."""
     if dialect != ControllerName.LINUXCNC:
@@ -69,8 +60,10 @@ def require_seed(seed: int) -> None:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
 
 
-def execute(program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> RunOutcome:
-    """Proves a program, runs it and simulates the recording.
+def execute(
+    program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED
+) -> tuple[ExecutedRun, Recording]:
+    """Proves a program and runs it: the run, and a recording whose measurements are simulated.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
@@ -100,8 +93,7 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
         "exceeded": list(exceeded(peaks, program.guarantees, run.real)),
         "units": "SI with the unit in each column name",
     }
-    recording = replace(recording, case=case, record=record)
-    return RunOutcome(run, recording, planned)
+    return run, replace(recording, case=case, record=record)
 
 
 def exceeded(peaks: Mapping[LimitKind, float], guarantees: Guarantees, real: bool) -> Iterator[str]:
@@ -227,7 +219,7 @@ def run(
             f"is proven for case {read.case.name}, whose machine or limits are others "
             f"than those of {case.name}; give the program's own case, or write the plan for this one",
         )
-    return execute(read, case, on, seed, around).recording
+    return execute(read, case, on, seed, around)[1]
 
 
 def _record(program: Program, case: Case, run: ExecutedRun, around: Circumstances) -> dict[str, Any]:

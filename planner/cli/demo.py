@@ -23,12 +23,13 @@ def demo(
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.schema import load_case
     from identification.model import full_model
+    from identification.recording import Recording
     from planner.cli.identification import answer_of_result
     from planner.cli.plan import answer_of_plan
     from planner.cli.programs import answer_of_program, answer_of_proof, answer_of_run
     from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
-    from planner.execution import RunOutcome, best_controller
+    from planner.execution import best_controller
     from planner.plan_program import usual_dialect
     from planner.plans import Plan
     from planner.reports import report
@@ -51,7 +52,7 @@ def demo(
     def step(text: str) -> None:
         say(f"[{len(answer) + 1}/6] {text}")
 
-    def done(value: "Plan | Program | RunOutcome | Result") -> None:
+    def done(value: "Plan | Program | Recording | Result") -> None:
         if isinstance(value, Plan):
             plan = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
@@ -73,8 +74,8 @@ def demo(
             say(f"      {checked['verdict']}")
             name, reason = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({reason})")
-        elif isinstance(value, RunOutcome):
-            run = answer["run"] = answer_of_run(value.recording, place / "recording")
+        elif isinstance(value, Recording):
+            run = answer["run"] = answer_of_run(value, place / "recording")
             line = f"{run['controller']}: {run['duration_s']:.3f} s of {run['planned_s']:.3f} s planned, "
             line += f"{run['path_error_mm']:.3f} mm from the path, D-efficiency {run['d_efficiency']:.3f} as executed"
             say(f"      {line}")

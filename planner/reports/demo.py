@@ -8,10 +8,9 @@ from markupsafe import Markup
 
 from cases.schema import Case
 from identification.limit import Status
-from identification.motion import sample
+from identification.motion import Trajectory, sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
-from planner.execution import RunOutcome
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import COLOURS, colour, identifiability_blocks, limits_chart, motion_blocks, thinned
 from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
@@ -19,6 +18,8 @@ from planner.reports.machine import pictured
 from planner.reports.page import Block, Chart, note, page, plain, section, table, tiles
 from planner.reports.plan import starts_blocks
 from postprocessors.dialects import Program
+from postprocessors.execute import ExecutedRun
+from postprocessors.proving.homing import planned_excitation
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s] high enough to show the ripple of a controller's blocks
@@ -30,7 +31,7 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
     Args:
         answer: JSON answers of the steps: plan, post, check, run, identify, truth.
     """
-    case, outcome, result = chain.plan.case, chain.outcome, chain.result
+    case, result, planned = chain.plan.case, chain.result, planned_excitation(chain.program, chain.plan.case)
     assert result.identifiability is not None
     assert result.residuals is not None
     run, plan = answer["run"], answer["plan"]
@@ -49,10 +50,10 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
         ),
         result.warnings,
         section("What came out", _headline(answer, chain), *_truth(chain)),
-        *pictured(case, outcome.planned),
-        section("The planned motion and its limits", *motion_blocks(case, sample(outcome.planned, DRAWN_RATE))),
+        *pictured(case, planned),
+        section("The planned motion and its limits", *motion_blocks(case, sample(planned, DRAWN_RATE))),
         section("Proof of the program's text", *_proof(chain.program)),
-        section("What the controller made of it", _executed(case, answer, outcome)),
+        section("What the controller made of it", _executed(case, answer, chain.run, planned)),
         section("Forces and residuals", *residual_blocks(case, result.residuals)),
         section("What the run determines", *identifiability_blocks(result.identifiability)),
         section("How the plan was found", *starts_blocks(plan)),
@@ -134,14 +135,14 @@ def _proof(program: Program) -> tuple[Block, ...]:
     return (note(words), limits_chart(limits), *([note(unproven)] if remarks else []))
 
 
-def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> Chart:
+def _executed(case: Case, answer: dict[str, Any], run: ExecutedRun, excitation: Trajectory) -> Chart:
     """Accelerations that the controller really made, along x, y, z or of each joint, beside the planned ones."""
-    t = instants(outcome.run.trigger, RECORDED_RATE)
-    execution, limits = outcome.run.execution, case.need_motion("the page of a demo")[1]
+    t = instants(run.trigger, RECORDED_RATE)
+    execution, limits = run.execution, case.need_motion("the page of a demo")[1]
     inside = np.clip(t, 0.0, execution.duration)
     of_pose = execution.machine.of_pose
     executed = execution.kinematics(inside).twist_rate[:, :3] if of_pose else execution.struts(inside, 2)
-    planned = sample(outcome.planned, DRAWN_RATE)
+    planned = sample(excitation, DRAWN_RATE)
     unit = "acceleration [m/s²]" if of_pose else "acceleration [rad/s² or m/s²]"
     caption = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
     figure = Chart("executed", caption, "time since the trigger [s]", unit, height=380)

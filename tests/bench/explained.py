@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 import hexcite as hx
 from cases.schema import Case
 from planner.demonstration import OF_PATHS
-from planner.execution import RunOutcome, execute
+from planner.execution import execute
 from planner.vibration import vibration
 from tests.bench.coverage import coloured_coverage, coverage, idealised
 from tests.postprocessors.changed_case import changed
@@ -77,7 +77,7 @@ def executed(plans: dict[str, hx.Plan]) -> Figure:
     """Information that was planned, and that LinuxCNC executes at the case's own limits of acceleration."""
     case = changed(hx.load_case("hexapod"), controller__linuxcnc__acceleration_headroom=1.0)
     names = [name for name in plans if name != "by hand"]
-    runs = [on_linuxcnc(plans[name], case).recording.record for name in names]
+    runs = [on_linuxcnc(plans[name], case).record for name in names]
     figure, axes = drawn(2.6)
     rows = np.arange(len(names))
     planned = [plans[name].of_motion[1].d_efficiency for name in names]
@@ -94,9 +94,9 @@ def executed(plans: dict[str, hx.Plan]) -> Figure:
     return figure
 
 
-def on_linuxcnc(plan: hx.Plan, case: Case) -> RunOutcome:
+def on_linuxcnc(plan: hx.Plan, case: Case) -> hx.Recording:
     """A run of a plan on the real controller, everything accepted that it does not enforce."""
-    return execute(hx.write(replace(plan, case=case), "linuxcnc", accept=OF_PATHS), case, "linuxcnc", 0)
+    return execute(hx.write(replace(plan, case=case), "linuxcnc", accept=OF_PATHS), case, "linuxcnc", 0)[1]
 
 
 def modes(plans: dict[str, hx.Plan]) -> Figure:
@@ -123,8 +123,8 @@ def modes(plans: dict[str, hx.Plan]) -> Figure:
 def deviations(plan: hx.Plan) -> Figure:
     """How many 95 % intervals hold the truth, by (28) and by the larger deviation."""
     case = hx.load_case("hexapod")
-    outcome = execute(hx.write(plan, "linuxcnc", accept=OF_PATHS), case, "virtual", 0)
-    run = outcome.run.execution, outcome.run.trigger
+    executed, _ = execute(hx.write(plan, "linuxcnc", accept=OF_PATHS), case, "virtual", 0)
+    run = executed.execution, executed.trigger
     white, filtered = coverage(idealised(case), *run, SEEDS), coloured_coverage(idealised(case), *run, SEEDS)
     figure, axes = drawn(2.2)
     rows = np.arange(2)

@@ -79,8 +79,7 @@ def demos(folder: Path) -> list[list[str]]:
 def identification(folder: Path) -> list[list[str]]:
     """Identification of 20 000 samples, and coverage of the intervals."""
     case = load_case("hexapod")
-    outcome = execute(read_program(folder / "virtual" / "excitation.ngc", case), case, "virtual", 0)
-    run = outcome.run
+    run, _ = execute(read_program(folder / "virtual" / "excitation.ngc", case), case, "virtual", 0)
     recording = simulate_recording(case, run.execution, run.trigger, 0)
     repeats = 20_000 // len(recording.forces) + 1
     assert recording.t is not None

@@ -72,7 +72,7 @@ def robot_figures() -> None:
     program = write(plan, "setpoints")
     shares = []
     for seed in range(RUNS):
-        result = identify(execute(program, case, "virtual", seed).recording, case)
+        result = identify(execute(program, case, "virtual", seed)[1], case)
         assert result.estimate is not None
         shares += [abs(row["error"]) / row["std"] for row in truth_rows(case, result.estimate)]
     inside = np.mean(np.array(shares) < 1.96)

@@ -22,7 +22,7 @@ from identification.simulate import truth_rows
 from identification.symbolic import over_samples
 from planner.bounds.information_limit import compute_bound
 from planner.demonstration import demo
-from planner.execution import RunOutcome, execute
+from planner.execution import execute
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
 from planner.plan_program import write
 from planner.planning import make
@@ -55,17 +55,17 @@ def plans(tmp_path_factory: pytest.TempPathFactory) -> Plans:
     return Plans(tmp_path_factory.mktemp("plans"))
 
 
-class Runs(dict[int, RunOutcome]):
+class Runs(dict[int, Recording]):
     """Runs of these plans as tables of set points, each executed when it is asked for."""
 
     def __init__(self, plans: Plans) -> None:
         self.plans = plans
 
-    def __missing__(self, joints: int) -> RunOutcome:
+    def __missing__(self, joints: int) -> Recording:
         program = write(self.plans[joints], "setpoints")
         assert program.proof.ok
         assert program.text.splitlines()[-1].count(",") == 1 + 3 * joints  # time, three times the joints, trigger
-        self[joints] = execute(program, self.plans[joints].case, "virtual", seed=joints)
+        self[joints] = execute(program, self.plans[joints].case, "virtual", seed=joints)[1]
         return self[joints]
 
 
@@ -138,11 +138,11 @@ def test_the_bound_holds_for_random_designs():
 
 @pytest.mark.parametrize("joints", few(6, 5, 7))
 def test_a_run_gives_the_true_parameters_within_their_deviations(joints: int, plans: Plans, runs: Runs):
-    plan, outcome = plans[joints], runs[joints]
-    record = outcome.recording.record
+    plan, recording = plans[joints], runs[joints]
+    record = recording.record
     assert record["path_error_mm"] < 1.0
     assert record["d_efficiency"] == pytest.approx(record["d_efficiency_planned"], rel=0.02)
-    result = identify(outcome.recording, plan.case)
+    result = identify(recording, plan.case)
     assert result.estimate is not None
     assert result.estimate.model.number == 6
     rows = truth_rows(plan.case, result.estimate)
@@ -156,7 +156,7 @@ def test_a_run_gives_the_true_parameters_within_their_deviations(joints: int, pl
 
 
 def test_recordings_of_joints_are_read_back(runs: Runs, tmp_path: Path):
-    recording = replace(runs[6].recording, case=load_case("ur10_wrist"))
+    recording = replace(runs[6], case=load_case("ur10_wrist"))
     recording.save(tmp_path / "run")
     head = (tmp_path / "run" / "recording.csv").read_text().split("\n", 1)[0]
     joints = [f"q{k}_deg" for k in range(1, 7)]

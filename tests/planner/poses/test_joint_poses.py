@@ -51,7 +51,7 @@ def test_standstills_of_a_robot_are_executed_found_and_identified(dialect: str):
     """A joint trajectory switches no output: there standstills are found where the joints stand."""
     plan = plan_of(6)
     program = write(plan, dialect, accept=("jerk",) if dialect == "urscript" else ())
-    recording = execute(program, plan.case, "virtual", seed=1).recording
+    recording = execute(program, plan.case, "virtual", seed=1)[1]
     result = identify(recording, plan.case, poses=plan)
     assert result.estimate is not None
     assert result.estimate.model.number == static_model(plan.case) == 0
