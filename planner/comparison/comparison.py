@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -84,17 +84,57 @@ def _listed(pairs: Iterable[tuple[str, Entry]]) -> str:
     return "; ".join(f"{value} ({', '.join(names)})" for value, names in owners.items())
 
 
-class Recommendation(NamedTuple):
-    """Recommendation of one excitation."""
+@dataclass(frozen=True, slots=True, repr=False)
+class Comparison:
+    """Excitations before and after running them; saved for people and programs, and made anew, not read back."""
 
+    groups: tuple[tuple[Entry, ...], ...]  # each group: a plan, its runs and their results
     best: str | None  # name of the one to prefer; None where nothing can be compared
     level: str  # origin of the figures: planned, executed or identified
     ratios: Mapping[str, float]  # geometric mean of the standard deviations of each, over the best one's
     sentences: tuple[str, ...]  # reasons
 
+    @property
+    def entries(self) -> list[Entry]:
+        """All that is compared, in the order of the groups."""
+        return [entry for group in self.groups for entry in group]
 
-def recommend(entries: Sequence[Sequence[Entry]]) -> Recommendation:
-    """Recommends the excitation with the smallest standard deviations, by the best evidence that all of them have."""
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons why figures do not compare, and warnings of the evaluations."""
+        return warnings_of(self.entries)
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of `comparison.json`."""
+        advice = {"best": self.best, "level": self.level, "ratios": self.ratios, "sentences": self.sentences}
+        return {
+            "rows": [e.to_json() for e in self.entries],
+            "groups": [[e.name for e in g] for g in self.groups],
+            "recommendation": advice,
+            "warnings": list(self.warnings),
+        }
+
+    def write(self, folder: Path) -> None:
+        """Writes comparison.json into an existing folder."""
+        (folder / "comparison.json").write_text(json_text(self.to_json()), encoding="utf-8")
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Makes a folder with comparison.json."""
+        check_folder(Path(folder), COMPARISON, overwrite=overwrite)
+        with atomic_folder(Path(folder), COMPARISON, overwrite) as part:
+            self.write(part)
+
+    def __repr__(self) -> str:
+        """The entries and the recommendation, as text."""
+        names = ", ".join(entry.name for entry in self.entries)
+        return "\n".join([f"Comparison of {names}", *self.sentences])
+
+    _repr_html_ = as_html
+
+
+def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
+    """Groups with the excitation of the smallest standard deviations, by the best evidence that all of them have."""
+    compared = tuple(tuple(group) for group in entries)
     common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in entries)]
     remarks = []
     if common:
@@ -104,20 +144,22 @@ def recommend(entries: Sequence[Sequence[Entry]]) -> Recommendation:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) == 1:
-        advice = _among(selection, level, remarks)
+        best, ratios, sentences = _among(selection, level, remarks)
         vibrations = [(e.name, e.vibration) for e in selection if e.vibration is not None]
-        return advice._replace(sentences=(*advice.sentences, *least_shaken(vibrations)))
+        known = level if len(selection) > 1 else ""
+        return Comparison(compared, best, known, ratios, (*sentences, *least_shaken(vibrations)))
     text = "; ".join(
         f"{', '.join(e.name for e in group)} ({_in_words([e.conditions for e in group])})" for group in alike
     )
     parts = [_among(group, level, remarks) for group in alike if len(group) > 1]
-    return Recommendation(
-        parts[0].best if len(parts) == 1 else None,
+    return Comparison(
+        compared,
+        parts[0][0] if len(parts) == 1 else None,
         level,
-        {name: ratio for part in parts for name, ratio in part.ratios.items()},
+        {name: ratio for _, ratios, _ in parts for name, ratio in ratios.items()},
         (
             f"these were planned or measured under different conditions, and none is preferred across them: {text}",
-            *(sentence for part in parts for sentence in part.sentences),
+            *(sentence for *_, sentences in parts for sentence in sentences),
         ),
     )
 
@@ -162,14 +204,16 @@ def _of_samples(case: Case) -> str:
     return rate if field is None else f"{rate} and {field.words} that depends on the pose"
 
 
-def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:
-    """The best of entries that can be compared."""
+def _among(
+    entries: Sequence[Entry], level: str, remarks: Sequence[str]
+) -> tuple[str | None, Mapping[str, float], Sequence[str]]:
+    """The best of entries that can be compared, ratios and reasons, as in `Comparison`."""
     remarks = list(remarks)
     if len(entries) < 2:
-        return Recommendation(None, "", {}, ("there is nothing to choose from: name two excitations or more",))
+        return None, {}, ["there is nothing to choose from: name two excitations or more"]
     names = [n for n in entries[0].parameters if all(n in e.parameters for e in entries)]
     if not names:
-        return Recommendation(None, level, {}, ("they have no parameter in common",))
+        return None, {}, ["they have no parameter in common"]
     for entry in entries:
         missing = sorted({n for e in entries for n in e.parameters} - set(entry.parameters))
         if missing:
@@ -200,7 +244,7 @@ def _among(entries: Sequence[Entry], level: str, remarks: Sequence[str]) -> Reco
         if fastest != best.name:
             sentences.append(f"per second of measuring time {fastest} carries most information")
     ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(entries, sizes, strict=True)}
-    return Recommendation(best.name, level, ratios, tuple(sentences))
+    return best.name, ratios, sentences
 
 
 def _size(entry: Entry, names: Iterable[str]) -> float:
@@ -208,50 +252,6 @@ def _size(entry: Entry, names: Iterable[str]) -> float:
     if not all(d > 0.0 for d in deviations):
         raise HexciteError(entry.name, "a parameter was given, not identified; compare without --fix")
     return float(np.mean(np.log(deviations)))
-
-
-@dataclass(frozen=True, slots=True, repr=False)
-class Comparison:
-    """Excitations before and after running them; saved for people and programs, and made anew, not read back."""
-
-    groups: tuple[tuple[Entry, ...], ...]  # each group: a plan, its runs and their results
-    advice: Recommendation  # which one to prefer
-
-    @property
-    def entries(self) -> list[Entry]:
-        """All that is compared, in the order of the groups."""
-        return [entry for group in self.groups for entry in group]
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Reasons why figures do not compare, and warnings of the evaluations."""
-        return warnings_of(self.entries)
-
-    def to_json(self) -> dict[str, Any]:
-        """Entries of `comparison.json`."""
-        return {
-            "rows": [e.to_json() for e in self.entries],
-            "groups": [[e.name for e in g] for g in self.groups],
-            "recommendation": self.advice._asdict(),
-            "warnings": list(self.warnings),
-        }
-
-    def write(self, folder: Path) -> None:
-        """Writes comparison.json into an existing folder."""
-        (folder / "comparison.json").write_text(json_text(self.to_json()), encoding="utf-8")
-
-    def save(self, folder: Path | str, overwrite: bool = False) -> None:
-        """Makes a folder with comparison.json."""
-        check_folder(Path(folder), COMPARISON, overwrite=overwrite)
-        with atomic_folder(Path(folder), COMPARISON, overwrite) as part:
-            self.write(part)
-
-    def __repr__(self) -> str:
-        """The entries and the recommendation, as text."""
-        names = ", ".join(entry.name for entry in self.entries)
-        return "\n".join([f"Comparison of {names}", *self.advice.sentences])
-
-    _repr_html_ = as_html
 
 
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:
@@ -276,5 +276,4 @@ def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale
             entry_of_plan(thing, thing.name) if isinstance(thing, Plan) else read_entry(Path(thing), case, stale)
             for thing in things
         ]
-    entry_groups = groups(entries)
-    return Comparison(tuple(tuple(group) for group in entry_groups), recommend(entry_groups))
+    return recommend(groups(entries))

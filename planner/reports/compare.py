@@ -101,7 +101,7 @@ def compare_page(comparison: Comparison) -> str:
     names = tuple(e.name for e in entries)
     execution = execution_rows(groups)
     sections = [
-        section("Recommendation", *map(note, comparison.advice.sentences)),
+        section("Recommendation", *map(note, comparison.sentences)),
         section(
             "Parameters side by side",
             _std_chart(groups),
