@@ -1,7 +1,7 @@
 """Plans from Python: what notebooks and the command line call."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypedDict, Unpack
 
@@ -18,9 +18,9 @@ from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable
 from planner.plans import Plan
-from planner.request import DURATION, LONGEST, PoseMethod, PoseRequest, Request, TypedValue, parse_targets
+from planner.request import DURATION, LONGEST, PoseRequest, Request, TypedValue, parse_targets
 from planner.search import Failed
-from planner.search.parallel import silent, without_gain
+from planner.search.parallel import Listener, silent, without_gain
 from planner.search.solving import Start
 
 
@@ -107,7 +107,7 @@ def planned(request: Request, case: Case, progress: Callable[[str], None] | None
     """`plan` for settings that are one value."""
     require_plannable(request, case)
     with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
-        listener = silent if progress is None else Progress(request, case, progress)
+        listener = silent if progress is None else follower(request, case, progress)
 
         def make(wanted: Request) -> Plan:
             return make_until_ctrl_c(wanted, case, listener)
@@ -138,7 +138,7 @@ def plan_poses(
 
     settings.setdefault("model", static_model(case))
     if at is not None:
-        settings["method"] = PoseMethod.GIVEN
+        settings["method"] = "given"
     request = PoseRequest(**settings)  # type: ignore[arg-type]  # a letter will do
     own = load_poses(Path(at), case.need_motion("a plan of poses")[1].columns) if isinstance(at, Path | str) else at
     with threadpool_limits(limits=1, user_api="blas"):
@@ -210,56 +210,45 @@ def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> B
     )
 
 
-class Progress:
-    """Follows the starts of a search."""
+def follower(asked: Request, case: Case, remark: Callable[[str], None]) -> Listener:
+    """A listener that shows a line while starts are under way, and as each of them ends."""
+    model, bound = identification_model(case, asked.model), None
+    noise = expected_noise(case, model, asked.payload)
+    if asked.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
+        remark("the limit of information")
+        bound = information_limit(case, model)
+    request, began, results = asked, time.monotonic(), list[Start | Failed]()
 
-    def __init__(self, request: Request, case: Case, remark: Callable[[str], None]) -> None:
-        self.request, self.asked, self.remark, self.bound = request, request, remark, None
-        model = identification_model(case, request.model)
-        self.size = len(model.names)
-        noise = expected_noise(case, model, request.payload)
-        if request.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
-            remark("the limit of information")
-            self.bound = information_limit(case, model)
-        self(request)
-
-    def __call__(self, event: Request | Start | Failed | None) -> None:
-        """Follows a search as a `planner.search.parallel.Listener`."""
+    def follow(event: Request | Start | Failed | None) -> None:
+        nonlocal request, began, results
         if isinstance(event, Request):
-            self.request, self.began = event, time.monotonic()
-            self.results: list[Start | Failed] = []
+            request, began, results = event, time.monotonic(), []
             return
-        if event is not None:
-            if isinstance(event, Start) and event.family.name != self.request.family.name:
-                return
-            self.results.append(event)
-        self.show()
-
-    def show(self) -> None:
-        """Shows one line: a start is under way, or has ended."""
-        seconds, count = time.monotonic() - self.began, len(self.results)
-        other = "" if self.request.family.name == self.asked.family.name else f"{self.request.family.name} instead: "
-        best = max((r for r in self.results if isinstance(r, Start)), key=lambda s: s.promise, default=None)
+        if isinstance(event, Start) and event.family.name != request.family.name:
+            return
+        results += [] if event is None else [event]
+        seconds, count = time.monotonic() - began, len(results)
+        other = "" if request.family.name == asked.family.name else f"{request.family.name} instead: "
+        best = max((r for r in results if isinstance(r, Start)), key=lambda s: s.promise, default=None)
         if best is None:
-            self.remark(f"{other}first starts, {seconds:.0f} s")
+            remark(f"{other}first starts, {seconds:.0f} s")
             return
-        if self.bound is not None:
-            text = f"{100 * self.bound.efficiency(best.record.logdet):.1f} % of the limit of information"
-        else:
-            text = f"criterion {self.request.criterion} {best.record.criterion_value:.4g}"
-        starts = f"{count} start{'s' * (count > 1)}"
-        self.remark(f"{other}{text} after {starts}, {seconds:.0f} s, {self._left(seconds)}")
+        text = f"criterion {request.criterion} {best.record.criterion_value:.4g}"
+        if bound is not None:
+            text = f"{100 * bound.efficiency(best.record.logdet):.1f} % of the limit of information"
+        left = _time_left(request, results, seconds, len(model.names))
+        remark(f"{other}{text} after {count} start{'s' * (count > 1)}, {seconds:.0f} s, {left}")
 
-    def _left(self, seconds: float) -> str:
-        if self.request.seconds is not None:
-            return f"{max(0.0, self.request.seconds - seconds):.0f} s left"
-        if self.request.starts is not None:
-            rest = self.request.starts - len(self.results)
-        else:
-            criterion = self.request.criterion
-            rest = self.request.family.idle(criterion) - without_gain(self.results, criterion, self.size)
-        if rest <= 0:
-            return "refining the best"
-        return f"about {seconds / len(self.results) * rest:.0f} s left" + (
-            "" if self.request.starts else " unless more is found"
-        )
+    return follow
+
+
+def _time_left(request: Request, results: Sequence[Start | Failed], seconds: float, parameters: int) -> str:
+    if request.seconds is not None:
+        return f"{max(0.0, request.seconds - seconds):.0f} s left"
+    if request.starts is not None:
+        rest = request.starts - len(results)
+    else:
+        rest = request.family.idle(request.criterion) - without_gain(results, request.criterion, parameters)
+    if rest <= 0:
+        return "refining the best"
+    return f"about {seconds / len(results) * rest:.0f} s left{'' if request.starts else ' unless more is found'}"

@@ -3,9 +3,8 @@
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from enum import StrEnum
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -198,24 +197,14 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Typed
 USUAL = 30  # poses of the paper's reduced sets
 
 
-class PoseMethod(StrEnum):
-    """How poses are chosen."""
-
-    BACKWARD = "backward"
-    BACKWARD_CHANGE = "backward-change"
-    REFINE = "refine"
-    ALL = "all"
-    GIVEN = "given"
-
-
-METHODS = {
-    PoseMethod.BACKWARD: "Algorithm 1: removes the pose without which the criterion is best",
-    PoseMethod.BACKWARD_CHANGE: "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
-    PoseMethod.REFINE: "Algorithm 1, then moves the poses freely in the workspace",
-    PoseMethod.ALL: "every candidate",
-    PoseMethod.GIVEN: "poses of one's own",
+PoseMethod = Literal["backward", "backward-change", "refine", "all", "given"]
+METHODS: dict[PoseMethod, str] = {
+    "backward": "Algorithm 1: removes the pose without which the criterion is best",
+    "backward-change": "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
+    "refine": "Algorithm 1, then moves the poses freely in the workspace",
+    "all": "every candidate",
+    "given": "poses of one's own",
 }
-CHOOSING = [method for method in PoseMethod if method is not PoseMethod.GIVEN]  # `given` comes with the poses
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,7 +213,7 @@ class PoseRequest:
 
     criterion: Criterion = Criterion.D  # of Table 4; its letter will do
     count: int | None = None  # poses; None: 30
-    method: str = PoseMethod.REFINE  # one of METHODS
+    method: PoseMethod = "refine"
     model: int = 5  # number in Table 2, 0 to 5
     candidates: int | None = None  # quasi-random candidates; None: the grid of the case
     seed: int = 0  # seed of these candidates
@@ -235,22 +224,23 @@ class PoseRequest:
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
         entries = {"count": self.count, "candidates": self.candidates, "noise": self.noise}
-        return {"method": str(self.method), "seed": self.seed, "asked": entries}
+        return {"method": self.method, "seed": self.seed, "asked": entries}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":
         """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
         seed = data["seed"] if "seed" in data else data["settings"]["seed"]
         return cls(
-            Criterion(data["criterion"]), method=str(data["method"]), model=int(data["model"]), seed=int(seed),
+            Criterion(data["criterion"]), method=data["method"], model=int(data["model"]), seed=int(seed),
             **data.get("asked", {}),
         )  # fmt: skip
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "criterion", Criterion(self.criterion))
-        if self.method not in set(PoseMethod):
-            raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(CHOOSING)}")
-        if self.method in (PoseMethod.ALL, PoseMethod.GIVEN) and self.count is not None:
+        if self.method not in METHODS:
+            choice = ", ".join(method for method in METHODS if method != "given")  # which comes with the poses
+            raise HexciteError(f"method {self.method!r} is unknown; choose {choice}")
+        if self.method in ("all", "given") and self.count is not None:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
         if self.noise is not None and not 0.0 < self.noise < float("inf"):
             raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
@@ -263,7 +253,7 @@ class PoseRequest:
         Raises:
             HexciteError: more than there are, or fewer than can determine the model.
         """
-        if self.method in (PoseMethod.ALL, PoseMethod.GIVEN):
+        if self.method in ("all", "given"):
             return available
         fewest = -(-parameters // 6)
         count = self.count if self.count is not None else min(USUAL, available)

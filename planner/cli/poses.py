@@ -68,9 +68,9 @@ def poses(
 
 
 def _show(answer: dict[str, Any], plan: "Plan") -> None:
-    from planner.request import METHODS, PoseMethod
+    from planner.request import METHODS
 
-    print(f"{METHODS[PoseMethod(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
+    print(f"{METHODS[answer['method']]}, criterion {answer['criterion']}, model {answer['model']}")
     title = f"Predicted standard deviations (averaged forces that scatter by {answer['assumed_noise_N']:.3g} N)"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")

@@ -32,7 +32,7 @@ from planner.poses.candidates import (
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
 from planner.poses.space import standing_report, valid_poses
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
-from planner.request import METHODS, PoseMethod, PoseRequest
+from planner.request import METHODS, PoseRequest
 from planner.search.feasibility import remedy
 
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
@@ -108,7 +108,7 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
         HexciteError: the method `given` without poses.
         InfeasiblePlan: the machine cannot stand at one of them.
     """
-    if request.method == PoseMethod.GIVEN:
+    if request.method == "given":
         if given is None:
             raise HexciteError("method given needs poses: name a CSV file of them with --at")
         for number, valid in enumerate(valid_poses(case, given), 1):
@@ -181,9 +181,9 @@ def _choose(
     count = request.wanted(len(poses), regressors.shape[2])
     require_full_rank(regressors, model)
     criterion = POSE_CRITERIA[request.criterion]
-    if request.method in (PoseMethod.ALL, PoseMethod.GIVEN):
-        return poses, METHODS[PoseMethod(request.method)]
-    if request.method == PoseMethod.BACKWARD_CHANGE:
+    if request.method in ("all", "given"):
+        return poses, METHODS[request.method]
+    if request.method == "backward-change":
         if len(poses) > MOST_EXHAUSTIVE:
             raise HexciteError(
                 f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
@@ -197,7 +197,7 @@ def _choose(
             f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(indices)}, every further "
             f"removal loses rank; ask for {len(indices)} or more"
         )
-    if request.method in (PoseMethod.BACKWARD, PoseMethod.BACKWARD_CHANGE):
+    if request.method in ("backward", "backward-change"):
         return poses[indices], "as many as asked for"
     refined, status = refine(case, model, scaling, criterion, poses[indices])
     return refined, f"refined: {status}"

@@ -21,7 +21,7 @@ from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.precision import SolverStatus
 from planner.rating import PlannedMotion, rated_plan
-from planner.request import PoseMethod, PoseRequest, Request
+from planner.request import PoseRequest, Request
 from planner.search import Failed, StartRecord
 from planner.search.feasibility import keep_limits
 from planner.search.solving import Start
@@ -90,7 +90,7 @@ def test_a_plan_of_any_motion_comes_back(
 @given(count=st.integers(8, 30), seed=st.integers(0, 99), criterion=st.sampled_from(Criterion))
 @settings(max_examples=5)
 def test_a_plan_of_poses_comes_back(count: int, seed: int, criterion: Criterion):
-    request = PoseRequest(criterion, count, PoseMethod.BACKWARD, candidates=100, seed=seed)
+    request = PoseRequest(criterion, count, "backward", candidates=100, seed=seed)
     plan = poses_planned(request, CASE)
     with tempfile.TemporaryDirectory() as folder:
         plan.save(Path(folder) / "plan")

@@ -7,13 +7,13 @@ from cases.errors import HexciteError
 from identification.criteria import Criterion
 from planner.comparison.methods import METHODS, MethodSpec, require_methods
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
-from planner.request import PoseMethod, PoseRequest, Request
+from planner.request import PoseRequest, Request
 
 
 def test_the_papers_methods_and_ours_are_what_the_paper_and_we_say():
     assert {name: method.request for name, method in METHODS.items()} == {
-        "Q5M": PoseRequest(method=PoseMethod.ALL),
-        "Q5N": PoseRequest(criterion=Criterion.N, count=30, method=PoseMethod.BACKWARD),
+        "Q5M": PoseRequest(method="all"),
+        "Q5N": PoseRequest(criterion=Criterion.N, count=30, method="backward"),
         "D9M": Request(Manual()),
         "D9N": Request(Fourier(order=3, period=4.0), criterion=Criterion.N),
         "ptp": Request(PointToPoint(controller="virtual")),
