@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TypedDict, Unpack
 
@@ -185,11 +186,11 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
             too_short = duration
             continue
         except Interrupted:
-            return best.ended_early()
+            return replace(best, interrupted=True)
         if use(trial)[0] <= 1.0:
             best = trial
         elif trial.interrupted:
-            return best.ended_early()
+            return replace(best, interrupted=True)
         else:
             too_short = duration
     return best

@@ -31,32 +31,16 @@ from planner.noise import (
 from planner.pose_criteria import total_information
 from planner.search import Failed, StartRecord
 
-
-@dataclass(frozen=True, slots=True)
-class Rival:
-    """Result of a short search in another family of motions."""
-
-    family: str
-    d_efficiency: float
-
-
-@dataclass(frozen=True, slots=True)
-class Search:
-    """Record of the search for a motion."""
-
-    starts: tuple[StartRecord, ...]  # starts with a feasible motion, the best first
-    failed_starts: tuple[Failed, ...]  # the others, with the reason
-    interrupted: bool  # whether Ctrl-C ended the search early
-    solve_s: float  # computing time [s]
-    rival: Rival | None  # result of a short search in another family
+_RIVAL = "family", "d_efficiency"  # entries of a rival
 
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """Figures of a planned motion."""
+    """Figures of a planned motion, and the record of its search."""
 
-    settings: Mapping[str, Any]  # settings of the family after the search
-    search: Search
+    starts: tuple[StartRecord, ...]  # starts with a feasible motion, the best first
+    failed_starts: tuple[Failed, ...]  # the others, with the reason
+    rival: tuple[str, float] | None  # a short search in another family: that, and the D-efficiency of its motion
     criterion_value: float  # the criterion of Table 4, to be maximised, in reference scaling
     logdet: float  # log det of the mean information, reference scaling, W = 1
     condition: float  # mu_1 / mu_u, reference scaling
@@ -83,15 +67,15 @@ class Worth:
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
-        entries = asdict(self)
-        search: dict[str, Any] = entries.pop("search")
+        rival = None if self.rival is None else dict(zip(_RIVAL, self.rival, strict=True))
         efficiencies = {"d_efficiency": self.d_efficiency, "d_efficiency_tight": self.d_efficiency_tight}
-        return search | entries | efficiencies
+        return asdict(self) | {"rival": rival} | efficiencies
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
         """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
-        whole = {**data, "search": data}
+        rival = data["rival"]
+        whole = {**data, "rival": None if rival is None else tuple(rival[entry] for entry in _RIVAL)}
         for key in ("bound", "bound_tight"):
             if isinstance(entries := data[key], Mapping):  # earlier versions wrote fewer
                 logdet = entries.get("logdet")
@@ -104,7 +88,6 @@ class Worth:
 class PoseWorth:
     """Figures of a set of poses."""
 
-    settings: Mapping[str, Any]  # origin of the candidates, and measuring time
     remark: str  # result of the choice, in words
     candidates: int  # number of valid poses to choose from
     travel_s: float  # time of the moves [s]
@@ -116,7 +99,6 @@ class PoseWorth:
     fewest_poses: int  # size of the smallest subset with full rank by Algorithm 1
     predicted_std_of_all_candidates: Mapping[str, float]  # predicted standard deviations from all candidates [SI]
     select_s: float  # time spent on choosing [s]
-    solve_s: float  # time spent on everything [s]
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""

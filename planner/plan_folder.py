@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from cases.basis import case_of, changes_since, plan_basis, require_unchanged
 from cases.chain import MOST_JOINTS
 from cases.errors import FileProblem, HexciteError
-from cases.files import DAMAGED, json_text, read_json
+from cases.files import DAMAGED, read_json
 from cases.machine import LARGEST
 from cases.schema import Case
 from cases.units import Array
@@ -37,22 +37,8 @@ RATE_OF_0_1 = 1000.0  # [1/s] rate that plans of the first version assumed witho
 DIGITS = 16  # digits of a fingerprint
 
 
-class Saved(NamedTuple):
-    """Where a plan was loaded from."""
-
-    folder: Path  # folder of the plan
-    fingerprint: str  # fingerprint of its plan.json, by which programs and recordings name it
-    # changes of its case since, where the user went on; written into what is made of the plan
-    stale: tuple[str, ...] = ()
-
-
-def fingerprint(plan: "Plan") -> str:
-    """The first 16 digits of the SHA-256 of its plan.json, wherever the folder is."""
-    return fingerprint_of(json_text(plan.to_json()).encode()) if plan.saved is None else plan.saved.fingerprint
-
-
 def fingerprint_of(content: bytes) -> str:
-    """Fingerprint of the content of a plan.json."""
+    """Fingerprint of the content of a plan.json: the first 16 digits of its SHA-256."""
     return hashlib.sha256(content).hexdigest()[:DIGITS]
 
 
@@ -84,14 +70,16 @@ def load_plan(kind: "type[Plan]", folder: Path, case: Case | None, stale: bool) 
         raise FileProblem(file, f"its motion does not have the {count} coordinates of case {own.name}; plan again")
     now = plan_basis(own, entries.payload, of_poses)
     remarks = require_unchanged(file, data, now, own, stale, "plan again")
-    saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     with _refusing(file):
         parameters = len(identification_model(own, entries.model).parameters)
         request = PoseRequest.of_json(data) if of_poses else Request.of_json(data)
         worth = PoseWorth.of_json(data) if of_poses else Worth.of_json(data, parameters)
         limits = LimitReport.of_json(data["limits"])
-        noise, rate = entries.assumed_noise_N, entries.assumed_rate_Hz
-        plan = kind(own, request, motion, limits, entries.predicted_std, noise, rate, worth, saved)
+        plan = kind(
+            own, request, motion, limits, entries.predicted_std, entries.assumed_noise_N, entries.assumed_rate_Hz,
+            worth, entries.settings, entries.solve_s, entries.interrupted,
+            folder, fingerprint_of(file.read_bytes()), remarks,
+        )  # fmt: skip
         if not changes_since(data, now, own.hash):
             _require_own_figures(file, data, plan)
     return plan
@@ -110,6 +98,9 @@ class Entries(BaseModel, strict=True, frozen=True):
     predicted_std: dict[str, float]  # [SI]
     assumed_noise_N: float
     assumed_rate_Hz: float = RATE_OF_0_1
+    settings: dict[str, Any]
+    solve_s: float
+    interrupted: bool = False  # poses have none
 
 
 @contextmanager
@@ -124,7 +115,7 @@ def _refusing(file: Path) -> Iterator[None]:
     except (ValidationError, *DAMAGED) as error:
         place: object = error
         if isinstance(error, ValidationError):
-            place = ".".join(map(str, error.errors()[0]["loc"])).removeprefix("search.")
+            place = ".".join(map(str, error.errors()[0]["loc"]))
         raise FileProblem(file, f"entry {place} is missing or damaged", "plan again") from error
 
 

@@ -15,7 +15,7 @@ from cases.schema import Case
 from identification.motion import Joined, Trajectory
 from identification.trajectories.moves import has_steps
 from planner.families.ptp import controlled
-from planner.plan_folder import DIGITS, fingerprint
+from planner.plan_folder import DIGITS
 from planner.plans import Plan
 from planner.request import Request
 from postprocessors.dialects import DIALECTS, Dialect, Program, dialect_of_file, read_program
@@ -66,13 +66,13 @@ def write(
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
     remarks: tuple[str, ...] = ()
     if isinstance(plan.request, Request) and plan.request.family.of_moves:
-        place = plan.name if plan.saved is None else str(plan.saved.folder)
-        remarks = fits_law(place, plan.worth.settings.get("made_for"), plan.motion, language.name, plan.case)
+        place = str(plan.folder or plan.name)
+        remarks = fits_law(place, plan.settings.get("made_for"), plan.motion, language.name, plan.case)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
         case_line(plan.case),
         f"plan {plan.name}: {plan.family}, {plan.duration:g} s at speed {speed:g}",
-        f"plan hash {fingerprint(plan)}",
+        f"plan hash {plan.fingerprint}",
         *plan.stale,
         language.start,
     )
@@ -95,7 +95,7 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
     if file is not None:
         return dialect_of_file(str(file))
     path = isinstance(plan.request, Request) and not plan.request.family.of_moves
-    return dialect_named(usual_dialect(plan.case, plan.worth.settings, path))
+    return dialect_named(usual_dialect(plan.case, plan.settings, path))
 
 
 def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: bool = False) -> str:

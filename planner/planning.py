@@ -261,4 +261,4 @@ def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
         return make(request, case, listener, run_here)
     with first_ctrl_c() as pressed, workers(pressed, request.workers) as run:
         plan = make(request, case, listener, run)
-    return plan.ended_early() if pressed.is_set() else plan
+    return replace(plan, interrupted=plan.interrupted or pressed.is_set())

@@ -1,7 +1,7 @@
 """A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from identification.model import identification_model
 from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
 from identification.parameters import physical_form
 from planner.plan_figures import PoseWorth, Worth, bound_by
-from planner.plan_folder import SCHEMA_VERSION, Saved, load_plan, motion_entries
+from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
 from planner.precision import carries_rods, legible, parameter_words, share_text, std_text
 from planner.request import PoseRequest, Request
 
@@ -37,7 +37,12 @@ class Plan:
         assumed_noise: assumed noise of a force sample behind it, of poses of an averaged force [N].
         assumed_rate: samples of a recording a second behind it [1/s].
         worth: figures of the motion or of the poses, and the record of their search.
-        saved: folder from which it was loaded; None for a new plan.
+        settings: settings of the family after the search; of poses origin of the candidates, and measuring time.
+        solve_s: computing time [s].
+        interrupted: whether Ctrl-C ended the search early.
+        folder: folder from which it was loaded; None for a new plan.
+        digest: fingerprint of the plan.json there.
+        stale: changes of the case since then, where the user went on; written into what is made of the plan.
     """
 
     case: Case
@@ -48,7 +53,12 @@ class Plan:
     assumed_noise: float
     assumed_rate: float
     worth: Worth | PoseWorth
-    saved: Saved | None = None
+    settings: Mapping[str, Any]
+    solve_s: float
+    interrupted: bool = False
+    folder: Path | None = None
+    digest: str = ""
+    stale: tuple[str, ...] = ()
 
     @property
     def family(self) -> str:
@@ -75,12 +85,12 @@ class Plan:
     @property
     def name(self) -> str:
         """Name of its folder, or of case and family."""
-        return f"{self.case.name}-{self.family}" if self.saved is None else self.saved.folder.resolve().name
+        return f"{self.case.name}-{self.family}" if self.folder is None else self.folder.resolve().name
 
     @property
-    def stale(self) -> tuple[str, ...]:
-        """Changes of the case since it was planned."""
-        return () if self.saved is None else self.saved.stale
+    def fingerprint(self) -> str:
+        """Fingerprint of its plan.json, wherever the folder is, by which programs and recordings name it."""
+        return self.digest or fingerprint_of(json_text(self.to_json()).encode())
 
     @property
     def of_motion(self) -> tuple[Request, Worth]:
@@ -92,16 +102,6 @@ class Plan:
         if isinstance(self.request, Request) and isinstance(self.worth, Worth):
             return self.request, self.worth
         raise HexciteError(self.name, "is a plan of poses; here a plan of a motion is wanted")
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C ended the search early."""
-        return isinstance(self.worth, Worth) and self.worth.search.interrupted
-
-    def ended_early(self) -> "Plan":
-        """The plan, marked as that of a search that Ctrl-C ended."""
-        worth = self.of_motion[1]
-        return replace(self, worth=replace(worth, search=replace(worth.search, interrupted=True)))
 
     @property
     def payloads(self) -> range:
@@ -148,6 +148,7 @@ class Plan:
                 "payload": self.payloads[-1],
                 "payload_from": self.payloads[0],
                 "bound_by": bound_by(self.limits),
+                "interrupted": self.interrupted,
             }
         else:
             columns = self.case.need_motion("a plan")[1].columns
@@ -164,6 +165,8 @@ class Plan:
             "model": request.model,
             "status": "proven",
             "duration_s": self.duration,
+            "solve_s": self.solve_s,
+            "settings": dict(self.settings),
             **request.to_json(),
             **self.worth.to_json(),
             **own,

@@ -14,7 +14,7 @@ from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.bounds.information_limit import information_limit, known_bound
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
-from planner.plan_figures import BINDING, Rival, Search, Worth, bound_by, figures_of, predicted_std_of, worst_std
+from planner.plan_figures import BINDING, Worth, bound_by, figures_of, predicted_std_of, worst_std
 from planner.plans import Plan
 from planner.request import Request, parse_targets
 from planner.search import Failed
@@ -64,15 +64,15 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     rival = None
     if planned.rival is not None:
         efficiency = planned.of_rival(parameters) * bound.efficiency(figures["logdet"])
-        rival = Rival(planned.rival.family.name, efficiency)
-    starts = tuple(start.record for start in planned.starts)
+        rival = planned.rival.family.name, efficiency
     ends = motion.at([0.0, motion.duration])
     at_rest = max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST
     laws = planned.laws or both_laws(case, request.model, motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     worth = Worth(
-        settings=planned.settings,
-        search=Search(starts, planned.failed, planned.interrupted, seconds, rival),
+        starts=tuple(start.record for start in planned.starts),
+        failed_starts=planned.failed,
+        rival=rival,
         criterion_value=figures["criterion_value"],
         logdet=figures["logdet"],
         condition=figures["condition"],
@@ -89,7 +89,10 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         ),
         vibration=None if laws is None else laws.to_json(),
     )
-    return Plan(case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth)
+    return Plan(
+        case, request, motion, planned.limits, predicted, noise.sensors, case.recording.rate_Hz, worth,
+        planned.settings, seconds, planned.interrupted,
+    )  # fmt: skip
 
 
 def _noise_remarks(

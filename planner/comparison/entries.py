@@ -25,7 +25,6 @@ from identification.runs.sample_checks import scan
 from identification.runs.standstills import standstills
 from planner.noise import PoseErrors, counted_information, expected_noise, mean_information
 from planner.plan_figures import predicted_std
-from planner.plan_folder import fingerprint
 from planner.plans import Plan
 from planner.pose_criteria import pose_regressors
 from planner.vibration import Vibration, vibration
@@ -138,13 +137,13 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
         samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), saved.assumed_noise, saved.payloads[-1]
     if len(poses):  # the noise of plans of poses is that of averages
-        noise *= float(np.sqrt(max(float(saved.worth.settings["average_s"]) * assumed, 1.0)))
+        noise *= float(np.sqrt(max(float(saved.settings["average_s"]) * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may state another rate since
     deviations = {n: Deviation(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
-        name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=fingerprint(saved)),
+        name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=saved.fingerprint),
         model.number, saved.family, saved.duration, samples,
         _criteria(information, model), deviations, None, {}, saved.stale, vibrating,
     )  # fmt: skip

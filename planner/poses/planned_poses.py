@@ -78,12 +78,6 @@ def poses_planned(
     criterion = POSE_CRITERIA[request.criterion]
     noise = request.noise if request.noise is not None else noise_of_average(case)
     worth = PoseWorth(
-        settings={
-            "candidates": origin,
-            "considered": considered,
-            "settle_s": setting.settle_s,
-            "average_s": setting.average_s,
-        },
         remark=remark,
         candidates=len(candidates),
         travel_s=travel,
@@ -95,10 +89,16 @@ def poses_planned(
         fewest_poses=len(reduce_best(selection, criterion, 1)[0]),  # Table 5, "Min. poses"
         predicted_std_of_all_candidates=predicted_std_at_poses(case, model, scaling, regressors, candidates, noise),
         select_s=selected,
-        solve_s=perf_counter() - start,
     )
+    settings = {
+        "candidates": origin,
+        "considered": considered,
+        "settle_s": setting.settle_s,
+        "average_s": setting.average_s,
+    }
     predicted = predicted_std_at_poses(case, model, scaling, selection, poses, noise)
-    return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)
+    seconds = perf_counter() - start
+    return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth, settings, seconds)
 
 
 def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) -> Candidates:

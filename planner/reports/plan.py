@@ -30,10 +30,10 @@ DRAWN_RATE = 500.0  # [1/s]
 
 def plan_page(plan: Plan) -> str:
     """The page of `hexcite plan`."""
-    case, (request, worth) = plan.case, plan.of_motion
+    case, (request, _) = plan.case, plan.of_motion
     model = identification_model(case, request.model)
     motion = sample(plan.motion, DRAWN_RATE)
-    settings = {k: v for k, v in worth.settings.items() if not isinstance(v, list | dict)}
+    settings = {k: v for k, v in plan.settings.items() if not isinstance(v, list | dict)}
     inputs = [
         ("case", f"{case.name} (hash {case.hash})"),
         ("family", plan.family),
@@ -70,7 +70,7 @@ def plan_page(plan: Plan) -> str:
 def _warnings(plan: Plan) -> tuple[str, ...]:
     worth = plan.of_motion[1]
     words = list(worth.weaknesses)
-    if worth.search.interrupted:
+    if plan.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
     if not worth.bound.certified and plan.case.chain is None:
         words.append(

@@ -167,8 +167,9 @@ def repaced(
     Arguments and errors as of `retime`.
     """
     if len(plan.poses):
-        place = plan.name if plan.saved is None else plan.saved.folder
-        raise HexciteError(place, "is a plan of poses; its moves are as fast as the limits allow already")
+        raise HexciteError(
+            plan.folder or plan.name, "is a plan of poses; its moves are as fast as the limits allow already"
+        )
     fitting = method_of(method, plan.motion, fastest)
     number = plan.model if model is None else model
     return retimed(plan.motion, plan.case, identification_model(plan.case, number), fitting, fastest, progress)
@@ -230,7 +231,7 @@ def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
         raise InfeasiblePlan(f"the re-timed motion is not a plan: {violations[0].sentence()}")
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
-    source = Path(plan.name) if plan.saved is None else plan.saved.folder
+    source = plan.folder or Path(plan.name)
     settings = {
         "retimed_with": found.method,
         "retimed_from": str(source.resolve()),

@@ -51,7 +51,7 @@ def robot_figures() -> None:
         inside, _ = keep_limits(case, family, walk, 1000.0)
         information = mean_information(model, scaling, family.motion(inside))
         chance.append(bound.efficiency(float(np.linalg.slogdet(information)[1])))
-    print(f"plan: {family.moves} moves, {seconds:.0f} s of processor time, {len(worth.search.starts)} starts")
+    print(f"plan: {family.moves} moves, {seconds:.0f} s of processor time, {len(worth.starts)} starts")
     print(f"D-efficiency {worth.d_efficiency:.3f}, best of {WALKS} random walks {max(chance):.3f}: ", end="")
     print(f"{worth.d_efficiency / max(chance):.1f} times")
 

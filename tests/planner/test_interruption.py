@@ -25,9 +25,6 @@ class Found:
 
     interrupted: bool = False
 
-    def ended_early(self) -> "Found":
-        return Found(True)
-
 
 def ctrl_c() -> None:
     signal.raise_signal(signal.SIGINT)

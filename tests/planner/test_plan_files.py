@@ -15,17 +15,17 @@ from tests.planner.json_answer import one_json_object
 
 @pytest.fixture
 def copy(saved_plan: Plan, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(saved_plan.saved.folder, tmp_path / "plan"))
+    return Path(shutil.copytree(saved_plan.folder, tmp_path / "plan"))
 
 
 def test_plan_json_is_the_answer_of_the_command(saved_plan: Plan, planned: dict[str, Any]):
-    content = one_json_object((saved_plan.saved.folder / "plan.json").read_text(encoding="utf-8"))
-    paths = {"plan": str(saved_plan.saved.folder), "report": str(saved_plan.saved.folder / "report.html")}
+    content = one_json_object((saved_plan.folder / "plan.json").read_text(encoding="utf-8"))
+    paths = {"plan": str(saved_plan.folder), "report": str(saved_plan.folder / "report.html")}
     assert paths | content == planned
 
 
 def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_second(saved_plan: Plan):
-    file = saved_plan.saved.folder / "motion.csv"
+    file = saved_plan.folder / "motion.csv"
     assert file.read_text().splitlines()[0] == (
         "t_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,v_x_mm_s,v_y_mm_s,v_z_mm_s,v_a_deg_s,v_b_deg_s,v_c_deg_s,"
         "acc_x_mm_s2,acc_y_mm_s2,acc_z_mm_s2,acc_a_deg_s2,acc_b_deg_s2,acc_c_deg_s2"

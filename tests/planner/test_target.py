@@ -24,9 +24,6 @@ class Found:
     predicted_std: dict[str, float]
     interrupted: bool = False
 
-    def ended_early(self) -> "Found":
-        return replace(self, interrupted=True)
-
     @property
     def motion(self) -> SimpleNamespace:
         return SimpleNamespace(duration=self.request.duration)
