@@ -66,18 +66,4 @@ if TYPE_CHECKING:
     from postprocessors import read_program as read_program
     from postprocessors.export import export as export
 
-__getattr__, __dir__ = door(
-    __name__,
-    {
-        "cases": "Case HexciteError load_case new_arm new_case",
-        "identification": "Conditioning Finding Look Method Model Prior Recording Result biases_of force look method "
-        "payload read symmetric_platform tare verify",
-        "identification.identify": "identify",
-        "planner": "Fourier Manual Plan PointToPoint Spline ValidationSettings bound check check_case compare demo "
-        "plan plan_poses report retime run validate validate_recordings write",
-        "planner.study.conduct": "study",
-        "postprocessors": "Program read_program",
-        "postprocessors.export": "export",
-    },
-    checked=True,
-)
+__getattr__, __dir__ = door(__name__, checked=True)

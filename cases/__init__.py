@@ -4,8 +4,10 @@ And the doors of packages: names are imported when they are first used. At the l
 arguments of a wrong type by name, before any work.
 """
 
+import ast
 import inspect
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import wraps
 from importlib import import_module
 from numbers import Integral, Real
@@ -22,16 +24,16 @@ if TYPE_CHECKING:
     from cases.schema import load_case as load_case
 
 
-def door(
-    package: str, places: Mapping[str, str], checked: bool = False
-) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def door(package: str, checked: bool = False) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package: names, each imported when it is first used, keep its door light.
 
+    The names are those that the package's source re-exports for type checkers, as `from module import name as name`.
+
     Args:
-        places: module -> the names that it gives, separated by blanks.
         checked: whether functions refuse arguments of another type than their annotations state.
     """
-    module_of = {name: module for module, names in places.items() for name in names.split()}
+    imports = (n for n in ast.walk(ast.parse(inspect.getsource(sys.modules[package]))) if isinstance(n, ast.ImportFrom))
+    module_of = {alias.asname: node.module for node in imports for alias in node.names if node.module and alias.asname}
     functions: dict[str, object] = {}
 
     def get(name: str) -> object:
@@ -138,11 +140,4 @@ def _words(annotation: Any) -> str:
     return WORDS.get(annotation) or f"a {annotation.__name__}"
 
 
-__getattr__, __dir__ = door(
-    __name__,
-    {
-        "cases.errors": "HexciteError",
-        "cases.scaffold": "new_arm new_case",
-        "cases.schema": "Case load_case",
-    },
-)
+__getattr__, __dir__ = door(__name__)

@@ -23,20 +23,4 @@ if TYPE_CHECKING:
     from identification.recording import read as read
     from identification.samples import Conditioning as Conditioning
 
-__getattr__, __dir__ = door(
-    __name__,
-    {
-        "identification.estimation.estimators": "Method method",
-        "identification.estimation.priors": "Prior",
-        "identification.external": "force tare verify",
-        "identification.finding": "Finding",
-        "identification.formats.look": "look",
-        "identification.formats.looked": "Look",
-        "identification.model": "Model",
-        "identification.outcome": "Result biases_of",
-        "identification.parameters": "symmetric_platform",
-        "identification.payloads": "payload",
-        "identification.recording": "Recording read",
-        "identification.samples": "Conditioning",
-    },
-)
+__getattr__, __dir__ = door(__name__)

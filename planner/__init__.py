@@ -25,21 +25,4 @@ if TYPE_CHECKING:
     from planner.reports import report as report
     from planner.retiming.retimed import retime as retime
 
-__getattr__, __dir__ = door(
-    __name__,
-    {
-        "planner.bounds.information_limit": "bound",
-        "planner.case_check": "check_case",
-        "planner.comparison.comparison": "compare",
-        "planner.comparison.methods": "ValidationSettings",
-        "planner.demonstration": "demo",
-        "planner.families.settings": "Fourier Manual PointToPoint Spline",
-        "planner.library": "plan plan_poses",
-        "planner.plans": "Plan",
-        "planner.reports": "report",
-        "planner.retiming.retimed": "retime",
-        "planner.execution": "run",
-        "planner.plan_program": "check write",
-        "planner.comparison.validation": "validate validate_recordings",
-    },
-)
+__getattr__, __dir__ = door(__name__)

@@ -8,4 +8,4 @@ if TYPE_CHECKING:
     from postprocessors.dialects import Program as Program
     from postprocessors.dialects import read_program as read_program
 
-__getattr__, __dir__ = door(__name__, {"postprocessors.dialects": "Program read_program"})
+__getattr__, __dir__ = door(__name__)

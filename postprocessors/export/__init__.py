@@ -7,4 +7,4 @@ from cases import door
 if TYPE_CHECKING:
     from postprocessors.export.targets import export as export
 
-__getattr__, __dir__ = door(__name__, {"postprocessors.export.targets": "export"})
+__getattr__, __dir__ = door(__name__)

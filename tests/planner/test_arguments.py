@@ -2,6 +2,7 @@
 
 import pickle
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -94,8 +95,11 @@ def taken(count: int, length: float, file: Path, names: tuple[str, ...] = ()) ->
     return count, length, file, names
 
 
-def test_what_does_as_well_is_taken():
-    get, _ = door("a package", {__name__: "taken"}, checked=True)
+def test_what_does_as_well_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "a_package.py").write_text(f"from {__name__} import taken as taken\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    get, names = door(import_module("a_package").__name__, checked=True)
+    assert names() == ["taken"]
     assert get("taken")(np.int64(3), 2, "x", ["a"]) == (3, 2, "x", ["a"])
     assert get("taken")(3, np.float32(2.0), Path("x"), names=("a",))[1] == 2.0
     with pytest.raises(hx.HexciteError, match="names = 'a'"):
