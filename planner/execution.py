@@ -23,6 +23,7 @@ from identification.trajectories.executed import Execution, executed_information
 from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
 from planner.plan_program import of_another, plan_of_program, read_for, written_for_another
+from planner.request import require_seed
 from postprocessors.dialects import Program
 from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
@@ -52,12 +53,6 @@ def require_controller(on: str) -> None:
         raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
     if on == ControllerName.LINUXCNC and (missing := linuxcnc_missing()) is not None:
         raise HexciteError(missing)
-
-
-def require_seed(seed: int) -> None:
-    """Raises HexciteError where a seed is negative."""
-    if seed < 0:
-        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
 
 
 def execute(

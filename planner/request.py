@@ -24,6 +24,12 @@ LONGEST = 600.0  # [s] longest excitation; the method is for production breaks
 MOST_SECONDS = 86_400.0  # [s] longest search
 
 
+def require_seed(seed: int) -> None:
+    """Raises HexciteError where a seed is negative."""
+    if seed < 0:
+        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
+
+
 def require_workers(workers: int | None) -> None:
     """Raises HexciteError where a number of processes cannot be."""
     if workers is not None and not 1 <= workers <= 1000:
@@ -61,8 +67,7 @@ class Request:
             raise HexciteError(f"{self.starts} starts; choose --starts 1 to 1000")
         if self.seconds is not None and not 0.0 < self.seconds <= MOST_SECONDS:
             raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
-        if self.seed < 0:
-            raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+        require_seed(self.seed)
         require_workers(self.workers)
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
@@ -244,8 +249,7 @@ class PoseRequest:
             raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
         if self.noise is not None and not 0.0 < self.noise < float("inf"):
             raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
-        if self.seed < 0:
-            raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+        require_seed(self.seed)
 
     def wanted(self, available: int, parameters: int) -> int:
         """Number of poses to choose from `available` ones for a model with `parameters`.

@@ -29,13 +29,12 @@ def compare(
     from cases.files import COMPARISON, check_folder, output_place
     from cases.schema import load_case
     from planner.comparison.comparison import compare as compared
-    from planner.reports.compare import compare_page
 
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with console.status("comparing", json):
         comparison = compared(folders, None if case is None else load_case(case), stale)
-        console.save_with_page(comparison, COMPARISON, compare_page, place, overwrite)
+        console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
     if not console.answered(answer, json):
         _show(answer, comparison)
@@ -97,7 +96,6 @@ def validate(
     from planner.comparison.trials import mounted_weights
     from planner.comparison.validation import disturbances_of, validate_recordings
     from planner.comparison.validation import validate as carried_out
-    from planner.reports.validation import validation_page
 
     settings = ValidationSettings(on, starts, seed, plans, workers)
     loaded = load_case(case)
@@ -114,7 +112,7 @@ def validate(
     check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
         validation = validate_recordings(loaded, recordings, names)
-        console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
+        console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
         disturbances_of(loaded, settings, undisturbed)  # before anything is made
         with unfinished(place, loaded, settings, overwrite) as work:
@@ -122,7 +120,7 @@ def validate(
                 validation = carried_out(
                     loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
                 )
-            console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
+            console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):
         _show_validation(answer, validation)

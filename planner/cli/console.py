@@ -155,14 +155,15 @@ def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: Any, kind: "FolderKind", page: Callable[[Any], str], folder: Path, overwrite: bool) -> None:
-    """Writes a value with its page report.html, as `page` makes it.
+def save_with_page(value: Any, kind: "FolderKind", folder: Path, overwrite: bool) -> None:
+    """Writes a value with its page report.html.
 
     Raises:
         FileProblem: the folder holds other files, or cannot be written.
     """
     from cases.files import atomic_folder
+    from planner.reports import report
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        (part / "report.html").write_text(page(value), encoding="utf-8")
+        report(value, part / "report.html")

@@ -83,7 +83,6 @@ def identify(
     from identification.recording import Recording, read
     from planner.cli.identification import answer_of_result, method_of, read_conditioning, show_result
     from planner.plans import Plan
-    from planner.reports.identify import identify_page
 
     conditioning = read_conditioning(period, harmonics, flexible, standstills)
     if verify is not None:
@@ -107,7 +106,7 @@ def identify(
             conditioning=conditioning,
             poses=plan,
         )
-        console.save_with_page(result, RESULT, identify_page, folder, overwrite)
+        console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
         show_result(answer)

@@ -120,7 +120,6 @@ def retime(
     from cases.schema import load_case
     from cases.units import DEG, MM
     from planner.plans import Plan
-    from planner.reports.plan import plan_page
     from planner.retiming.retimed import repaced, retimed_plan
 
     if output is not None:
@@ -131,7 +130,7 @@ def retime(
         result = repaced(plan, method, fastest, model, report)
         if output is not None:
             report("writing")
-            console.save_with_page(retimed_plan(result, plan, model), PLAN, plan_page, output, overwrite)
+            console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": result.method,

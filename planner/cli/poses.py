@@ -39,7 +39,6 @@ def poses(
     from identification.model import static_model
     from planner.library import plan_poses
     from planner.poses.candidates import JOINT_CANDIDATES
-    from planner.reports.plan import poses_page
 
     loaded = load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
@@ -60,7 +59,7 @@ def poses(
             noise=noise,
         )
     with console.status("writing", json):
-        console.save_with_page(plan, PLAN, poses_page, folder, overwrite)
+        console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not console.answered(answer, json):

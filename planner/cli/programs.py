@@ -174,8 +174,9 @@ def run(
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case
     from cases.schema import load_case
-    from planner.execution import require_controller, require_seed
+    from planner.execution import require_controller
     from planner.execution import run as executed
+    from planner.request import require_seed
 
     require_seed(seed)
     require_controller(on)
