@@ -16,7 +16,7 @@ from cases.errors import CaseError
 BUILT_IN = Path(__file__).parent
 CASE_FILE = "case.toml"
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
-AnyCase = TypeVar("AnyCase", bound=BaseModel)
+Tables = TypeVar("Tables", bound=BaseModel)
 
 # Unit suffixes of keys, ours and those that users write instead.
 _OURS = "m mm um deg kg kg_m2 s ms N Nm N_m Nm_m Hz cycles mm_min mm_s m_s m_s2 m_s3 deg_s rad_s2 rad_s3"
@@ -53,9 +53,15 @@ def lasting_name(name: str) -> str:
     return name if name in built_in_cases() else str(find_case(name).resolve())
 
 
-def read_case(model: type[AnyCase], name: str) -> AnyCase:
-    """Reads and validates a case by its model, `cases.schema.Case`; arguments and errors as `load_case`."""
-    path = find_case(name)
+def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
+    """Reads a TOML file and validates it by the model of its tables.
+
+    Args:
+        all_by: command that lists all problems, for a file that has several.
+
+    Raises:
+        CaseError: the file cannot be read, is not TOML, or a key is unknown or has an invalid value.
+    """
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
@@ -66,16 +72,16 @@ def read_case(model: type[AnyCase], name: str) -> AnyCase:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise _explained(model, path, error) from error
+        raise _explained(model, path, error, all_by) from error
 
 
-def _explained(model: type[BaseModel], path: Path, error: ValidationError) -> CaseError:
+def _explained(model: type[BaseModel], path: Path, error: ValidationError, all_by: str) -> CaseError:
     """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
     errors = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
     problems = [(_key(problem), words) for problem in errors for words in _words(model, problem).split(ALSO)]
     key, words = problems[0]
     if others := len(problems) - 1:
-        words += f" ({others} more problem{'s' if others > 1 else ''}; hexcite case check lists all)"
+        words += f" ({others} more problem{'s' if others > 1 else ''}{all_by and f'; {all_by} lists all'})"
     return CaseError(path, key, words, tuple(f"{k}: {w}" if k else w for k, w in problems))
 
 

@@ -18,7 +18,7 @@ from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_p
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
 from cases.files import atomic_file, check_file, toml_text
-from cases.loading import ALSO, lasting_name, read_case
+from cases.loading import ALSO, find_case, lasting_name, read_tables
 from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, box_problems, frozen, kind_of
 from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -92,7 +92,7 @@ class Case(Heading):
     @classmethod
     def load(cls, name: str) -> "Case":
         """Loads and validates a case; see `load_case`."""
-        return read_case(cls, name).found_at(lasting_name(name))
+        return read_tables(cls, find_case(name), "hexcite case check").found_at(lasting_name(name))
 
     def save(self, path: Path | str, overwrite: bool = False) -> Path:
         """Writes the case as TOML, which `load` reads back; values at their defaults are left out.

@@ -6,16 +6,16 @@ A file has a row for the cell's plan and one for each seed of the noise.
 import itertools
 import json
 import math
-import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import BeforeValidator, Field
 
 from cases.basis import KEPT, changes_since
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
+from cases.loading import read_tables
 from cases.machine import Part, Positive
 from planner.families.settings import Fourier, family_class
 from planner.request import OWNERS, Request
@@ -100,32 +100,14 @@ def load_spec(name: str) -> Spec:
     """Reads a study by its built-in name or its file.
 
     Raises:
-        FileProblem: no such file, not TOML, an unknown setting, or an invalid value: key, value and remedy.
+        FileProblem: no such file.
+        CaseError: not TOML, an unknown setting, or an invalid value: key, value and remedy.
     """
     files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
     path = files.get(name, Path(name))
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileProblem(
-            name,
-            f"cannot be read ({error.strerror})",
-            f"built-in studies are {', '.join(files)}, else name a TOML file",
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FileProblem(path, f"is not TOML ({error})", "correct that line") from error
-    try:
-        return Spec.model_validate(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        key = ".".join(str(part) for part in first["loc"])
-        if first["type"] == "extra_forbidden":
-            tables: dict[str, type[Part]] = {"grid": Grid, "execute": ExecutionSpec, "cells": Cells}
-            table = tables.get(str(first["loc"][0]), Spec) if len(first["loc"]) > 1 else Spec
-            problem = f"unknown setting; known here are {', '.join(table.model_fields)}"
-        else:
-            problem = f"{first['input']!r}: {first['msg']}; correct the value"
-        raise FileProblem(path, f"{key}: {problem}") from error
+    if not path.is_file():
+        raise FileProblem(name, "cannot be read", f"built-in studies are {', '.join(files)}, else name a TOML file")
+    return read_tables(Spec, path)
 
 
 def settings_of(spec: Spec) -> Iterator[CellSettings]:

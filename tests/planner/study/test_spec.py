@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.errors import FileProblem, HexciteError
+from cases.errors import CaseError, FileProblem, HexciteError
 from cases.schema import Case, load_case
 from planner.families.settings import FAMILIES
 from planner.request import Request
@@ -87,18 +87,24 @@ def test_the_command_of_a_cell_is_one_that_hexcite_takes() -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("[grid]\nordr = 3\n", "grid.ordr: unknown setting; known here are family, criterion"),
-        ("[gird]\norder = 3\n", "gird: unknown setting; known here are schema_version, name, grid"),
-        ('[grid]\norder = "five"\n', "'five': Input should be a valid integer"),
+        (
+            "[grid]\nordr = 3\n",
+            "grid.ordr: is an unknown key; did you mean order? known keys here are criterion, ",
+        ),
+        (
+            "[gird]\norder = 3\n",
+            "gird: is an unknown key; did you mean grid? known keys here are cells, execute, ",
+        ),
+        ('[grid]\norder = "five"\n', "'five': input should be a valid integer"),
         ("[grid]\norder = []\n", "at least 1 item"),
         ("[cells]\ntime_limit_s = 0.0\n", "greater than 0"),
         ("[execute]\nnoise_seeds = 0\n", "greater than or equal to 1"),
-        ('[execute]\non = "moon"\n', "'moon': Input should be 'virtual'"),
+        ('[execute]\non = "moon"\n', "'moon': input should be 'virtual'"),
         ("[grid\n", "is not TOML"),
     ],
 )
 def test_a_mistake_is_named(text: str, says: str, tmp_path: Path) -> None:
-    with pytest.raises(FileProblem) as caught:
+    with pytest.raises(CaseError) as caught:
         load_spec(written(tmp_path, text))
     assert says in one_line(caught.value)
     assert one_line(caught.value).startswith(str(tmp_path / "study.toml"))
