@@ -1,6 +1,6 @@
 """Options of identify, and a result as text for people and as JSON."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,30 +33,6 @@ def read_conditioning(
     return Conditioning(period is not None, seconds, harmonics, flexible, standstills)
 
 
-def read_values(texts: Sequence[str], units: Mapping[str, str], model: int) -> dict[str, float]:
-    """Exact values [SI] by name, of texts of `--fix`; errors as `read_value`, and a name that is given twice."""
-    values: dict[str, float] = {}
-    for text in texts:
-        typed = read_value(text, units, "--fix", "m=93.1kg", model)
-        if typed.std is not None:
-            raise HexciteError(f"--fix {text}", f"is exact; write an uncertain value as --prior {text}")
-        if typed.name in values:
-            raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
-        values[typed.name] = typed.value
-    return values
-
-
-def read_priors(texts: Sequence[str], units: Mapping[str, str], model: int) -> list[Prior]:
-    """Uncertain values, of texts of `--prior`; errors as `read_value`."""
-    values = []
-    for text in texts:
-        typed = read_value(text, units, "--prior", "m=33+-0.5kg", model)
-        if typed.std is None:
-            raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
-        values.append(Prior(typed.name, typed.value, typed.std))
-    return values
-
-
 def method_of(
     model: Model,
     case: Case,
@@ -76,11 +52,23 @@ def method_of(
             result does not exist, is damaged, or belongs to another case.
     """
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
-    constants = read_values(fix or (), units, model.number)
+    constants: dict[str, float] = {}
+    for text in fix or ():
+        typed = read_value(text, units, "--fix", "m=93.1kg", model.number)
+        if typed.std is not None:
+            raise HexciteError(f"--fix {text}", f"is exact; write an uncertain value as --prior {text}")
+        if typed.name in constants:
+            raise HexciteError(f"--fix {text}", f"{typed.name} is given twice; give it once")
+        constants[typed.name] = typed.value
     if symmetric:
         constants = symmetric_platform(model) | constants
     offsets = None if biases is None else biases_of(biases, case, stale)
-    priors = read_priors(prior or (), units, model.number)
+    priors = []
+    for text in prior or ():
+        typed = read_value(text, units, "--prior", "m=33+-0.5kg", model.number)
+        if typed.std is None:
+            raise HexciteError(f"--prior {text}", "has no standard deviation; write it as --prior m=33+-0.5kg")
+        priors.append(Prior(typed.name, typed.value, typed.std))
     return method(estimator, constants, tuple(drop or ()), priors, weights, offsets)
 
 
