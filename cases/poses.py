@@ -5,6 +5,7 @@ are searched for in the box of `[limits.motion]`. A hand-made excitation is data
 circles and pauses, one after the other.
 """
 
+import math
 import tomllib
 from collections.abc import Sequence
 from functools import cached_property
@@ -16,66 +17,57 @@ from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
 from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen, si
-from cases.units import DEG, MM, Array, own_units
+from cases.units import Array, own_units
+
+GRID = ("x_mm", "y_mm", "z_mm", "tilt_deg", "azimuth_deg", "torsion_deg")
 
 
-class JointPoses(Part):
-    """How long a chain is measured at each pose; `[limits.motion]` and its bodies say which poses are possible."""
+class Poses(Part):
+    """How long poses are measured, and of a hexapod the grid of candidates; a chain's lie in `[limits.motion]`.
+
+    Tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth); positions relative to home.
+    """
 
     settle_s: Positive
     """Waited at each pose before averaging begins."""
     average_s: Positive
     """Averaged at each pose."""
-
-
-class Poses(JointPoses):
-    """Poses in tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth); positions relative to home."""
-
-    x_mm: Grid
-    """Grid of positions relative to home: [first, last, step]."""
-    y_mm: Grid
+    x_mm: Grid | None = None
+    """Grid of positions relative to home: [first, last, step]; a hexapod needs it, and all below."""
+    y_mm: Grid | None = None
     """As `x_mm`."""
-    z_mm: Grid
+    z_mm: Grid | None = None
     """As `x_mm`."""
-    radius_mm: Range
+    radius_mm: Range | None = None
     """Distance from home in the XY plane: grid points outside are left out."""
-    tilt_deg: Grid
+    tilt_deg: Grid | None = None
     """Grid of tilts: [first, last, step]."""
-    azimuth_deg: Grid
+    azimuth_deg: Grid | None = None
     """Grid of the tilts' directions: [first, last, step]."""
-    torsion_deg: Grid
+    torsion_deg: Grid | None = None
     """Grid of turns about the tilted z axis: [first, last, step]."""
-    singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)]
+    singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)] | None = None
     """Smallest determinant of the machine's inverse Jacobian, as a share of that at home."""
-
-    @cached_property
-    def lengths(self) -> tuple[Array, Array, Array]:
-        """Grid values of x, y and z relative to home [m]."""
-        return tuple(_values(s, MM) for s in (self.x_mm, self.y_mm, self.z_mm))  # type: ignore[return-value]
-
-    @cached_property
-    def angles(self) -> tuple[Array, Array, Array]:
-        """Grid values of tilt, azimuth and torsion [rad]."""
-        return tuple(_values(s, DEG) for s in (self.tilt_deg, self.azimuth_deg, self.torsion_deg))  # type: ignore[return-value]
 
     radius: ClassVar = si("radius_mm")
     """Smallest and largest distance from home in the XY plane, shape (2,) [m]."""
 
+    @cached_property
+    def axes(self) -> tuple[Array, ...]:
+        """Grid values of x, y and z relative to home [m], and of tilt, azimuth and torsion [rad]."""
+        return tuple(
+            frozen((getattr(self, key)[0] + getattr(self, key)[2] * np.arange(self._count(key))) * own_units([key]))
+            for key in GRID
+        )
+
     @property
     def grid_size(self) -> int:
         """Points of the grid before any is left out."""
-        return int(np.prod([_count(s) for s in (self.x_mm, self.y_mm, self.z_mm)], dtype=float)) * int(
-            np.prod([_count(s) for s in (self.tilt_deg, self.azimuth_deg, self.torsion_deg)], dtype=float)
-        )
+        return math.prod(map(self._count, GRID))
 
-
-def _count(steps: tuple[float, float, float]) -> int:
-    first, last, step = steps
-    return int(np.floor((last - first) / step + 1e-9)) + 1
-
-
-def _values(steps: tuple[float, float, float], unit: float) -> Array:
-    return frozen((steps[0] + steps[2] * np.arange(_count(steps))) * unit)
+    def _count(self, key: str) -> int:
+        first, last, step = getattr(self, key)
+        return int(np.floor((last - first) / step + 1e-9)) + 1
 
 
 MOST_STEPS = 1000
@@ -127,8 +119,7 @@ def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
     if tuple(columns) != POSE:
         raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
     try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
-        return Steps.model_validate(data)
+        return Steps.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
     except OSError as error:
         raise FileProblem(
             file, f"cannot be read ({error.strerror})", "name a TOML file of steps or a CSV of poses"

@@ -20,7 +20,7 @@ from cases.errors import CaseError
 from cases.files import atomic_file, check_file, toml_text
 from cases.loading import ALSO, find_case, lasting_name, read_tables
 from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, box_problems, frozen, kind_of
-from cases.poses import JointPoses, Poses
+from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import DEG, MINUTE, MM, Array, as_html
@@ -65,7 +65,7 @@ class Case(Heading):
     """What a hexapod can reach."""
     limits: Limits | None = None
     """What an excitation may use."""
-    poses: Annotated[Poses | JointPoses, kind_of(Poses, JointPoses)] | None = None
+    poses: Poses | None = None
     """Candidates for measuring at standstills."""
     controller: Controller | None = None
     """How the controller is set up."""
@@ -142,6 +142,7 @@ class Case(Heading):
     def _kind(self) -> Iterator[str]:
         """Problems of keys of a hexapod in a case with a chain, and the other way round."""
         motion = None if self.limits is None else self.limits.motion
+        grid = {} if self.poses is None else self.poses.model_dump(exclude={"settle_s", "average_s"})
         if (self.setup == "2x") != (self.sensor_frame.struts is not None):
             yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
         if self.setup == "R" and self.sensor_frame.transducer is None and self.chain is None:
@@ -163,8 +164,8 @@ class Case(Heading):
         if not isinstance(self.machine, SerialMachine):
             if isinstance(motion, JointMotionLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
-            if self.poses is not None and not isinstance(self.poses, Poses):
-                yield "poses.x_mm and the other ranges are missing; add the grid of candidates, as in the case hexapod"
+            if lacking := [key for key, value in grid.items() if value is None]:
+                yield f"poses: {', '.join(lacking)} missing; add the grid of candidates, as in the case hexapod"
             return
         if self.setup != "R" or self.sensor_frame.transducer is None:
             yield (
@@ -173,7 +174,7 @@ class Case(Heading):
             )
         if self.workspace is not None:
             yield "workspace is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
-        if isinstance(self.poses, Poses):
+        if any(value is not None for value in grid.values()):
             yield "poses of a chain have settle_s and average_s alone; its candidates lie in limits.motion"
         if isinstance(motion, MotionLimits):
             yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
@@ -352,13 +353,7 @@ class Case(Heading):
         return self.bodies[payloads]
 
     def need_poses(self, purpose: str) -> Poses:
-        """Grid of poses of quasi-static measurement; raises CaseError where the case has none."""
-        if not isinstance(self.poses, Poses):
-            self.missing("poses", purpose)
-        return self.poses
-
-    def need_standing(self, purpose: str) -> JointPoses:
-        """How long poses are measured; raises CaseError where the case has none."""
+        """Poses of quasi-static measurement; raises CaseError where the case has none."""
         if self.poses is None:
             self.missing("poses", purpose)
         return self.poses

@@ -34,7 +34,6 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case
-    from cases.poses import Poses
     from cases.schema import load_case
     from identification.model import static_model
     from planner.library import plan_poses
@@ -43,8 +42,8 @@ def poses(
     loaded = load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
-    grid = loaded.poses if isinstance(loaded.poses, Poses) else None
-    steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
+    grid = loaded.poses.grid_size if loaded.poses is not None and loaded.chain is None else JOINT_CANDIDATES
+    steps = grid if candidates is None else candidates
     with console.progress("choosing poses", steps, json) as report:
         plan = plan_poses(
             loaded,

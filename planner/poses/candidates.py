@@ -60,7 +60,7 @@ def grid_candidates(case: Case) -> Candidates:
     if grid.grid_size > MOST:
         raise HexciteError(_too_many(grid.grid_size, "the grid of the case"))
     machine, _, _ = case.need_machine("pose candidates")
-    axes = np.meshgrid(*grid.lengths, *grid.angles, indexing="ij")
+    axes = np.meshgrid(*grid.axes, indexing="ij")
     x, y, z, tilt, azimuth, torsion = (a.ravel() for a in axes)
     radius = np.hypot(x, y)
     ring = (radius >= grid.radius[0] - ROUNDING) & (radius <= grid.radius[1] + ROUNDING)
@@ -99,12 +99,12 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     machine, _, _ = case.need_machine("pose candidates")
     grid = case.need_poses("pose candidates")
     share = qmc.Sobol(6, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
-    low, high = (np.array([values[k] for values in grid.lengths]) for k in (0, -1))
+    low, high = (np.array([values[k] for values in grid.axes[:3]]) for k in (0, -1))
     radius, azimuth = grid.radius[1] * np.sqrt(share[:, 0]), 2 * np.pi * share[:, 1]
     position = np.column_stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.zeros(count)])
     position[:, 2] = low[2] + share[:, 2] * (high[2] - low[2])
     inside = np.all((position >= low - ROUNDING) & (position <= high + ROUNDING), axis=1)
-    tilt, torsion = grid.angles[0][-1] * np.sqrt(share[:, 3]), grid.angles[2]
+    tilt, torsion = grid.axes[3][-1] * np.sqrt(share[:, 3]), grid.axes[5]
     angles = torsion[0] + share[:, 5] * (torsion[-1] - torsion[0])
     poses = pose_of_tilt(machine.home.vector[:3] + position, tilt, 2 * np.pi * share[:, 4], angles)
     return _valid(case, poses[inside], f"{count} quasi-random points")

@@ -55,7 +55,7 @@ def poses_planned(
     """
     start = perf_counter()
     case.need_motion("a plan of poses")
-    setting = case.need_standing("a plan of poses")
+    setting = case.need_poses("a plan of poses")
     model = standing_model(case, request.model)
     candidates, considered, origin = candidates_of(request, case, given)
     unscaled = pose_regressors(model, candidates)
@@ -135,7 +135,7 @@ def _ordered(case: Case, poses: Array) -> tuple[NDArray[np.int64], float]:
 
 def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
     home = case.need_motion("a plan of poses")[0]
-    setting = case.need_standing("a plan of poses")
+    setting = case.need_poses("a plan of poses")
     parts: list[Trajectory] = []
     reports: list[LimitReport] = []
     clock, last_pose = 0.0, home
@@ -159,7 +159,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 def noise_of_average(case: Case) -> float:
     """Standard deviation of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
-    averaged = case.need_standing("predicted standard deviations").average_s * case.recording.rate_Hz
+    averaged = case.need_poses("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))
 
 

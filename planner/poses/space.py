@@ -40,10 +40,10 @@ class PoseSpace:
         """The space that the case's grid spans; raises CaseError where the case lacks machine or poses."""
         home = case.need_machine("pose candidates")[0].home.vector[:3]
         grid = case.need_poses("pose candidates")
-        x, y, _ = grid.lengths
-        torsion = grid.angles[2][[0, -1]]
+        x, y, _, tilt, _, torsions = grid.axes
+        torsion = torsions[[0, -1]]
         low, high = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
-        return cls(case, home, float(grid.radius[1]), low, high, float(np.tan(grid.angles[0][-1] / 2)), torsion)
+        return cls(case, home, float(grid.radius[1]), low, high, float(np.tan(tilt[-1] / 2)), torsion)
 
     @property
     def _torsion_middle(self) -> tuple[float, float]:
@@ -207,7 +207,7 @@ def _standing(motion: Motion, case: Case, in_box: bool) -> Iterator[Quantity]:
     """All limits, singularities at the distance that `[poses]` states."""
     for quantity in everything(motion, case, in_box):
         if quantity.of.kind is LimitKind.SINGULARITY:
-            least = case.need_poses("the validity of poses").singularity_distance
+            least = case.need_poses("the validity of poses").singularity_distance or 0.0
             ends = np.full_like(quantity.limits, least)
             yield replace(quantity, limits=ends, ratio=quantity.ratio / (1.0 - least))
         else:
