@@ -5,10 +5,9 @@ line prints it and exits with 1.
 """
 
 import re
+from copy import copy
 from pathlib import Path
-from typing import Any, Self, TypeVar
-
-Kind = TypeVar("Kind", bound="HexciteError")
+from typing import Any, Self
 
 
 class HexciteError(Exception):
@@ -32,10 +31,11 @@ class HexciteError(Exception):
 
     def at(self, source: str) -> Self:
         """The same error with its file in front, which the mathematics does not know."""
-        if source in str(self):
-            return _rebuilt(type(self), self.args, vars(self))
-        place = f"{source}: {self.place}" if self.place else source
-        return _rebuilt(type(self), (f"{source}: {self.args[0]}",), vars(self) | {"place": place})
+        error = copy(self)
+        if source not in str(self):
+            error.args = (f"{source}: {self.args[0]}",)
+            error.place = f"{source}: {self.place}" if self.place else source
+        return error
 
     def __str__(self) -> str:
         """One printable line, whatever names and values it quotes; options are named as arguments of the library."""
@@ -47,8 +47,8 @@ class HexciteError(Exception):
         return "".join(c if c.isprintable() else repr(c)[1:-1] for c in super().__str__())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Rebuilt from its parts on its way out of a worker process."""
-        return _rebuilt, (type(self), self.args, self.__dict__)
+        """Its class and its parts, for copies and on its way out of a worker process."""
+        return type(self).__new__, (type(self),), vars(self) | {"args": self.args}
 
 
 _OPTION = re.compile(r"hexcite [a-z][^,;:)]*|(?<![\w-])--(?P<name>[a-z]+(-[a-z]+)*)| with -o\b")
@@ -57,18 +57,7 @@ _OPTION = re.compile(r"hexcite [a-z][^,;:)]*|(?<![\w-])--(?P<name>[a-z]+(-[a-z]+
 
 def _of_arguments(text: str) -> str:
     """A text with options as arguments: time_limit for --time-limit."""
-    return _OPTION.sub(_of_argument, text)
-
-
-def _of_argument(match: re.Match[str]) -> str:
-    return match[0] if match[0].startswith("hexcite") else (match["name"] or "").replace("-", "_")
-
-
-def _rebuilt(kind: type[Kind], args: tuple[Any, ...], parts: dict[str, Any]) -> Kind:
-    error = kind.__new__(kind, *args)
-    error.args = args
-    error.__dict__.update(parts)
-    return error
+    return _OPTION.sub(lambda m: m[0] if m[0].startswith("hexcite") else (m["name"] or "").replace("-", "_"), text)
 
 
 class CaseError(HexciteError, ValueError):

@@ -4,12 +4,12 @@ Those are strict numbers, ranges and points, each with its unit in the key that 
 """
 
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -21,7 +21,7 @@ from pydantic import (
 )  # fmt: skip
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
-from cases.units import DEG, MM, Array, own_units
+from cases.units import DEG, MM, MS, UM, Array, Flags
 
 
 class Part(BaseModel):
@@ -102,6 +102,15 @@ def frozen(values: Any) -> Array:
     array: Array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array
+
+
+_OWN = {"mm": MM, "um": UM, "deg": DEG, "ms": MS}
+_ENDING = re.compile(r"_(mm|um|deg|ms)(_s\d?)?$")
+
+
+def own_units(keys: Iterable[str]) -> Array:
+    """SI values of the units that keys and columns end in, shape (keys,); 1 where they are SI, or have none."""
+    return np.array([_OWN[match[1]] if (match := _ENDING.search(key)) else 1.0 for key in keys])
 
 
 def si(*keys: str) -> cached_property[Array]:
@@ -321,6 +330,12 @@ class MotionLimits(StrutLengths):
 
     of_pose: ClassVar[bool] = True
     """Whether the coordinates are the pose of a platform, else the machine's own axes."""
+    labels: ClassVar[tuple[str, ...]] = ("x", "y", "z", "a", "b", "c")
+    """Names of the coordinates."""
+    columns: ClassVar[tuple[str, ...]] = POSE
+    """The same of columns, with their units."""
+    turns: ClassVar[Flags] = np.arange(6) >= 3
+    """Which coordinates are angles, shape (6,)."""
     x_mm: Range
     """Lower and upper limit relative to home."""
     y_mm: Range
@@ -360,21 +375,6 @@ class MotionLimits(StrutLengths):
                 )
         return self
 
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the coordinates."""
-        return ("x", "y", "z", "a", "b", "c")
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The same of columns, with their units."""
-        return POSE
-
-    @cached_property
-    def turns(self) -> NDArray[np.bool_]:
-        """Which coordinates are angles, shape (6,)."""
-        return np.arange(6) >= 3
-
     @cached_property
     def pose(self) -> Array:
         """Lower and upper limit relative to home, shape (2, 6) [m, rad]."""
@@ -394,9 +394,8 @@ class MotionLimits(StrutLengths):
 
     def without_jerk(self) -> "MotionLimits":
         """The limits for a controller whose accelerations step: the jerk is unlimited."""
-        values = {name: getattr(self, name) for name in type(self).model_fields}  # not what was derived from them
         unlimited = (math.inf, math.inf, math.inf)
-        return self.model_construct(**values | {"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})
+        return self.model_copy(update={"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})
 
 
 def box_problems(workspace: Workspace, motion: MotionLimits) -> Iterator[str]:

@@ -16,8 +16,8 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
-from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen, si
-from cases.units import Array, own_units
+from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen, own_units, si
+from cases.units import Array
 
 GRID = ("x_mm", "y_mm", "z_mm", "tilt_deg", "azimuth_deg", "torsion_deg")
 

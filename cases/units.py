@@ -4,8 +4,6 @@
 """
 
 import math
-import re
-from collections.abc import Iterable
 from html import escape
 
 import numpy as np
@@ -21,14 +19,6 @@ UM = 1e-6  # [m]
 DEG = math.pi / 180.0  # [rad]
 MS = 1e-3  # [s]
 MINUTE = 60.0  # [s]
-
-_OWN = {"mm": MM, "um": UM, "deg": DEG, "ms": MS}
-_ENDING = re.compile(r"_(mm|um|deg|ms)(_s\d?)?$")
-
-
-def own_units(keys: Iterable[str]) -> Array:
-    """SI values of the units that keys and columns end in, shape (keys,); 1 where they are SI, or have none."""
-    return np.array([_OWN[match[1]] if (match := _ENDING.search(key)) else 1.0 for key in keys])
 
 
 def as_html(value: object) -> str:

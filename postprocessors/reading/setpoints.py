@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
+from cases.machine import own_units
 from cases.recording_format import setpoint_columns
 from cases.schema import Case
-from cases.units import MM, own_units
+from cases.units import MM
 from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion
 from postprocessors.reading import Grouping, Reading
