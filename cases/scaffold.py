@@ -5,19 +5,18 @@ import inspect
 import json
 import re
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 
 from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
-from cases.files import write_text
+from cases.files import toml_value, write_text
 from cases.loading import CASE_FILE, built_in_cases, find_case
 from cases.machine import Part
 from cases.poses import Poses
 from cases.schema import Case, load_case
-from cases.units import DEG, MM
-from cases.urdf import read_urdf, rpy
+from cases.urdf import read_urdf
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -143,16 +142,18 @@ def new_arm(name: str, urdf: Path | str, flange: str | None = None, folder: Path
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    templates.filters |= {"numbers": _numbers, "quoted": json.dumps, "origin": lambda frame: frame[:3, 3], "rpy": rpy}
-    base, joints, mount = read_urdf(Path(urdf), flange)
-    robot = {"urdf": Path(urdf).name, "base": base, "flange": flange, "joints": joints, "mount": mount}
-    write_text(file, templates.get_template("arm.toml.jinja").render(robot, name=name, advice=_ADVICE, mm=MM, deg=DEG))
+    templates.filters["keys"] = _keys
+    base, joints, sensor = read_urdf(Path(urdf), flange)
+    robot = {"urdf": Path(urdf).name, "base": base, "flange": flange, "joints": joints, "sensor": sensor}
+    write_text(file, templates.get_template("arm.toml.jinja").render(robot, name=name, advice=_ADVICE))
     return file
 
 
-def _numbers(values: Iterable[float]) -> str:
-    """A list of TOML; rounded to 12 decimals, so that right angles and tenths of millimetres read as such."""
-    return str([round(float(v), 12) + 0.0 for v in values])
+def _keys(table: Part) -> str:
+    """TOML of what a table states, its name first; 12 decimals, so that right angles and millimetres read as such."""
+    text = table.model_dump_json(exclude_unset=True, exclude_none=True)
+    stated = json.loads(text, parse_float=lambda number: round(float(number), 12) + 0.0)
+    return "\n".join(f"{key} = {toml_value(stated[key])}" for key in sorted(stated, key=lambda key: key != "name"))
 
 
 def _place(name: str, folder: Path | str | None) -> Path:

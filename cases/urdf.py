@@ -8,7 +8,6 @@ transmissions are not read.
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
 from typing import NoReturn
@@ -18,46 +17,21 @@ from xml.parsers import expat
 import numpy as np
 from pydantic import ValidationError
 
-from cases.chain import LEAST_AXIS
+from cases.chain import LEAST_AXIS, ChainFrame, Joint, JointLimit
 from cases.errors import CaseError
 from cases.machine import turned
 from cases.sensors import RigidBody, rigid_body, together
-from cases.units import Array
+from cases.units import DEG, MM, Array
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _MOST = 1e6  # of any number, in units of SI: beyond any machine
 _COORDINATES = {"revolute": 1, "continuous": 1, "prismatic": 1, "fixed": 0, "planar": 2, "floating": 6}
 
 
-def rpy(frame: Array) -> Array:
-    """Roll, pitch, yaw of a frame in another one, R = Rz(yaw) Ry(pitch) Rx(roll), shape (4, 4) -> (3,) [rad]."""
-    r = frame[:3, :3]
-    yaw = math.atan2(r[1, 0], r[0, 0])
-    (a, _, _), (_, c, d) = (  # rows of Rz(-yaw) R = Ry(pitch) Rx(roll), which no pitch makes singular
-        math.cos(yaw) * r[0] + math.sin(yaw) * r[1],
-        math.cos(yaw) * r[1] - math.sin(yaw) * r[0],
-    )
-    return np.array([math.atan2(-d, c), math.atan2(-r[2, 0], a), yaw])
+def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, JointLimit]], ChainFrame]:
+    """The root link, the joints that move a link, from the root on, and the link in the last one's moved frame.
 
-
-@dataclass(frozen=True)
-class UrdfJoint:
-    """A joint on the way to the flange, fixed ones before it included."""
-
-    name: str  # name of the joint
-    kind: str  # revolute, continuous or prismatic
-    place: Array  # its frame in the moved frame of the joint before it, shape (4, 4) [-, m]
-    axis: Array  # unit vector in its frame, shape (3,)
-    position: tuple[float, float] | None  # lower and upper end [rad or m]; None of a continuous joint
-    velocity: float | None  # largest speed [rad/s or m/s]; None of a continuous joint for which the file states none
-    # largest torque or force [N m or N]; None where the file states 0 or, of a continuous joint, none
-    effort: float | None
-    # what it moves up to the next joint, in its moved frame; None where the file states no inertia
-    link: RigidBody | None
-
-
-def read_urdf(file: Path, flange: str | None) -> tuple[str, list[UrdfJoint], Array]:
-    """The root link, the joints that move a link, from the root on, and the link in the last one's moved frame (4, 4).
+    Joints and their limits are those of a case, as far as a URDF states them: some of their keys are missing.
 
     Args:
         file: URDF, expanded where it was xacro.
@@ -79,7 +53,7 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[UrdfJoint], Arr
     while base in carriers:
         way.insert(0, carriers[base])
         base = way[0].attrib[_PARENT]
-    joints, place = list[UrdfJoint](), np.eye(4)
+    joints, place = list[tuple[Joint, JointLimit]](), np.eye(4)
     for element in way:
         place = place @ _origin(element, f"joint {element.attrib['name']}")
         if _moves(element):
@@ -88,7 +62,7 @@ def read_urdf(file: Path, flange: str | None) -> tuple[str, list[UrdfJoint], Arr
             place = np.eye(4)
     if not joints:
         raise CaseError(file, "", f"no joint moves link {flange}; name another one of {names} with --flange")
-    return base, joints, place
+    return base, joints, _frame(place)
 
 
 _FILE, _LINE, _PARENT, _CHILD = "#file", "#line", "#parent", "#child"
@@ -187,16 +161,17 @@ def _moves(joint: Element) -> bool:
     return bool(_COORDINATES[kind])
 
 
-def _joint(joint: Element, place: Array, link: RigidBody | None) -> UrdfJoint:
-    """A joint that moves."""
+def _joint(joint: Element, place: Array, link: RigidBody | None) -> tuple[Joint, JointLimit]:
+    """A joint that moves and its limits, as far as they are stated."""
     name, kind = joint.attrib["name"], joint.attrib["type"]
     axis = np.array([1.0, 0.0, 0.0])  # URDF's default
     for element in joint.findall("axis"):
         axis = _vector(element, "xyz", f"axis of joint {name}")
         if np.linalg.norm(axis) < LEAST_AXIS:
             _refuse(element, f"the axis of joint {name} has no direction; give one, such as 0 0 1")
-    position: tuple[float, float] | None = None
-    velocity = effort = None
+    unit, si, effort_key = ("mm", MM, "force_N") if kind == "prismatic" else ("deg", DEG, "torque_Nm")
+    stated = _frame(place).model_dump() | {"name": name, "kind": kind, "axis": tuple(axis / np.linalg.norm(axis))}
+    limits = JointLimit.model_construct(name=name)
     if (limit := joint.find("limit")) is not None:
         of = f"limit of joint {name}"
         velocity, effort = _number(limit, "velocity", of), _number(limit, "effort", of)
@@ -204,13 +179,17 @@ def _joint(joint: Element, place: Array, link: RigidBody | None) -> UrdfJoint:
             _refuse(limit, f"joint {name} has the velocity {velocity:g}; give its largest speed, more than 0")
         if effort < 0.0:
             _refuse(limit, f"joint {name} has the effort {effort:g}; give its largest torque or force")
+        limits = limits.model_copy(update={f"velocity_{unit}_s": velocity / si})
+        if effort > 0.0:
+            stated[effort_key] = effort
         if kind != "continuous":
-            lower, upper = position = _number(limit, "lower", of), _number(limit, "upper", of)
+            lower, upper = _number(limit, "lower", of), _number(limit, "upper", of)
             if lower >= upper:
                 _refuse(limit, f"joint {name} has lower = {lower:g}, not below upper = {upper:g}; swap or correct them")
+            stated[f"position_{unit}"] = lower / si, upper / si
     elif kind != "continuous":
         _refuse(joint, f"joint {name} has no limit; add <limit lower=.. upper=.. velocity=.. effort=.. />")
-    return UrdfJoint(name, kind, place, axis / np.linalg.norm(axis), position, velocity, effort or None, link)
+    return Joint.model_construct(**stated, link=link), limits
 
 
 def _bodies(
@@ -246,6 +225,19 @@ def _body(link: str, inertial: Element, at: Array) -> RigidBody | None:
     except ValidationError as error:
         words = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
         _refuse(inertial, f"link {link}: mass {mass:g}: {words}; correct the inertial or remove it")
+
+
+def _frame(place: Array) -> ChainFrame:
+    """A frame in another one, shape (4, 4) [-, m], as the table of a case."""
+    r = place[:3, :3]
+    yaw = math.atan2(r[1, 0], r[0, 0])
+    (a, _, _), (_, c, d) = (  # rows of Rz(-yaw) R = Ry(pitch) Rx(roll), which no pitch makes singular
+        math.cos(yaw) * r[0] + math.sin(yaw) * r[1],
+        math.cos(yaw) * r[1] - math.sin(yaw) * r[0],
+    )
+    x, y, z = place[:3, 3] / MM
+    roll, pitch = math.atan2(-d, c), math.atan2(-r[2, 0], a)
+    return ChainFrame(origin_mm=(x, y, z), rpy_deg=(roll / DEG, pitch / DEG, yaw / DEG))
 
 
 def _origin(element: Element, of: str) -> Array:
