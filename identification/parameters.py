@@ -79,59 +79,41 @@ def _inertia_operator(omega: ca.SX) -> ca.SX:
     )
 
 
-def _mass(s: State) -> ca.SX:  # first column of (19)
-    return ca.vertcat(s.specific, ca.SX.zeros(3))
-
-
-def _first_moment(s: State) -> ca.SX:  # second column of (19)
+def _first_moment(s: State) -> ca.SX:
     return ca.vertcat(ca.skew(s.alpha) + ca.skew(s.omega) @ ca.skew(s.omega), ca.skew(s.specific).T)
 
 
-def _inertia(s: State) -> ca.SX:  # third column of (19)
+def _inertia(s: State) -> ca.SX:
     return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + ca.skew(s.omega) @ _inertia_operator(s.omega))
 
 
-def _offsets(_: State) -> ca.SX:
-    return ca.SX.eye(6)
+def _along_axes(x: ca.SX, y: ca.SX, moment_x: ca.SX, moment_y: ca.SX) -> ca.SX:
+    """A column of forces and one of moments, in the plane of {P}, shape (6, 2)."""
+    return ca.horzcat(ca.vertcat(x, y, 0, 0, 0, 0), ca.vertcat(0, 0, 0, moment_x, moment_y, 0))
 
 
-def _k1(s: State) -> ca.SX:  # (12)
-    return ca.kron(ca.SX.eye(6), ca.horzcat(s.x, s.y))
+def _per_sensor(letter: str, columns: str, unit: str, of_each: Callable[[State], ca.SX]) -> Block:
+    """A block of factors of its own for each sensor: `of_each` of the state, shape (1, columns)."""
+    names = (f"{letter}_{sensor}{c}" for sensor in range(1, 7) for c in columns)
+    return Block(tuple(Parameter(n, unit) for n in names), lambda s: ca.kron(ca.SX.eye(6), of_each(s)), False)
 
 
-def _k2(s: State) -> ca.SX:  # (22); (13) has the other sign for k1
-    force = ca.vertcat(s.x, s.y, 0, 0, 0, 0)
-    moment = ca.vertcat(0, 0, 0, s.y, -s.x, 0)
-    return ca.horzcat(force, moment)
-
-
-def _k3(s: State) -> ca.SX:  # the rotation-matrix form that section 3 warns of
-    return ca.kron(ca.SX.eye(6), s.gravity.T)
-
-
-def _k4(s: State) -> ca.SX:  # (14)
-    return ca.kron(ca.SX.eye(6), s.gibbs.T)
-
-
-def _k5(s: State) -> ca.SX:  # (15)
-    force = ca.vertcat(-s.gibbs[1], s.gibbs[0], 0, 0, 0, 0)
-    moment = ca.vertcat(0, 0, 0, s.gibbs[0], s.gibbs[1], 0)
-    return ca.horzcat(force, moment)
-
-
-def _per_sensor(letter: str, columns: str, unit: str) -> tuple[Parameter, ...]:
-    return tuple(Parameter(f"{letter}_{sensor}{c}", unit) for sensor in range(1, 7) for c in columns)
-
-
-MASS = Block((Parameter("m", "kg"),), _mass, True)
+# the columns of (19)
+MASS = Block((Parameter("m", "kg"),), lambda s: ca.vertcat(s.specific, ca.SX.zeros(3)), True)
 FIRST_MOMENT = Block(tuple(Parameter(f"m{c}C", "kg m") for c in "xyz"), _first_moment, True)
 INERTIA = Block(tuple(Parameter(f"I{c}", "kg m^2") for c in ("11", "12", "13", "22", "23", "33")), _inertia, True)
-OFFSETS = Block(tuple(Parameter(f"f_q0_{k}", "N") for k in range(1, 7)), _offsets, False)
-K1 = Block(_per_sensor("K1", "xy", "N/m"), _k1, False)
-K2 = Block((Parameter("k0", "N/m"), Parameter("k1", "N m/m")), _k2, True)
-K3 = Block(_per_sensor("K3", "xyz", "N s^2/m"), _k3, False)
-K4 = Block(_per_sensor("K4", "xyz", "N"), _k4, False)
-K5 = Block((Parameter("k2", "N"), Parameter("k3", "N m")), _k5, True)
+OFFSETS = Block(tuple(Parameter(f"f_q0_{k}", "N") for k in range(1, 7)), lambda _: ca.SX.eye(6), False)
+K1 = _per_sensor("K1", "xy", "N/m", lambda s: ca.horzcat(s.x, s.y))  # (12)
+K2 = Block(  # (22); (13) has the other sign for k1
+    (Parameter("k0", "N/m"), Parameter("k1", "N m/m")), lambda s: _along_axes(s.x, s.y, s.y, -s.x), True
+)
+K3 = _per_sensor("K3", "xyz", "N s^2/m", lambda s: s.gravity.T)  # the rotation-matrix form that section 3 warns of
+K4 = _per_sensor("K4", "xyz", "N", lambda s: s.gibbs.T)  # (14)
+K5 = Block(  # (15)
+    (Parameter("k2", "N"), Parameter("k3", "N m")),
+    lambda s: _along_axes(-s.gibbs[1], s.gibbs[0], s.gibbs[0], s.gibbs[1]),
+    True,
+)
 
 # A force/torque sensor's last three channels are moments.
 WRENCH_OFFSETS = OFFSETS._replace(
@@ -335,22 +317,16 @@ def _parallel_axis(name: str, constants: Mapping[str, float], rows: Mapping[str,
     """The row of m S(xC)^T S(xC) for ICij, with one factor of each product xC m xC known."""
     centre = [_known_centre(axis, constants) for axis in range(3)]
     i, j = int(name[2]) - 1, int(name[3]) - 1
-    if i == j:
-        others = [(axis, axis) for axis in range(3) if axis != i]
-        sign = 1.0
-    else:
-        others = [(i, j) if centre[i] is not None else (j, i)]
-        sign = -1.0
     row = np.zeros_like(rows["m"])
-    for a, b in others:
+    for a, b in [(a, a) for a in range(3) if a != i] if i == j else [(i, j) if centre[i] is not None else (j, i)]:
         factor = centre[a]
         if factor is None:
-            centres = " and ".join(_CENTRES[axis] for axis, _ in others)
+            others = [axis for axis in range(3) if axis != i] if i == j else [j]
             raise IdentificationError(
-                f"{name} can only be fixed together with {centres}, on which its parallel-axis term depends; fix these "
-                f"too, fix {name.replace('C', '')}, or use the non-linear form"
+                f"{name} can only be fixed together with {' and '.join(_CENTRES[k] for k in others)}, on which its "
+                f"parallel-axis term depends; fix these too, fix {name.replace('C', '')}, or use the non-linear form"
             )
-        row = row + sign * factor * rows[_FIRST_MOMENTS[b]]
+        row += (factor if i == j else -factor) * rows[_FIRST_MOMENTS[b]]
     return row
 
 

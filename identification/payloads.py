@@ -77,11 +77,8 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
     u = spread @ (after.values - before.values)
     of_u = (spread * variance) @ spread.T
-    std = float(np.sqrt(of_u[0, 0]))
-    if not abs(u[0]) > 3.0 * std:
-        raise _no_payload(before, after, float(u[0]), std)
+    findings = _about(before, after, float(u[0]), float(of_u[0, 0]))
     residuals = (after.values - before.values - matrix @ u) * root
-    findings = _about(before, after, float(u[0]))
     if float(residuals @ residuals) > float(chdtri(3, UNLIKELY)):
         sentence = "the change of the forces is not a weight alone: something pushes, or a sensor has drifted"
         findings.append(warning(Kind.MODEL, sentence))
@@ -108,15 +105,15 @@ def require_two(before: Result, after: Result) -> None:
         )
 
 
-def _no_payload(before: Result, after: Result, mass: float, std: float) -> IdentificationError:
-    return IdentificationError(
-        after.source,
-        f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
-        "results without and with payload, in this order",
-    )
-
-
-def _about(before: Result, after: Result, mass: float) -> list[Finding]:
+def _about(before: Result, after: Result, mass: float, variance: float) -> list[Finding]:
+    """What to say of two results that differ by a mass; raises IdentificationError where it is not significant."""
+    std = float(np.sqrt(variance))
+    if not abs(mass) > 3.0 * std:
+        raise IdentificationError(
+            after.source,
+            f"mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
+            "results without and with payload, in this order",
+        )
     findings = []
     if before.model.number != after.model.number:
         numbers = f"{before.model.number} and {after.model.number}"
@@ -148,8 +145,5 @@ def payload_between(before: Result, after: Result) -> Payload:
     difference = after.values[new] - before.values[old]
     covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
     robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
-    std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
-    if not abs(difference[0]) > 3.0 * std:
-        raise _no_payload(before, after, float(difference[0]), std)
-    findings = _about(before, after, float(difference[0]))
+    findings = _about(before, after, float(difference[0]), max(float(covariance[0, 0]), float(robust[0, 0])))
     return Payload(physical_values(body, difference, covariance, robust), tuple(findings))
