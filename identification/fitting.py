@@ -1,6 +1,5 @@
 """A fit to samples: the delay between forces and motion, where there is one, is estimated with the parameters."""
 
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
@@ -12,7 +11,7 @@ from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.biases import gain, offset_moves
-from identification.estimation.estimators import ALIKE, Method, gauss_markov_of, method
+from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, method
 from identification.estimation.fit import Fit, Regression, Value, joint_triangle
 from identification.estimation.force_noise import noise_covariance, whitening_of
 from identification.model import Model
@@ -74,11 +73,11 @@ def fit_samples(
         if part is not samples:
             with suppress(IdentificationError):  # where a part determines too little, the whole run is fitted at once
                 steps = DELAY_STEPS if near is None else 1
-                delay, _, near, _, _ = _converged(part, how, sensors, beside, delay, near, steps)
-    delay, regression, _, whitening, fit = _converged(samples, how, sensors, beside, delay, near)
+                delay, near, _, _ = _converged(part, how, sensors, beside, delay, near, steps)
+    delay, _, regression, whitening = _converged(samples, how, sensors, beside, delay, near)
     columns, white = regression.regressors, regression.whitened(whitening)
     basis = block_diag(how.selection(model).basis, np.eye(beside))
-    fit = fit if fit is not None and how.plain else how.estimate(white, model)
+    fit = how.estimate(white, model)
     if how.name in SANDWICHED and not how.priors:
         free = white.regressors if np.array_equal(basis, np.eye(len(basis))) else white.regressors @ basis
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
@@ -124,8 +123,8 @@ def _converged(
     delay: float,
     near: Array | None = None,
     steps: int = DELAY_STEPS,
-) -> tuple[float, Regression, Array, Array | None, Fit | None]:
-    """Gauss-Newton over the delay: the delay, the regression there, u, whitening, and the Gauss-Markov fit.
+) -> tuple[float, Array | None, Regression, Array | None]:
+    """Gauss-Newton over the delay: the delay, u, the regression there, and its whitening, where that is given.
 
     Args:
         beside: number of the run's nuisances that are estimated; without the last, the delay, that is fixed.
@@ -136,44 +135,36 @@ def _converged(
     Raises:
         IdentificationError: no delay brings forces and motion together.
     """
-    forces, nuisances, weights = run.forces, run.nuisances[:beside], method.weights_for(sensors)
+    forces, model, selection, weights = run.forces, run.model, method.selection(run.model), method.weights_for(sensors)
 
-    def regression_of(columns: Array, right: Array, names: Sequence[str]) -> Regression:
-        return Regression(columns, right, [*names, *nuisances], beside, run.filtered, ALIKE[weights])
+    def regression_of(columns: Array) -> Regression:
+        names = [*model.names, *run.nuisances[:beside]]
+        return Regression(columns, forces, names, beside, run.filtered, ALIKE[weights])
 
-    channels = forces.std(axis=0)
-    scale = np.ones(6) if ALIKE[weights] is None else 1.0 / np.where(channels > 0.0, channels, 1.0)
-    selection, whitening, values, fit = method.selection(run.model), None, near, None
+    whitening, values, unknowns = None, near, len(model.names)
     if not run.nuisances:
         still = run.regressors(delay)
         if weights == "stated":
-            whitening = _whitening_from(still, forces, selection, run.model, sensors)
-        return delay, regression_of(still, forces, run.model.names), np.zeros(0), whitening, None
-    whole = selection.basis.shape[0] == selection.basis.shape[1]
+            whitening = _whitening_from(still, forces, selection, model, sensors)
+        return delay, None, regression_of(still), whitening
     for _ in range(steps):
-        columns = free = None  # of a long run there is room for one
+        regression = None  # of a long run there is room for one
         if values is None:
             # The effect of the delay follows from the best forces so far, whatever parameters make them.
-            matrices = run.regressors(delay)
-            right = forces - matrices @ selection.offset
-            top = joint_triangle(matrices @ selection.basis, right, scale)
-            values = (
-                selection.offset
-                + selection.basis @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=forces.size * np.finfo(float).eps)[0]
-            )
-        columns = run.linearised(delay, values)
-        matrices, effects = np.split(columns, [len(values)], axis=2)
-        if len(run.nuisances) > beside:
-            columns = columns[:, :, : len(values) + beside]
+            channels, matrices = forces.std(axis=0), run.regressors(delay)
+            scale = np.ones(6) if ALIKE[weights] is None else 1.0 / np.where(channels > 0.0, channels, 1.0)
+            top = joint_triangle(matrices @ selection.basis, forces - matrices @ selection.offset, scale)
+            free = np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=forces.size * np.finfo(float).eps)[0]
+            values = selection.offset + selection.basis @ free
+            del matrices
         if weights == "stated":
-            whitening = whitening_of(noise_covariance(run.model, sensors, values))
-        rest = forces - matrices @ selection.offset
-        free = columns if whole else np.dstack([matrices @ selection.basis, effects[:, :, :beside]])
-        fit = gauss_markov_of(regression_of(free, rest, selection.names).whitened(whitening))
-        values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
+            whitening = whitening_of(noise_covariance(model, sensors, values))
+        regression = regression_of(run.linearised(delay, values)[:, :, : unknowns + beside])
+        estimate = estimate_selected(regression.whitened(whitening), selection, gauss_markov_of).values
+        values = estimate[:unknowns]
         if len(run.nuisances) > beside:
             break
-        step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
+        step = float(np.clip(estimate[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
         if abs(step) < (DELAY_TOLERANCE if near is None else CLOSE):
             break
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
@@ -182,9 +173,8 @@ def _converged(
             f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they "
             "of one run, and struts and forces in the order of the case?"
         )
-    assert columns is not None
-    assert values is not None
-    return delay, regression_of(columns, forces, run.model.names), values, whitening, fit
+    assert regression is not None
+    return delay, values, regression, whitening
 
 
 def _whitening_from(matrices: Array, forces: Array, selection: Selection, model: Model, sensors: Sensors) -> Array:

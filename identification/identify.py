@@ -98,18 +98,18 @@ def identify(
             raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     stale = recording.remarks + (() if method.biases is None else method.biases.stale)
-    changed = [*changed_cases(stale)]
+    changed = changed_cases(stale)
     differences = changes_since(recording.record, recording_basis(case), case.hash)
     if own not in (None, case.name) and differences:
         sentence = f"it was recorded with the case {own}, not {case.name}: {differences[0]}"
         sentence += f" ({len(differences) - 1} more)" if len(differences) > 1 else ""
-        changed.append(warning(Kind.CASE, f"{sentence}; leave --case out"))
+        changed += (warning(Kind.CASE, f"{sentence}; leave --case out"),)
     estimate = replace(estimate, findings=(*changed, *estimate.findings))
     seconds = run.record.get("executed_s")  # the time that it took
     if seconds is None and run.t is not None:
         seconds = estimate.evaluated.samples * float(np.median(np.diff(run.t)))  # stamps of a host jitter
     taken = {key: run.record[key] for key in ("simulated", *RUN_ENTRIES) if key in run.record}
-    about = {"run": taken} if run.record else {}
+    optional = {"stale": stale or None, "run": taken if run.record else None, "standstills": standing}
     try:
         record = entries_of(
             estimate,
@@ -118,9 +118,7 @@ def identify(
             case_file=case.origin,
             plan_hash=run.record.get("plan_hash"),
             measuring_s=seconds,
-            **({"stale": stale} if stale else {}),
-            **about,
-            **({} if standing is None else {"standstills": standing}),
+            **{key: entry for key, entry in optional.items() if entry is not None},
         )
     except ValidationError as error:  # only what recording.json says can be of another kind
         place = ".".join(map(str, error.errors()[0]["loc"]))

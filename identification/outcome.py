@@ -180,7 +180,7 @@ class Result:
         about = record.to_json()
         own = case_of(file, about, AGAIN) if case is None else case
         result = cls(own, record, file=file)
-        result.require_agreement()
+        require_agreement(result.source, record, result.model, own.sensor_frame.has_moments)
         remarks = require_unchanged(file, about, result_basis(own), own, stale, AGAIN)
         beside, determined = file.parent / "identifiability.json", None
         if beside.is_file():
@@ -190,23 +190,12 @@ class Result:
                 raise FileProblem(beside, f"entry {error} is missing or damaged", AGAIN) from error
         return replace(result, determined=determined, remarks=remarks)
 
-    def require_agreement(self) -> None:
-        """Refuses entries that contradict each other.
-
-        Raises:
-            FileProblem: one was changed by hand, or the parameters belong to another case.
-        """
-        require_agreement(self.source, self.record, self.model, self.case.sensor_frame.has_moments)
-
     def __repr__(self) -> str:
         """A few lines: model, the body, s0, and warnings."""
         record, parameters = self.record, self.parameters
         lines = [f"Result for {self.case.name}: model {record.model}, {record.samples} samples"]
         names = [name for name in PROMINENT if name in parameters] or list(parameters)[:4]
-        lines += [
-            f"{name} = {parameters[name].value:.6g} +- {parameters[name].reported:.2g} {parameters[name].unit}"
-            for name in names
-        ]
+        lines += [f"{n} = {v.value:.6g} +- {v.reported:.2g} {v.unit}" for n in names for v in (parameters[n],)]
         lines.append(f"{len(parameters)} parameters, s0 {record.s0:.3g}, condition {record.condition:.3g}")
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 
@@ -244,11 +233,10 @@ def biases_of(path: Path | str, case: Case, stale: bool = False) -> Biases:
         about[KEPT] = {key: value for key, value in kept if key in now or not key.startswith(_OF_A_RECORDING)}
     remarks = require_unchanged(file, about, now, case, stale, "identify the standstills again")
     result = Result(case, record, file=file)
-    result.require_agreement()
+    require_agreement(result.source, record, result.model, case.sensor_frame.has_moments)
     offsets = offset_columns(result.model)
     white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
-    std = np.sqrt(np.diag(white))
-    larger = np.maximum(std, np.sqrt(np.diag(robust)))
-    growth = larger / np.where(std > 0.0, std, 1.0)
-    bias = record.accelerometer
-    return Biases(str(path), result.values[offsets], white * np.outer(growth, growth), bias, remarks)
+    variance, larger = np.diag(white), np.maximum(np.diag(white), np.diag(robust))
+    growth = np.sqrt(larger / np.where(variance > 0.0, variance, 1.0))
+    covariance = white * np.outer(growth, growth)
+    return Biases(str(path), result.values[offsets], covariance, record.accelerometer, remarks)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
+from scipy.linalg import block_diag, solve_triangular
 
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
@@ -22,7 +22,7 @@ from identification.estimation.channel_weights import EACH, full_weights, per_ch
 from identification.estimation.consistent import consistent_of
 from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
 from identification.estimation.force_noise import long_run_covariance
-from identification.estimation.nonlinear import estimate_selected, nonlinear
+from identification.estimation.nonlinear import nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.finding import Kind, note
 from identification.model import Model
@@ -45,11 +45,6 @@ class Method:
     weights: str | None = None
     # offsets from another result, which are among the known values; their uncertainty is propagated
     biases: Biases | None = None
-
-    @property
-    def plain(self) -> bool:
-        """Whether it is Gauss-Markov with all parameters free and nothing known beforehand."""
-        return self.name == "gauss-markov" and not (self.known or self.dropped or self.priors)
 
     @property
     def without_biases(self) -> "Method":
@@ -90,9 +85,8 @@ class Method:
             IdentificationError: a combination that is not defined, names that the model does not have, or as the
                 estimator does.
         """
-        selected = bool(self.known or self.dropped)
         if self.priors:
-            if self.name != "gauss-markov" or selected:
+            if self.name != "gauss-markov" or self.known or self.dropped:
                 raise IdentificationError(
                     "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
                     "or give what is known exactly as a prior with a small standard deviation"
@@ -104,9 +98,29 @@ class Method:
                     "the estimator nonlinear knows values of physical parameters, no dropped columns; fix them to 0"
                 )
             return nonlinear(regression, model, _weights(regression), self.known)
-        estimator = ESTIMATORS[self.name]
-        fit = estimate_selected(regression, self.selection(model), estimator) if selected else estimator(regression)
+        fit = estimate_selected(regression, self.selection(model), ESTIMATORS[self.name])
         return consistent_of(regression, fit) if self.name == "consistent" else fit
+
+
+def estimate_selected(regression: Regression, selection: Selection, estimator: Callable[[Regression], Fit]) -> Fit:
+    """The fit of the free parameters with all of u, and no variance along what is known.
+
+    Rank and condition are those of the free ones; errors are the estimator's.
+
+    Args:
+        regression: regression of the full model; columns beyond it (a delay) stay free.
+        selection: selection of that model.
+    """
+    unknowns, free = selection.basis.shape
+    if free == unknowns:
+        return estimator(regression)
+    basis = block_diag(selection.basis, np.eye(len(regression.names) - unknowns))
+    offset = np.pad(selection.offset, (0, len(basis) - unknowns))
+    names = [*selection.names, *regression.names[unknowns:]]
+    right = regression.residuals(offset)
+    fit = estimator(regression._replace(regressors=regression.regressors @ basis, forces=right, names=names))
+    covariance, robust = (basis @ square @ basis.T for square in (fit.covariance, fit.covariance_robust))
+    return replace(fit, values=offset + basis @ fit.values, covariance=covariance, covariance_robust=robust)
 
 
 def gauss_markov_of(regression: Regression) -> Fit:

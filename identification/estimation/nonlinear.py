@@ -1,4 +1,4 @@
-"""Partial identification (section 4) with any estimator, and least squares of the non-linear form.
+"""Least squares of the non-linear form (18).
 
 A physical parameter that is known and not linear in u, such as a central inertia without its centre of gravity, takes
 the non-linear form (18) in physical parameters p = (m, xC, I_C, f_q0, K), by its local Jacobian (`nonlinear`). (18) is
@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
 from cases.units import Array
@@ -19,37 +18,7 @@ from identification.estimation.fit import Fit, Regression, column_scale, compres
 from identification.estimation.force_noise import with_kernel
 from identification.finding import Kind, note
 from identification.model import Model
-from identification.parameters import Selection, physical_form, require_names
-
-
-def estimate_selected(regression: Regression, selection: Selection, estimator: Callable[[Regression], Fit]) -> Fit:
-    """Estimates the free parameters and gives back all of u, with no variance along what is known.
-
-    Args:
-        regression: regression of the full model; columns beyond it (a delay) stay free.
-        selection: selection of that model.
-
-    Returns:
-        The estimator's Fit with values (u,) and covariances (u, u); rank and condition are those of the free ones.
-
-    Raises:
-        IdentificationError: as the estimator does.
-    """
-    unknowns, beyond = len(selection.offset), len(regression.names) - len(selection.offset)
-    basis = block_diag(selection.basis, np.eye(beyond))
-    offset = np.r_[selection.offset, np.zeros(beyond)]
-    names = [*selection.names, *regression.names[unknowns:]]
-    reduced = regression._replace(
-        regressors=regression.regressors @ basis, forces=regression.residuals(offset), names=names
-    )
-    fit = estimator(reduced)
-    return replace(
-        fit,
-        values=offset + basis @ fit.values,
-        covariance=basis @ fit.covariance @ basis.T,
-        covariance_robust=basis @ fit.covariance_robust @ basis.T,
-    )
-
+from identification.parameters import physical_form, require_names
 
 TOLERANCE = 1e-9  # of a standard deviation of each parameter
 ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits

@@ -12,8 +12,8 @@ from cases.errors import IdentificationError
 from identification.estimation import consistent as module
 from identification.estimation.channel_weights import per_channel
 from identification.estimation.consistent import consistent, pseudo_inertia
+from identification.estimation.estimators import estimate_selected
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
-from identification.estimation.nonlinear import estimate_selected
 from identification.parameters import select
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, ONES, A, U, forces, truth_with

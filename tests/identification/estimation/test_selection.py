@@ -8,9 +8,8 @@ import pytest
 from cases.errors import IdentificationError
 from cases.schema import load_case
 from identification.estimation.channel_weights import per_channel
-from identification.estimation.estimators import huber
+from identification.estimation.estimators import estimate_selected, huber
 from identification.estimation.fit import Regression, gauss_markov
-from identification.estimation.nonlinear import estimate_selected
 from identification.model import identification_model
 from identification.parameters import physical_form, select, symmetric_platform
 from tests.helpers import one_line
