@@ -97,8 +97,9 @@ def fit_samples(
     if how.biases is not None:
         moves = offset_moves(model, basis, columns, w)
         taken += moves @ how.biases.covariance @ moves.T
-    unknowns = len(model.names)
-    effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
+    unknowns, effects = len(model.names), None
+    if how.biases is not None or fixed_delay is not None:
+        effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
     if effects is not None:
         moves = basis @ gain(columns @ basis, w, effects)
         if how.biases is not None:

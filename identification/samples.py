@@ -124,16 +124,6 @@ class PlainSamples:
     __slots__ = ()
     noise_stated: ClassVar[bool] = False
 
-    @property
-    def scale(self) -> Array | float:
-        """1."""
-        return 1.0
-
-    @property
-    def wide(self) -> Self | None:
-        """None: the delay is estimated with the parameters, or nothing moves."""
-        return None
-
     def excerpt(self, times: int = 1) -> Self:
         """The samples themselves."""
         del times
@@ -172,6 +162,7 @@ class Standstills(PlainSamples):
     clocked: bool = False  # whether they have a clock, so that noise may have memory
     window: ClassVar[tuple[Finding, ...]] = ()
     nuisances: ClassVar[tuple[str, ...]] = ()
+    wide: ClassVar[None] = None  # nothing moves
     consecutive: ClassVar[bool] = False  # they may stand in any order
     filtered: ClassVar[Filtered] = UNFILTERED
     noise_correlation: ClassVar[float] = 1.0  # nothing is said of neighbours

@@ -69,6 +69,8 @@ class PeriodicRun(PlainSamples):
     nuisances: ClassVar[tuple[str, ...]] = ("delay",)  # estimated beside the model
     consecutive: ClassVar[bool] = False  # averages; periods that a contact disturbs are left out before
     noise_stated: ClassVar[bool] = True
+    wide: ClassVar[None] = None  # the delay is estimated with the parameters
+    scale: ClassVar[float] = 1.0
     noise_correlation: ClassVar[float] = 0.0  # of white noise between evaluated instants: none
 
     @property

@@ -62,6 +62,8 @@ class Run(PlainSamples):
     spoilt: Flags | None = None
     consecutive: ClassVar[bool] = True
     noise_stated: ClassVar[bool] = True
+    wide: ClassVar[None] = None  # the delay is estimated with the parameters
+    scale: ClassVar[float] = 1.0
 
     @property
     def t(self) -> Array:

@@ -48,6 +48,7 @@ class WristRun(PlainSamples):
     window: tuple[Finding, ...] = ()
     wide: "WristRun | None" = None  # the run in the widest band that all streams carry, for its delay
     consecutive: ClassVar[bool] = True
+    scale: ClassVar[float] = 1.0
     nuisances: ClassVar[tuple[str, ...]] = ("turn_x", "turn_y", "turn_z", "delay")  # estimated beside the model
 
     @property
