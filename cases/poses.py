@@ -6,16 +6,16 @@ circles and pauses, one after the other.
 """
 
 import math
-import tomllib
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from cases.errors import FileProblem
+from cases.loading import read_tables
 from cases.machine import POSE, Grid, Number, Part, Positive, Range, frozen, own_units, si
 from cases.units import Array
 
@@ -110,26 +110,21 @@ class Steps(Part):
     steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
 
 
+_WANTED = "name a TOML file of steps or a CSV of poses"
+
+
 def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
     """Reads a sequence from a TOML file, for a machine whose coordinates, `columns`, are the pose of a platform.
 
     Raises:
-        FileProblem: it cannot be read or describes no sequence; the message names the step. Or the machine has others.
+        FileProblem: it is not there, or the machine has other coordinates.
+        CaseError: it describes no sequence; the message names the step.
     """
     if tuple(columns) != POSE:
         raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
-    try:
-        return Steps.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise FileProblem(
-            file, f"cannot be read ({error.strerror})", "name a TOML file of steps or a CSV of poses"
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FileProblem(file, f"is not TOML ({error})", "mend that line") from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(k + 1) if isinstance(k, int) else str(k) for k in first["loc"]) or "file"
-        raise FileProblem(file, f"{place}: {first['msg'].removeprefix('Value error, ')}", "mend that step") from error
+    if not file.exists():
+        raise FileProblem(file, "cannot be read (No such file or directory)", _WANTED)
+    return read_tables(Steps, file)
 
 
 def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
@@ -143,7 +138,7 @@ def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise FileProblem(file, f"cannot be read ({error})", "name a TOML file of steps or a CSV of poses") from error
+        raise FileProblem(file, f"cannot be read ({error})", _WANTED) from error
     rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
     header = [cell.strip() for cell in rows[0]] if rows else []
     missing = [c for c in columns if c not in header]

@@ -41,7 +41,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
     """The motion of a file of steps (TOML) or of poses (CSV), from home to home.
 
     Raises:
-        FileProblem: the file cannot be used.
+        FileProblem, CaseError: the file cannot be used.
         InfeasiblePlan: a step leaves the limits however slow it is.
     """
     home, limits = case.need_motion("a hand-made sequence")
