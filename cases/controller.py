@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
-from cases.machine import Part, Positive, kind_of
-from cases.units import DEG, MINUTE, MM, MS
+from cases.machine import Part, Positive, kind_of, si_value
+from cases.units import DEG, MINUTE, MM
 
 
 class ControllerName(StrEnum):
@@ -59,10 +59,8 @@ class Setpoints(Part):
     controller_keeps: Promises
     """Limits that it enforces; a generator that copies setpoints to the drives usually enforces none: `[]`."""
 
-    @property
-    def cycle(self) -> float:
-        """Control cycle [s]."""
-        return self.cycle_ms * MS
+    cycle: ClassVar = si_value("cycle_ms")
+    """Control cycle [s]."""
 
 
 def _spelled(pattern: str, problem: str) -> AfterValidator:
@@ -280,15 +278,10 @@ class Controller(Part):
     urscript: UrScript | None = None
     """Settings of URScript programs."""
 
-    @property
-    def cycle(self) -> float:
-        """Interpolation cycle [s]."""
-        return self.cycle_ms * MS
-
-    @property
-    def block(self) -> float:
-        """Duration of a block on a timed path [s]."""
-        return self.block_ms * MS
+    cycle: ClassVar = si_value("cycle_ms")
+    """Interpolation cycle [s]."""
+    block: ClassVar = si_value("block_ms")
+    """Duration of a block on a timed path [s]."""
 
     @property
     def safe_feed(self) -> float:

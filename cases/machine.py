@@ -5,20 +5,12 @@ Those are strict numbers, ranges and points, each with its unit in the key that 
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetPydanticSchema,
-    model_validator,
-)  # fmt: skip
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, model_validator
 from pydantic_core.core_schema import CoreSchema, tagged_union_schema
 
 from cases.units import DEG, MM, MS, UM, Array, Flags
@@ -54,7 +46,7 @@ def kind_of(one: type[Part], other: type[Part]) -> GetPydanticSchema:
         own = not distinctive.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
         return f"<{(one if own else other).__name__}>"
 
-    def schema(_: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def schema(_: Any, handler: Callable[[type[Part]], CoreSchema]) -> CoreSchema:
         return tagged_union_schema({f"<{kind.__name__}>": handler(kind) for kind in (one, other)}, tag)
 
     return GetPydanticSchema(schema)
@@ -113,6 +105,11 @@ def own_units(keys: Iterable[str]) -> Array:
     return np.array([_OWN[match[1]] if (match := _ENDING.search(key)) else 1.0 for key in keys])
 
 
+def si_value(key: str) -> cached_property[float]:
+    """A value of a table in SI."""
+    return cached_property(lambda table: float(getattr(table, key) * own_units([key])[0]))
+
+
 def si(*keys: str) -> cached_property[Array]:
     """Values of a table in SI, of several keys one after the other, as an array that cannot be changed."""
 
@@ -138,18 +135,21 @@ def turned(angles: Array) -> Array:
     )
 
 
-# Beyond this condition number (moments divided by the size) errors are amplified a thousandfold.
-WORST_CONDITION = 1e3
+WORST_CONDITION = 1e3  # of six lines, moments divided by the size: beyond it errors are amplified a thousandfold
 
 
-def condition_of_lines(points: Array, directions: Array) -> float:
-    """Condition number of six lines, moments divided by the largest distance of a point from the origin.
+def require_spanning(points: Array, directions: Array, problem: str, remedy: str) -> None:
+    """Raises ValueError unless forces along six lines add up to every force and moment.
 
-    One point on each, shape (6, 3) [m], and directions of any length but 0, shape (6, 3).
+    Args:
+        points: one point on each line, shape (6, 3) [m]; moments are divided by their largest distance from the origin.
+        directions: directions of any length but 0, shape (6, 3).
     """
     unit = directions / np.linalg.norm(directions, axis=1)[:, None]
     size = max(float(np.linalg.norm(points, axis=1).max()), 1e-9)
-    return float(np.linalg.cond(np.hstack([unit, np.cross(points, unit) / size])))
+    condition = float(np.linalg.cond(np.hstack([unit, np.cross(points, unit) / size])))
+    if not condition <= WORST_CONDITION:
+        raise ValueError(f"{problem} (condition {condition:.3g}, at most {WORST_CONDITION:.0f}); {remedy}")
 
 
 POSE = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
@@ -228,12 +228,12 @@ class HexapodMachine(Part):
     @model_validator(mode="after")
     def _stands_firmly(self) -> "HexapodMachine":
         arms = self.platform.points @ turned(self.home.vector[3:]).T
-        condition = condition_of_lines(arms, self.home.vector[:3] + arms - self.base.points)
-        if not condition <= WORST_CONDITION:
-            raise ValueError(
-                f"the struts do not hold the platform at home: it is singular (condition {condition:.3g}, at most "
-                f"{WORST_CONDITION:.0f}); joints of base and platform must not form similar hexagons"
-            )
+        require_spanning(
+            arms,
+            self.home.vector[:3] + arms - self.base.points,
+            "the struts do not hold the platform at home: it is singular",
+            "joints of base and platform must not form similar hexagons",
+        )
         return self
 
 

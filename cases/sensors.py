@@ -7,7 +7,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.machine import (
-    WORST_CONDITION,
     Joints,
     NonNegative,
     Number,
@@ -15,12 +14,13 @@ from cases.machine import (
     Positive,
     Six,
     Vector,
-    condition_of_lines,
     frozen,
+    require_spanning,
     si,
+    si_value,
 )
 from cases.recording_format import BAR_FORCES, WRENCH
-from cases.units import DEG, MM, MS, UM, Array
+from cases.units import DEG, MM, UM, Array
 
 
 class Disturbances(Part):
@@ -74,12 +74,9 @@ class Bars(Part):
         length = np.linalg.norm(direction, axis=1)
         if np.any(length == 0.0):
             raise ValueError(f"bar {int(np.argmin(length)) + 1} has no length; its lower and upper point coincide")
-        condition = condition_of_lines(self.lower.points, direction)
-        if not condition <= WORST_CONDITION:
-            raise ValueError(
-                f"the six bars do not measure all forces and moments (condition {condition:.3g}, at most "
-                f"{WORST_CONDITION:.0f}); bars must not all be parallel, coplanar or meet one line"
-            )
+        problem = "the six bars do not measure all forces and moments"
+        remedy = "bars must not all be parallel, coplanar or meet one line"
+        require_spanning(self.lower.points, direction, problem, remedy)
         return self
 
 
@@ -351,10 +348,10 @@ class Simulation(Part):
     disturbances: Disturbances | None = None
     """Disturbances of the structure; runs are simulated with them where that is asked for, as a validation does."""
 
-    @property
-    def encoder_resolution(self) -> float:
-        """Step of the encoders of drives that slide [m]."""
-        return self.encoder_resolution_um * UM
+    encoder_resolution: ClassVar = si_value("encoder_resolution_um")
+    """Step of the encoders of drives that slide [m]."""
+    force_delay: ClassVar = si_value("force_delay_ms")
+    """Time by which forces are recorded later than the motion [s]."""
 
     @property
     def turning_resolution(self) -> float:
@@ -371,11 +368,6 @@ class Simulation(Part):
     def acceleration_noise(self) -> Array:
         """Standard deviation of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]."""
         return frozen([self.acceleration_noise_m_s2] * 3 + [self.angular_acceleration_noise_rad_s2] * 3)
-
-    @property
-    def force_delay(self) -> float:
-        """Time by which forces are recorded later than the motion [s]."""
-        return self.force_delay_ms * MS
 
 
 class Payloads(Part):
