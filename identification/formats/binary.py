@@ -116,11 +116,11 @@ def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]
         RecordingError: no message has all of these joints.
     """
     stamps, rows, others = array("q"), array("d"), dict[str, None]()
-    for message in _messages(reader, topic):
+    for stamp, message in _messages(reader, topic):
         place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
         others |= dict.fromkeys(message.name)
         if all(joint in place for joint in joints):
-            stamps.append(_stamp(message))
+            stamps.append(stamp)
             rows.extend(message.position[place[joint]] for joint in joints)
     if not stamps or not joints:
         absent = ", ".join(joint for joint in joints if joint not in others) or "all joints at once"
@@ -139,31 +139,28 @@ def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Arr
         RecordingError: the frame changes.
     """
     stamps, rows, frames = array("q"), array("d"), dict[str, None]()
-    for message in _messages(reader, topic):
-        stamps.append(_stamp(message))
-        force, torque = message.wrench.force, message.wrench.torque
-        rows.extend((force.x, force.y, force.z, torque.x, torque.y, torque.z))
+    for stamp, message in _messages(reader, topic):
+        stamps.append(stamp)
+        rows.extend(getattr(vector, axis) for vector in (message.wrench.force, message.wrench.torque) for axis in "xyz")
         frames[str(message.header.frame_id)] = None
     if len(frames) > 1:
-        raise RecordingError(
-            f"{bag}, {topic}", f"is in several frames: {listed(frames)}", "record the sensor's own topic"
-        )
+        names = listed(frames)
+        raise RecordingError(f"{bag}, {topic}", f"is in several frames: {names}", "record the sensor's own topic")
     return np.array(stamps), np.array(rows).reshape(-1, 6), next(iter(frames), "")
 
 
 def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:
     """The joints of the message of a topic that has most."""
-    return max((tuple(map(str, message.name)) for message in _messages(reader, topic)), key=len, default=())
+    return max((tuple(map(str, message.name)) for _, message in _messages(reader, topic)), key=len, default=())
 
 
-def _messages(reader: "AnyReader", topic: str) -> Iterator[Any]:
+def _messages(reader: "AnyReader", topic: str) -> Iterator[tuple[int, Any]]:
+    """Stamps in the headers [ns], and messages."""
     connections = [c for c in reader.connections if c.topic == topic]
     for connection, _, raw in reader.messages(connections=connections):
-        yield reader.deserialize(raw, connection.msgtype)
-
-
-def _stamp(message: Any) -> int:
-    return int(message.header.stamp.sec) * 1_000_000_000 + int(message.header.stamp.nanosec)
+        message: Any = reader.deserialize(raw, connection.msgtype)
+        stamp = message.header.stamp
+        yield int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), message
 
 
 def _table(

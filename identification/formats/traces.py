@@ -52,15 +52,21 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """
     lines = read_head(file)
     form = form.model_copy(update={"delimiter": _separator(file, lines[0], form)})
-    header_rows, names, channels, positions, clock_of = _layout(file, lines, form)
-    clocks = sorted(set(clock_of.values()))
+    header_rows, names, positions = _layout(file, lines, form)
+    clocks = [k for k, name in enumerate(names) if name == _NAME]
+    clock_of = {ours: max(c for c in clocks if c <= k) for ours, k in positions.items()}
+    channels = tuple(name for name in names if name not in ("", _NAME))
+    if not positions:
+        raise RecordingError(file, without(channels, form))
+    labels = [f"time of {(*names, 'nothing')[k + 1]}" if k in clocks else name for k, name in enumerate(names)]
     groups: list[tuple[str, ...]] = []
     for block in read_blocks(file, header_rows, form.trailing_rows):
         filled = first, data = _filled(block, len(names), form.separator)
         if not data.strip():
             continue
-        columns = parse(file, filled, form, names, positions.values(), clocks)
-        stamps = {k: _present(file, filled, columns[k]) for k in clocks}
+        wanted = sorted(set(clock_of.values()))
+        columns = parse(file, filled, form, labels, positions.values(), wanted)
+        stamps = {k: _present(file, filled, columns[k]) for k in wanted}
         groups = groups or _groups({ours: stamps[k] for ours, k in clock_of.items()})
         for group in groups:
             clock = min((stamps[clock_of[ours]] for ours in group), key=len)
@@ -74,7 +80,7 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             if not len(clock):
                 continue
             values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
-            places = lines_of(filled, len(columns[clocks[0]]))
+            places = lines_of(filled, len(columns[wanted[0]]))
             yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
     if not groups:
         raise RecordingError(file, "has a header but no rows", "export the recording again")
@@ -93,10 +99,8 @@ def _separator(file: Path, line: bytes, form: RecordingFormat) -> str:
     return separator
 
 
-def _layout(
-    file: Path, lines: list[bytes], form: RecordingFormat
-) -> tuple[int, list[str], tuple[str, ...], dict[str, int], dict[str, int]]:
-    """Number of header lines, names of fields, names of channels, and position and clock of each wanted column."""
+def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int, list[str], dict[str, int]]:
+    """Number of header lines, names of fields, those of clocks `Name`, and positions of the wanted columns."""
     start = (_NAME + form.separator).encode()
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
@@ -107,20 +111,13 @@ def _layout(
     names = cells(decoded(file, lines[: top + 1], form)[top], form)
     while names and not names[-1]:  # some exports end each line with a separator
         names.pop()
-    clocks = [k for k, name in enumerate(names) if name == _NAME]
-    above = [max(c for c in clocks if c <= k) for k in range(len(names))]
-    own = [name if k not in clocks else "" for k, name in enumerate(names)]
-    positions = select(file, own, form)
+    positions = select(file, ["" if name == _NAME else name for name in names], form)
     for line in lines[top + 1 : first]:
         if line.startswith((_SYMBOL + form.separator).encode()):
             symbols = cells(line.decode(form.encoding, "replace"), form)
             positions = select(file, [*symbols, *names][: len(names)], form) | positions
     positions.pop(CLOCK, None)
-    channels = tuple(name for name in own if name)
-    if not positions:
-        raise RecordingError(file, without(channels, form))
-    labels = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
-    return first, labels, channels, positions, {ours: above[k] for ours, k in positions.items()}
+    return first, names, positions
 
 
 def _is_data(line: bytes, separator: str) -> bool:
