@@ -24,7 +24,7 @@ from identification.formats.binary import (
     wrench_rows,
 )
 from identification.formats.naming import matched
-from identification.formats.table import Stamps, listed, lost_samples, shown
+from identification.formats.table import Stamps, listed, lost_samples, shown, usual_step
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
 AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
@@ -186,7 +186,6 @@ def _column_oddities(column: Column) -> Iterator[str]:
 
 
 _NS = 1e-9
-_SPAN = 15  # messages over which a step is measured
 _MOST_JITTER = 0.2  # share of a step, from which on jitter is reported
 
 
@@ -230,9 +229,8 @@ def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[
 
 
 def _step(stamps: Stamps) -> float:
-    """Usual time between messages [s]; late stamps and lost messages do not count."""
-    span = max(min(_SPAN, len(stamps) - 1), 1)
-    return max(float(np.median(stamps[span:] - stamps[:-span])) / span, 1.0) * _NS if len(stamps) > 1 else 1.0
+    """Usual time between messages [s]."""
+    return max(usual_step(stamps), 1.0) * _NS if len(stamps) > 1 else 1.0
 
 
 def _clock(topic: str, stamps: Stamps) -> Iterator[str]:

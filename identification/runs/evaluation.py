@@ -26,7 +26,7 @@ import numpy as np
 
 from cases.sensors import Sensors
 from cases.units import Array, Flags, Indices
-from identification.estimation.fit import Filtered, Fit, Robust, Value, joint_triangle
+from identification.estimation.fit import Filtered, Fit, Robust, joint_triangle
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
@@ -79,9 +79,7 @@ class Run(PlainSamples):
     @property
     def places(self) -> Indices:
         """Places of the evaluated samples in a series of equal steps, shape (n,); gaps and sections leave some out."""
-        offsets = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
-        rows = self.rows + offsets - offsets[0]
-        return np.asarray(np.floor((rows - rows[0]) / self.filter.stride + 0.5), dtype=np.int64)
+        return np.asarray(np.rint((self.t - self.t[0]) / self.step), dtype=np.int64)
 
     @property
     def filtered(self) -> Filtered:
@@ -215,8 +213,8 @@ class Run(PlainSamples):
             return ()
         place = len(self.model.parameters) + self.nuisances.index("smoothing")
         std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
-        smoothing = Value(float(fit.values[place]), std, std, "s^2")
-        return (mode_finding(smoothing, self.filter.cutoff) if self.flexible else smoothing_finding(smoothing),)
+        b = float(fit.values[place])
+        return (mode_finding(b, std, self.filter.cutoff) if self.flexible else smoothing_finding(b, std),)
 
     def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
         """Effect of stated noise on A, from a part of a long run."""
@@ -243,30 +241,32 @@ class Run(PlainSamples):
 
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes
 CLEAR = 3.0  # standard deviations of b from which it is reported
+DIFFERENCES = 8  # repeated differences of the struts, which leave their noise, but nothing of a slow motion
+BLOCK = 100_000  # rows that are looked at for that noise, and to which it is added at a time: limits the memory
+NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
 
 
-def smoothing_finding(smoothing: Value) -> Finding:
+def smoothing_finding(b: float, std: float) -> Finding:
     """Finding about b, by which forces are smoothed more than the motion [s^2]; a sentence only where it is clear."""
     sentence = (
-        f"forces are {'smoothed' if smoothing.value > 0.0 else 'sharpened'} against the motion by "
-        f"{smoothing.value * 1e6:+.3g} +- {smoothing.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
+        f"forces are {'smoothed' if b > 0.0 else 'sharpened'} against the motion by {b * 1e6:+.3g} +- "
+        f"{std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
         "averaging or a low-pass of the channels): estimated and compensated"
     )
-    clear = abs(smoothing.value) >= CLEAR * smoothing.std
-    return note(Kind.CLOCK, sentence if clear else "", smoothing_s2={"value": smoothing.value, "std": smoothing.std})
+    return note(Kind.CLOCK, sentence if abs(b) >= CLEAR * std else "", smoothing_s2={"value": b, "std": std})
 
 
-def mode_finding(smoothing: Value, cutoff: float) -> Finding:
-    """Finding about the structural mode that sharpens forces by b, behind a low-pass [Hz]."""
-    entries = {"smoothing_s2": {"value": smoothing.value, "std": smoothing.std}}
-    if -smoothing.value < CLEAR * smoothing.std:
+def mode_finding(b: float, std: float, cutoff: float) -> Finding:
+    """Finding about the structural mode that sharpens forces by b [s^2], behind a low-pass [Hz]."""
+    entries = {"smoothing_s2": {"value": b, "std": std}}
+    if -b < CLEAR * std:
         sentence = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
         return note(Kind.MODEL, sentence, **entries)
-    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-smoothing.value)))
-    std = frequency * smoothing.std / (2.0 * -smoothing.value)
-    sentence = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
+    frequency = 1.0 / (2.0 * math.pi * math.sqrt(-b))
+    deviation = frequency * std / (2.0 * -b)
+    sentence = f"a structural mode at {frequency:.3g} +- {deviation:.2g} Hz amplifies the forces: estimated and "
     sentence += f"compensated, behind a low-pass at {cutoff:.3g} Hz"
-    return note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": std})
+    return note(Kind.MODEL, sentence, **entries, structural_mode_Hz={"value": frequency, "std": deviation})
 
 
 def worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> bool:
@@ -304,7 +304,10 @@ def worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) ->
     if std > SAMPLED * run.filter.step**2 and smoothing < CLEAR * std:
         return False
     assert part.recording.struts is not None
-    noise, draw, struts = strut_noise(part), np.random.default_rng(0), part.recording.struts.copy()
+    draw, struts = np.random.default_rng(0), part.recording.struts.copy()
+    moving = struts[part.filter.margin + part.rows[0] : part.filter.margin + part.rows[-1]][:BLOCK]
+    changes = np.median(np.abs(np.diff(moving, DIFFERENCES, axis=0)), axis=0)  # few leaps do not count
+    noise = changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES)))  # of each strut, white [m]
     for first in range(0, len(struts), BLOCK):
         block = struts[first : first + BLOCK]
         block += noise * draw.standard_normal(block.shape)
@@ -312,16 +315,3 @@ def worth_smoothing(run: Run, fit: Fit, basis: Array, w: Array, delay: float) ->
     error = (noisy.regressors(delay) @ fit.values[:size] - expected) @ root.T
     bias = float(np.sum(error[inner] * (2.0 * error[inner] - error[inner + 1] - error[inner - 1]))) / run.step**2
     return bool(bias < max(std, smoothing / CLEAR) * information)
-
-
-DIFFERENCES = 8  # repeated differences of the struts, which leave nothing of a motion far below the sampling rate
-BLOCK = 100_000  # rows that are looked at for it, and to which it is added at a time: limits the memory
-NORMAL_MEDIAN = 0.6745  # median size of a normal variable in standard deviations
-
-
-def strut_noise(run: Run) -> Array:
-    """Standard deviation of white noise of each recorded strut, shape (struts,) [m]; few leaps do not count."""
-    assert run.recording.struts is not None
-    moving = run.recording.struts[run.filter.margin + run.rows[0] : run.filter.margin + run.rows[-1]][:BLOCK]
-    changes = np.median(np.abs(np.diff(moving, DIFFERENCES, axis=0)), axis=0)
-    return np.asarray(changes / (NORMAL_MEDIAN * math.sqrt(math.comb(2 * DIFFERENCES, DIFFERENCES))))
