@@ -33,7 +33,6 @@ from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
 from identification.runs.averaging import periodic_run
-from identification.runs.evaluation import MOST_DELAY
 from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
@@ -230,8 +229,8 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
     if conditioning.periodic:
         return periodic_run(recording, case, model, conditioning)
     if recording.struts is None:
-        narrow = wrist_run(recording, case, model, MOST_DELAY, method.biases)
-        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=delay_band(recording))
+        narrow = wrist_run(recording, case, model, method.biases)
+        wide = wrist_run(recording, case, model, cutoff=delay_band(recording))
         return replace(narrow, wide=wide)
     run = moving_run(recording, case, model)
     return replace(run, smoothing=conditioning.flexible, flexible=conditioning.flexible)

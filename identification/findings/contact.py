@@ -150,7 +150,7 @@ def free_of_contact(recording: Recording, fitted: Fitted) -> tuple[Fitted, tuple
         if contacts == before:
             break
         rows = touched(run.t, contacts)
-        require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in contacts], run.model)
+        _require_free(recording, float(rows.mean()), contacts, run.model)
         moving = moving.again(run.without(rows))
         matrices = run.regressors(moving.at)
     if following(moving) is not None:
@@ -158,7 +158,7 @@ def free_of_contact(recording: Recording, fitted: Fitted) -> tuple[Fitted, tuple
         rows = touched(run.t, longer)
         candidate = moving.again(run.without(rows)) if 0 < rows.mean() < 1 else moving
         if _spread(candidate) < CALMER * _spread(moving) and following(candidate) is None:
-            require_free(float(rows.mean()), [contact_sentence(recording, contact) for contact in longer], run.model)
+            _require_free(recording, float(rows.mean()), longer, run.model)
             moving, contacts = candidate, longer
     return moving, contacts
 
@@ -182,18 +182,20 @@ def _spread(moving: Fitted) -> float:
     return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", residuals, moving.w, residuals))))
 
 
-def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
-    """Raises IdentificationError where too large a share of a run is in contact; `contacts`: a sentence about each."""
-    if share > MOST_TOUCHED:
-        if model.needs_position and not model.needs_motion:
-            raise IdentificationError(
-                f"the forces leave model {model.number} in {100 * share:.0f} % of the samples: it has no inertia, "
-                "which moves them in a motion; choose a model from 6 to 9, or identify standstills"
-            )
+def _require_free(recording: Recording, share: float, contacts: Sequence[Contact], model: Model) -> None:
+    """Raises IdentificationError where contacts take too large a share of a run."""
+    if share <= MOST_TOUCHED:
+        return
+    if model.needs_position and not model.needs_motion:
         raise IdentificationError(
-            f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact ({contacts[0]}); an "
-            "identification run must be free: check columns, struts, model and the case's dimensions, or record again"
+            f"the forces leave model {model.number} in {100 * share:.0f} % of the samples: it has no inertia, "
+            "which moves them in a motion; choose a model from 6 to 9, or identify standstills"
         )
+    raise IdentificationError(
+        f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact "
+        f"({contact_sentence(recording, contacts[0])}); an identification run must be free: check columns, struts, "
+        "model and the case's dimensions, or record again"
+    )
 
 
 def _without_pull(matrices: Array, fitted: Fitted) -> Array:

@@ -24,7 +24,6 @@ from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors
 from identification.parameters import nominal_parameters, offset_columns
 from identification.recording import Recording
-from identification.runs.evaluation import MOST_DELAY
 from identification.runs.preparation import moving_run
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import standstills
@@ -157,7 +156,7 @@ def _instants(recording: Recording, case: Case, model: Model) -> tuple[list[Arra
         places = recording.struts[valid]
         return [recording.forces[valid]], [places, np.zeros_like(places), np.zeros_like(places)], None
     if recording.struts is None:
-        wrist = wrist_run(recording, case, model, MOST_DELAY)
+        wrist = wrist_run(recording, case, model)
         return [wrist.forces], None, wrist.regressors(0.0)
     run = moving_run(recording, case, model)
     assert run.recording.struts is not None

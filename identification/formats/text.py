@@ -28,7 +28,7 @@ from identification.formats.text_errors import explain, not_text, unnamed
 
 SIZE = 1 << 22  # bytes read at a time
 # Bytes that are returned at the end of the file only, without its trailing rows: a hundred long lines.
-_KEPT = 1 << 16
+KEPT = 1 << 16
 _LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
 _NOT_TEXT = {
@@ -60,17 +60,13 @@ def read_head(file: Path) -> list[bytes]:
     return [line.removesuffix(b"\r") for line in lines]
 
 
-def read_blocks(
-    file: Path, header_rows: int = 0, trailing_rows: int = 0, size: int = SIZE, kept: int = _KEPT
-) -> Iterator[Block]:
+def read_blocks(file: Path, header_rows: int = 0, trailing_rows: int = 0) -> Iterator[Block]:
     """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
 
     Args:
         file: a text file, see `read_head`.
         header_rows: lines at its start to leave out.
         trailing_rows: lines at its end to leave out, blank ones not counted.
-        size: bytes to read at a time.
-        kept: bytes at the end that hold the trailing rows.
 
     Raises:
         RecordingError: it cannot be read, or has a line without end.
@@ -81,9 +77,9 @@ def read_blocks(
             for _ in range(header_rows):
                 stream.readline(_LONGEST_LINE)
             rest = b"" if header_rows else stream.read(len(_MARK)).removeprefix(_MARK)
-            while chunk := stream.read(size):
+            while chunk := stream.read(SIZE):
                 rest += chunk
-                end = max(len(rest) - kept, 0)
+                end = max(len(rest) - KEPT, 0)
                 cut = rest.rfind(b"\n", 0, end) + 1
                 if cut:
                     yield line, rest[:cut]

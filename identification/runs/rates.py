@@ -17,9 +17,9 @@ from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.formats.table import Channel, Stream
 from identification.recording import Recording
+from identification.runs.sample_checks import FULL_RANGE
 
 GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
-FULL_RANGE = 0.999
 ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 
 

@@ -3,7 +3,7 @@
 Samples that no estimate may use are marked and named with their place; what makes a run useless is an error.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from identification.signals import stretches
 
 Problem = tuple[int, str, Flags]  # number of a channel or strut, counted from 1, what is wrong with it, and where
 
+FULL_RANGE = 0.999  # share of a sensor's range, from which on it is at its end
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is not chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
@@ -64,7 +65,7 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
         _require_standstills(recording)
     bad, findings = recording.bad.copy(), list(unmeasured(recording))
     channels = (_clipped(recording, case), _silent(recording), _jumping(recording, case))
-    for thing, problems in (*(("channel", alike) for alike in channels), ("strut", _leaping(recording, case))):
+    for thing, problems in (*(("channel", [*alike]) for alike in channels), ("strut", [*_leaping(recording, case)])):
         if problems:  # one finding for all that err alike, in full for the one with the most rows
             number, text, _ = max(problems, key=lambda problem: int(problem[2].sum()))
             others = ", ".join(str(k) for k, *_ in problems if k != number)
@@ -72,7 +73,7 @@ def scan(recording: Recording, case: Case) -> tuple[tuple[Finding, ...], Recordi
             sentence = f"{thing} {number} {text}{f' (likewise {thing} {others})' if others else ''}; left out"
             findings.append(warning(Kind.DAMAGE, sentence, places(recording.lines, rows)))
             bad |= rows
-    findings += [warning(Kind.CASE, text, places(recording.lines, rows)) for text, rows in _outside(recording, case)]
+    findings += _outside(recording, case)
     if bad.mean() > MOST_BAD:
         raise RecordingError(
             recording.source,
@@ -121,22 +122,19 @@ def _behind(lines: Lines, rows: Flags, count: int) -> str:
     return f"behind {places(lines, rows)}: {count} {'samples are' if count > 1 else 'sample is'} missing"
 
 
-def _clipped(recording: Recording, case: Case) -> list[Problem]:
+def _clipped(recording: Recording, case: Case) -> Iterator[Problem]:
     """Forces at the end of the sensors' range."""
     most = case.sensors.range_N
-    if most is None:
-        return []
-    newtons = range(3 if case.sensor_frame.has_moments else 6)
-    channels = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
-    return [(k + 1, f"is at the end of its range of {most:g} N", rows) for k, rows in channels if rows.any()]
+    for k in range(3 if case.sensor_frame.has_moments else 6):
+        if most is not None and (rows := np.abs(recording.forces[:, k]) >= FULL_RANGE * most).any():
+            yield k + 1, f"is at the end of its range of {most:g} N", rows
 
 
-def _silent(recording: Recording) -> list[Problem]:
+def _silent(recording: Recording) -> Iterator[Problem]:
     """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
     if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
-        return []
+        return
     travel = TRAVELLING * float(np.median(np.diff(recording.t)))
-    problems = []
     for k in range(6):
         still = np.diff(recording.forces[:, k]) == 0.0
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
@@ -152,17 +150,13 @@ def _silent(recording: Recording) -> list[Problem]:
             if others > 0.0 and moves.mean() > 0.5:
                 rows[span] = True
         if rows.any():
-            value = recording.forces[np.argmax(rows), k]
-            problems.append((k + 1, f"is stuck at {value:g} while the machine moves", rows))
-    return problems
+            yield k + 1, f"is stuck at {recording.forces[np.argmax(rows), k]:g} while the machine moves", rows
 
 
-def _jumping(recording: Recording, case: Case) -> list[Problem]:
+def _jumping(recording: Recording, case: Case) -> Iterator[Problem]:
     """Single samples too far from their neighbours: no noise moves forces so far."""
     if recording.t is None or len(recording.t) < LEAST_ROWS:
-        return []
-    problems = []
-    count = len(recording.forces)
+        return
     for k in range(6):
         force = recording.forces[:, k]
         jumps = np.abs(_from_neighbours(force))
@@ -178,18 +172,16 @@ def _jumping(recording: Recording, case: Case) -> list[Problem]:
         if usual > 0.0 and len(leaps):
             unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
             text = f"jumps by up to {jumps[leaps].max():.4g} {unit} for single samples"
-            problems.append((k + 1, text, _at(leaps + 1, count)))
-    return problems
+            yield k + 1, text, _at(leaps + 1, len(force))
 
 
-def _leaping(recording: Recording, case: Case) -> list[Problem]:
+def _leaping(recording: Recording, case: Case) -> Iterator[Problem]:
     """Single samples of the struts too far from their neighbours for any drive."""
     limits = None if case.limits is None else case.limits.motion
-    if recording.t is None or len(recording.t) < LEAST_ROWS:
-        return []
-    if recording.struts is None or not isinstance(limits, MotionLimits):
-        return []
-    problems = []
+    if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
+        return
+    if not isinstance(limits, MotionLimits):
+        return
     step = float(np.median(np.diff(recording.t)))
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
     gaps = np.flatnonzero(recording.lost)
@@ -199,12 +191,9 @@ def _leaping(recording: Recording, case: Case) -> list[Problem]:
             jumps[row[(row >= 0) & (row < len(jumps))]] = 0.0
         leaps = _peaks(jumps, most)
         if len(leaps):
-            text = (
-                f"jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, which its limit "
-            )
-            text += f"of {limits.strut_velocity_m_s:g} m/s forbids"
-            problems.append((k + 1, text, _at(leaps + 1, len(recording.forces))))
-    return problems
+            text = f"jumps by up to {jumps.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, which its "
+            text += f"limit of {limits.strut_velocity_m_s:g} m/s forbids"
+            yield k + 1, text, _at(leaps + 1, len(recording.forces))
 
 
 def _from_neighbours(values: Array) -> Array:
@@ -270,7 +259,7 @@ def _peaks(size: Array, most: float) -> Indices:
     return np.asarray(large[(size[large] >= before) & (size[large] >= after)])
 
 
-def _outside(recording: Recording, case: Case) -> list[tuple[str, Flags]]:
+def _outside(recording: Recording, case: Case) -> list[Finding]:
     """Struts beyond what the machine can reach: a run of another machine, or a wrong offset."""
     if recording.struts is None or case.workspace is None:
         return []
@@ -281,12 +270,9 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Flags]]:
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
     also = f" (and {others} others)" if others else ""
-    value = recording.struts[row, worst] / MM
-    text = (
-        f"strut {worst + 1} of {value:.4g} mm{also} is outside the workspace of {low / MM:g} to {high / MM:g} mm; "
-        "check offset and order of the struts, or workspace.strut_length_mm"
-    )
-    return [(text, (beyond > 0.0).any(axis=1))]
+    text = f"strut {worst + 1} of {recording.struts[row, worst] / MM:.4g} mm{also} is outside the workspace of "
+    text += f"{low / MM:g} to {high / MM:g} mm; check offset and order of the struts, or workspace.strut_length_mm"
+    return [warning(Kind.CASE, text, places(recording.lines, (beyond > 0.0).any(axis=1)))]
 
 
 def cut_off(recording: Recording) -> list[Finding]:
@@ -314,18 +300,14 @@ def shorter_than_planned(recording: Recording) -> list[Finding]:
 
 def _require_standstills(recording: Recording) -> None:
     """Raises RecordingError where rows without a clock follow each other as samples of a motion do."""
-    sequences: Sequence[tuple[Array | None, float, str]] = (
-        (recording.struts, SMALL_STEP, "mm"),
-        (None if recording.rotations is None else recording.rotations.reshape(-1, 9), SMALL_TURN, "rad"),
-    )
-    for values, small, unit in sequences:
+    for values, small in ((recording.struts, SMALL_STEP), (recording.rotations, SMALL_TURN)):
         if values is None or len(values) < LEAST_ROWS:
             continue
-        first, second = np.diff(values, axis=0), np.diff(values, n=2, axis=0)
+        flat = values.reshape(len(values), -1)
+        first, second = np.diff(flat, axis=0), np.diff(flat, n=2, axis=0)
         step = float(np.median(np.abs(first).max(axis=1)))
-        rough = float(np.sqrt(np.mean(second**2)))
-        if 0.0 < step < small and rough < SMOOTH * float(np.sqrt(np.mean(first**2))):
-            distance = f"{step / MM:.3g} mm" if unit == "mm" else f"{step:.2g} rad"
+        if 0.0 < step < small and np.mean(second**2) < SMOOTH**2 * np.mean(first**2):
+            distance = f"{step / MM:.3g} mm" if values is recording.struts else f"{step:.2g} rad"
             raise RecordingError(
                 recording.source,
                 f"has no t_s column, yet its {len(values)} rows are {distance} apart and smooth like samples of a "

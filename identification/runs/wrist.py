@@ -23,7 +23,7 @@ from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_sam
 from identification.model import Model
 from identification.parameters import MASS
 from identification.recording import Recording
-from identification.runs.evaluation import DELAY_STEP
+from identification.runs.evaluation import DELAY_STEP, MOST_DELAY
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.runs.sample_checks import bridged
 from identification.samples import PlainSamples
@@ -136,7 +136,6 @@ def wrist_run(
     recording: Recording,
     case: Case,
     model: Model,
-    reach: float,
     biases: Biases | None = None,
     cutoff: float | None = None,
 ) -> WristRun:
@@ -144,7 +143,6 @@ def wrist_run(
 
     Args:
         recording: recording with forces, rotation matrices and an accelerometer.
-        reach: largest delay that will be asked for [s].
         biases: those of the accelerometer are taken from its readings.
         cutoff: cutoff of the filter [Hz]; by default the case's.
 
@@ -164,30 +162,29 @@ def wrist_run(
     cutoff = case.recording.filter_cutoff_Hz if cutoff is None else cutoff
     if cutoff is None:
         raise RecordingError("a moving run needs a filter; set recording.filter_cutoff_Hz in the case")
-    force_stream = recording.streams[0]
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
     flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
     beside = np.zeros(3) if biases is None else np.array(biases.require_accelerometer().bias_m_s2)
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
-    quaternion, of_orientation = _smooth(turning, quaternions * flips[:, None], band, reach)
-    specific, of_acceleration = _smooth(accelerometer, accelerometer.specific_forces - beside, cutoff, reach)
-    t, step = _equal_steps(force_stream)
-    low_pass = _filter(force_stream, cutoff, step, reach)
+    t, low_pass = _filter(recording, cutoff)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
-    invalid = spoilt_by(recording.bad, _lost(force_stream), low_pass)
+    lost, t = _lost(recording), t[inner]
     recorded = bridged(recording.forces, recording.bad)
-    smooth, t = low_pass.apply(recorded), t[inner]
-    invalid |= _spoilt_at(t, quaternion, of_orientation) | _spoilt_at(t, specific, of_acceleration)
+    smooth = low_pass.apply(recorded)
+    quaternion, without_turn = _smooth(turning, quaternions * flips[:, None], band, t)
+    specific, unmoved = _smooth(accelerometer, accelerometer.specific_forces - beside, cutoff, t)
+    invalid = spoilt_by(recording.bad, lost, low_pass) | without_turn | unmoved
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
     speed[invalid] = 0.0
     moving = np.flatnonzero(speed > TURNING)
     if not len(moving):
         raise IdentificationError("the sensor does not turn; record a motion, or remove t_s from averaged standstills")
-    inside = (t >= max(quaternion.x[0], specific.x[0]) + reach) & (t <= min(quaternion.x[-1], specific.x[-1]) - reach)
+    first, last = max(quaternion.x[0], specific.x[0]), min(quaternion.x[-1], specific.x[-1])
+    inside = (t >= first + MOST_DELAY) & (t <= last - MOST_DELAY)
     inside[: moving[0]] = inside[moving[-1] + 1 :] = False
     window = np.flatnonzero(inside)
-    missing = _lost(force_stream)[low_pass.margin + window[:-1]].sum() if len(window) else 0
+    missing = lost[low_pass.margin + window[:-1]].sum() if len(window) else 0
     share = float(np.sum(invalid[window])) + float(missing)
     rows = window[~invalid[window]]
     warnings = about_left_out(recording.source, share / max(len(window) + int(missing), 1), low_pass)
@@ -200,32 +197,29 @@ def wrist_run(
     )  # fmt: skip
 
 
-def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> tuple[CubicSpline, Flags]:
-    """A stream behind the filter, at any instant, and whether damage or a gap disturbs its samples, shape (m,)."""
-    t, step = _equal_steps(stream)
-    low_pass = _filter(stream, cutoff, step, reach)
+def _smooth(stream: Stream, values: Array, cutoff: float, at: Array) -> tuple[CubicSpline, Flags]:
+    """A stream behind the filter, and whether damage or a gap disturbs it beside some instants, shape (n,)."""
+    t, low_pass = _filter(stream, cutoff)
     signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, stream.bad)))
-    return signal, spoilt_by(stream.bad, _lost(stream), low_pass)
-
-
-def _spoilt_at(t: Array, signal: CubicSpline, spoilt: Flags) -> Flags:
-    """Whether a smooth stream is disturbed beside some instants, shape (n,)."""
-    after = np.clip(np.searchsorted(signal.x, t), 1, len(signal.x) - 1)
-    return np.asarray(spoilt[after] | spoilt[after - 1])
+    spoilt = spoilt_by(stream.bad, _lost(stream), low_pass)
+    after = np.clip(np.searchsorted(signal.x, at), 1, len(signal.x) - 1)
+    return signal, np.asarray(spoilt[after] | spoilt[after - 1])
 
 
 def _lost(stream: Stream) -> Indices:
     return lost_samples(stream.t, HOST_GAP)
 
 
-def _filter(stream: Stream, cutoff: float, step: float, reach: float) -> Filter:
+def _filter(stream: Stream, cutoff: float) -> tuple[Array, Filter]:
+    """Sampling instants of a stream behind the jitter of a host's stamps, and its filter."""
+    t, step = _equal_steps(stream)
     if not 1.5 * cutoff < 0.5001 / step:
         raise RecordingError(
             stream.source,
             f"{1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}",
             f"at most {1 / (3 * step):.3g}",
         )
-    return Filter(cutoff, step, reach)
+    return t, Filter(cutoff, step, MOST_DELAY)
 
 
 def widest_band(*streams: Stream) -> float:

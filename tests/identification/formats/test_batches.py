@@ -1,6 +1,7 @@
 """A long file is read block by block, each row with its line."""
 
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -8,8 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from identification.formats import reading
-from identification.formats.text import SIZE, read_blocks
+from identification.formats import reading, text
 from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, csv, written
@@ -40,7 +40,7 @@ def test_a_bad_value_is_marked_in_its_line(row: int, tmp_path: Path) -> None:
 
 
 def test_time_runs_forwards_across_blocks(tmp_path: Path) -> None:
-    rows = TEXT.encode()[:SIZE].count(b"\n") - 1  # of the first block
+    rows = TEXT.encode()[: text.SIZE].count(b"\n") - 1  # of the first block
     lines = TEXT.splitlines()
     lines[rows + 1] = "0," + lines[rows + 1].split(",", 1)[1]
     with pytest.raises(RecordingError, match=rf"line {rows + 2}, t_s: 0\.000000 s .* s; time must"):
@@ -76,10 +76,11 @@ def test_blocks_hold_each_line_once_with_its_number(
     lengths: list[int], size: int, above: int, below: int, newline: bool, tmp_path: Path
 ) -> None:
     lines = [str(k).encode() * n for k, n in enumerate(lengths)]
-    text = b"\n".join(lines) + b"\n" * newline
-    file = written(tmp_path, text or b"\n")
+    file = written(tmp_path, b"\n".join(lines) + b"\n" * newline or b"\n")
     found = {}
-    for first, data in read_blocks(file, above, below, size, kept=400):
+    with patch.object(text, "SIZE", size), patch.object(text, "KEPT", 400):
+        blocks = list(text.read_blocks(file, above, below))
+    for first, data in blocks:
         for k, line in enumerate(data.split(b"\n"), first):
             if line:
                 assert k not in found
