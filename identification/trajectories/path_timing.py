@@ -160,9 +160,9 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
 
     With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2.
     """
+    from toppra import SplineInterpolator
     from toppra.constraint import DiscretizationType, LinearConstraint
     from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
-    from toppra.interpolator import AbstractGeometricPath
 
     limits = case.need_motion("re-timing")[1]
     motion = path.at(shares * path.duration)
@@ -203,23 +203,5 @@ def _constraint(path: Trajectory, case: Case, shares: Array) -> tuple[Any, Any]:
                 first, second, np.zeros_like(first), twice, both, None, bounds, gridpoints, identical=True
             )
 
-    class Path(AbstractGeometricPath):  # type: ignore[misc]
-        """What toppra asks of a path; the coefficients above are all that it uses of it."""
-
-        @property
-        def dof(self) -> int:
-            """Coordinates."""
-            return int(motion.pose.shape[1])
-
-        @property
-        def path_interval(self) -> Array:
-            """Always 0 to 1: other intervals fail."""
-            return np.array([0.0, 1.0])
-
-        def __call__(self, share: Any, order: int = 0) -> Array:
-            """Pose or its derivatives with respect to s."""
-            state = path.at(np.atleast_1d(share) * path.duration)
-            values = (state.pose, state.rates * path.duration, state.accelerations * path.duration**2)
-            return np.asarray(values[order])
-
-    return AllLimits(), Path()
+    # Of the path the solver asks the number of coordinates and the interval of s alone: the coefficients are above.
+    return AllLimits(), SplineInterpolator([0.0, 1.0], motion.pose[[0, -1]])
