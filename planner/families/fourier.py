@@ -15,7 +15,7 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import Array
-from identification.trajectories.curves import FourierMotion, run_in, run_out
+from identification.trajectories.curves import FourierMotion
 from planner.families import Family, Layout, linear_rows
 from planner.families.states import linear_states
 
@@ -174,29 +174,6 @@ class FourierFamily(Family):
 
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
         """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""
-        series = self._series_maps(self._period)
-        if self.run_in:
-            begin = np.vstack([matrix[:1] for matrix in self._series_maps(np.zeros(1))[:3]])
-            centre = self._basis[:1]  # of coordinate x0: it is where the run-in begins
-            begin[:1] -= centre
-            lead = [m @ begin for m in run_in(self._led, self.run_in)]
-            back = [m @ begin for m in run_out(self._led, self.run_in)]
-            series = tuple(np.vstack(parts) for parts in zip(lead, series, back, strict=True))
-            outside = np.r_[0 : len(self._led), len(series[0]) - len(self._led) : len(series[0])]
-            series[0][outside] += centre
-        value, rate, acceleration, jerk = series
-        return value, rate, acceleration, jerk
-
-    def _series_maps(self, t: Array) -> tuple[Array, ...]:
-        basis = self._basis
-        w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
-        sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
-        one, zero = np.ones((len(t), 1)), np.zeros((len(t), 1))
-        rows = (
-            np.hstack([one, sine / w, -cosine / w]),
-            np.hstack([zero, cosine, sine]),
-            np.hstack([zero, -sine * w, cosine * w]),
-            np.hstack([zero, -cosine * w**2, -sine * w**2]),
-        )
-        scale = np.r_[1.0, np.full(2 * self.order, w[0])]
-        return tuple((r * scale) @ basis for r in rows)
+        q = self.unknowns  # coordinates here, of which each has one unknown that is 1
+        unit = replace(self, middle=np.zeros(q), half=np.ones(q)).motion(np.eye(q).ravel()).at(self.grid)
+        return unit.pose, unit.rates, unit.accelerations, unit.jerks
