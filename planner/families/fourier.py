@@ -141,16 +141,12 @@ class FourierFamily(Family):
             return float("inf")
         return 2 * np.pi * self.order / self.period
 
-    def _coefficients(self, unknowns: Array) -> tuple[Array, Array, Array]:
-        w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
-        # Unknowns of the basis are a_l / w_1 and so on in units of the box: all of order one.
-        values = self._basis @ unknowns.reshape(self.unknowns, -1) * self.half
-        return values[0], values[1 : self.order + 1] * w[0], values[self.order + 1 :] * w[0]
-
     def motion(self, unknowns: Array) -> FourierMotion:
         """The motion of the unknowns, shape (q n,), row by row."""
-        centre, a, b = self._coefficients(unknowns)
-        return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
+        # Unknowns of the basis are a_l / w and so on in units of the box: all of order one.
+        w, values = 2 * np.pi / self.period, self._basis @ unknowns.reshape(self.unknowns, -1) * self.half
+        a, b = values[1 : self.order + 1] * w, values[self.order + 1 :] * w
+        return FourierMotion(self.middle + values[0], a, b, self.period, self.repeats, self.run_in)
 
     def layout(self, case: Case, margin: float) -> Layout:
         """The motion, with the information at every second instant: enough for means at twice the highest frequency.

@@ -67,17 +67,9 @@ def _profile_state(share: float, times: ca.SX, phase: int) -> tuple[ca.SX, ca.SX
     return s, v, a
 
 
-def states_of_move(points: tuple[tuple[int, float], ...], coordinates: int) -> ca.Function:
-    """(start, end, three times) -> coordinates, rates, accelerations, each (n, S), at shares of phases."""
-    start, end, times = ca.SX.sym("start", coordinates), ca.SX.sym("end", coordinates), ca.SX.sym("times", 3)
-    states = [_state_of_move(start, end, times, point) for point in points]
-    outputs = [ca.horzcat(*(state[k] for state in states)) for k in range(3)]
-    return ca.Function("states_of_move", [start, end, times], outputs, {"cse": True})
-
-
-def _state_of_move(start: ca.SX, end: ca.SX, times: ca.SX, point: tuple[int, float]) -> tuple[ca.SX, ca.SX, ca.SX]:
-    phase, share = point
-    s, v, a = _profile_state(share, times, phase)
+def state_of_move(start: ca.SX, end: ca.SX, times: ca.SX, point: tuple[int, float]) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Coordinates, rates and accelerations of a move at a phase (0 to 6) and a share of it."""
+    s, v, a = _profile_state(point[1], times, point[0])
     way = end - start
     return start + s * way, v * way, a * way
 
@@ -178,7 +170,7 @@ class PointToPointFamily(Family):
             for point in points:
                 alike = sum(phase == point[0] for phase, _ in points)
                 share = _phases(times)[point[0]] / alike / self.duration
-                columns += [*_state_of_move(start, end, times, point), share]
+                columns += [*state_of_move(start, end, times, point), share]
             return KernelStates(index, Kernel(own, ca.vertcat(*columns)), state_size(n))
 
         tj, th, tc = ca.vertsplit(own[2 * n :])

@@ -19,7 +19,7 @@ from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.model import Model
 from identification.symbolic import over_samples
-from planner.families.ptp import PointToPointFamily, states_of_move
+from planner.families.ptp import PointToPointFamily, state_of_move
 from planner.search.problem import near_limits
 
 HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
@@ -45,10 +45,10 @@ POSE_REACHED = 0.995  # share of a limit of poses that walks may use
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
     """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
     square = (4 / 3 * times[0] + 2 * times[1]) / (times @ [4.0, 2.0, 1.0])  # mean of the squared acceleration
-    states = states_of_move(((1, 0.5), (5, 0.5)), model.coordinates)
-    pose, rates, accelerations = states.call([*ends, ca.DM(times)], True, False)
-    accelerations = np.sqrt(square) * accelerations
-    rows = [model.coordinate_regressor(pose[:, k], rates[:, k], accelerations[:, k]) for k in range(2)]
+    rows = []
+    for phase in (1, 5):
+        pose, rates, accelerations = state_of_move(ends[0], ends[1], ca.DM(times), (phase, 0.5))
+        rows.append(model.coordinate_regressor(pose, rates, np.sqrt(square) * accelerations))
     return ca.densify(ca.vertcat(*rows) @ ca.diag(ca.DM(scaling)) / np.sqrt(2))
 
 
@@ -60,9 +60,8 @@ _PLACES = (((0, 0.0), (3, 0.5), (6, 1.0)), ((3, 0.5),), ((1, 0.5), (5, 0.5)))  #
 def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
     excess, pose = ca.SX(0), ca.SX(0)
     for group in near_limits(case):
-        states = states_of_move(_PLACES[group.order], ends[0].numel()).call([*ends, ca.DM(times)], True, False)
-        for k in range(len(_PLACES[group.order])):
-            state = ca.vertcat(*(matrix[:, k] for matrix in states), 0)
+        for place in _PLACES[group.order]:
+            state = ca.vertcat(*state_of_move(ends[0], ends[1], ca.DM(times), place), 0)
             share = ca.mmax(ca.fabs(ca.substitute(group.kernel.expression, group.kernel.variables, state)))
             if group.order == 0:
                 pose = ca.fmax(pose, share)

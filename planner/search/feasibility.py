@@ -1,7 +1,4 @@
-"""Feasible motions: a motion shrunk inside every limit, and the keys to change where there is none.
-
-The criterion of a motion and whether it is feasible are computed anew, whatever a solver reports.
-"""
+"""Feasible motions: a motion shrunk inside every limit, and the keys to change where there is none."""
 
 from collections.abc import Mapping
 
@@ -10,38 +7,17 @@ import numpy as np
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import CRITERIA, Criterion, box_middle, singular_values, uniform_states
+from identification.criteria import box_middle, uniform_states
 from identification.limit import TOLERANCE, LimitCheck, LimitKind, LimitReport
 from identification.limit_proof import prove
 from identification.model import Model, machine_of
 from identification.motion import Standstill
 from identification.symbolic import over_samples
 from planner.families import Family
-from planner.noise import PoseErrors, information_of
 
 MARGIN = 1e-3  # unused share of every limit, for the rounding of program words and the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that shrinks a motion
 SMALLEST = 1e-6  # share of all distances below which nothing moves
-
-
-def rate(
-    model: Model,
-    scaling: Array,
-    family: Family,
-    unknowns: Array,
-    criterion: Criterion,
-    errors: PoseErrors | None = None,
-) -> float:
-    """Value of a criterion for a motion, to be maximised, in reference scaling and from its samples at 1 kHz.
-
-    Minus infinity where the motion does not determine all parameters.
-    """
-    information = information_of(model, scaling, family.motion(unknowns), errors)
-    try:
-        mu = singular_values(information, model.names)
-    except IdentificationError:
-        return -np.inf
-    return CRITERIA[criterion](mu)
 
 
 def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tuple[Array, float]:

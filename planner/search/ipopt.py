@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from cases.units import Array, Indices
-from planner.families.rows import LinearRows, StateRows
+from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import LinearStates
 from planner.precision import SolverStatus
 from planner.search.program import NonlinearProgram
@@ -164,11 +164,13 @@ def solve(
 
     sizes = {"f": 1, "x": n, "lam_x": n, "g": count, "lam_g": count}
     outputs = [(ca.nlpsol_out(k), sizes.get(ca.nlpsol_out(k), 0)) for k in range(ca.nlpsol_n_out())]
+    names = "mu_init", "mu_linear_decrease_factor", "mu_superlinear_decrease_power"
+    falling = {"mu_strategy": "adaptive"} if barrier is None else dict(zip(names, barrier, strict=True))
     settings = {
         **functions,
         **_QUIET,
         "iteration_callback": NumpyFunction("watch", outputs, [("stop", number)], iterate),
-        "ipopt": _IPOPT | _with_barrier(barrier) | {"max_iter": iterations},
+        "ipopt": _IPOPT | falling | {"max_iter": iterations},
     }
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
@@ -194,13 +196,6 @@ _IPOPT = {
     "tol": 1e-6,
     "mumps_pivot_order": _MINIMUM_DEGREE,
 }
-
-
-def _with_barrier(barrier: Barrier | None) -> dict[str, float | str]:
-    if barrier is None:
-        return {"mu_strategy": "adaptive"}
-    names = "mu_init", "mu_linear_decrease_factor", "mu_superlinear_decrease_power"
-    return dict(zip(names, barrier, strict=True))
 
 
 def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram, Array]:
@@ -230,7 +225,12 @@ def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram
     slopes = np.zeros((more, n))
     slopes[:, states.index[0]] = states.slope[used] / scale[np.nonzero(used)[2], None]
     ties = LinearRows.equation(csr_array(hstack([csr_array(slopes), -eye_array(more)])), 0.0)
-    wide = [_of_components(p, place, scale) if isinstance(p, StateRows) else _widened(p, n + more) for p in rows]
+    wide: list[Rows] = []
+    for part in rows:
+        if isinstance(part, StateRows):
+            wide.append(_of_components(part, place, scale))
+        else:
+            wide.append(replace(part, matrix=csr_array(hstack([part.matrix, csr_array((len(part.bound), more))]))))
     free = np.full(more, np.inf)
     lower, upper = np.concatenate([program.lower, -free]), np.concatenate([program.upper, free])
     wider = replace(program, rows=(*wide, ties), lower=lower, upper=upper)
@@ -252,10 +252,3 @@ def _of_components(part: StateRows, place: Indices, scale: Array) -> StateRows:
     slope[:, 0, components, np.arange(len(components))] = scale[components]
     own = LinearStates(index, states.offset[needed][:, None], slope)
     return replace(part, states=own, chosen=part.chosen[needed][:, None])
-
-
-def _widened(part: LinearRows, unknowns: int) -> LinearRows:
-    """The same rows, which do not depend on further unknowns."""
-    table = part.matrix
-    wide = type(table)((table.data, table.indices, table.indptr), shape=(table.shape[0], unknowns))
-    return replace(part, matrix=wide)

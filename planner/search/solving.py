@@ -11,17 +11,17 @@ from enum import Enum
 
 import numpy as np
 
-from cases.errors import HexciteError, InfeasiblePlan
+from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import Array
-from identification.criteria import Criterion, reference_scaling
+from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
 from identification.model import identification_model
 from planner.families import Family
-from planner.noise import PoseErrors, expected_noise, seen_through
+from planner.noise import PoseErrors, expected_noise, information_of, seen_through
 from planner.precision import SolverStatus
 from planner.search import Failed, StartRecord
 from planner.search.annealing import annealed_start
-from planner.search.feasibility import MARGIN, keep_limits, rate, require_rest
+from planner.search.feasibility import MARGIN, keep_limits, require_rest
 from planner.search.ipopt import Barrier, Watch, solve
 from planner.search.problem import build_program, largest_shares
 
@@ -171,8 +171,16 @@ class _Run:
         return self.stopped
 
     def rate(self, unknowns: Array, letter: Criterion | None = None) -> float:
-        """Value of the requested criterion, or of another; see `planner.search.feasibility.rate`."""
-        return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
+        """The requested criterion of a motion, or another: in reference scaling, from its samples at 1 kHz.
+
+        Minus infinity where the motion does not determine all parameters.
+        """
+        information = information_of(self.model, self.scaling, self.family.motion(unknowns), self.errors)
+        try:
+            mu = singular_values(information, self.model.names)
+        except IdentificationError:
+            return -np.inf
+        return CRITERIA[letter or self.task.criterion](mu)
 
     def begin(self) -> Array:
         """Unknowns at which the solver begins."""

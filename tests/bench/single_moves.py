@@ -25,7 +25,7 @@ from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.bounds.design import improved_weights
 from planner.bounds.information_limit import information_limit
-from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move
+from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, state_of_move
 from planner.planning import seeds_of
 from planner.search.problem import state_limits
 from planner.search.solving import Task, run_start
@@ -66,21 +66,19 @@ class Moves:
         lengths = (tj, th, tj, tc, tj, th, tj)
         total = 4 * tj + 2 * th + tc
         total_information = ca.SX(0)
-        states = states_of_move(INFORMATION_POINTS, 6)(start, end, x[12:] * family.unit)
-        for k, (phase, _) in enumerate(INFORMATION_POINTS):
-            scaled = model.coordinate_regressor.call([m[:, k] for m in states], True, False)[0] @ ca.diag(
-                ca.DM(scaling)
-            )
+        for phase, share in INFORMATION_POINTS:
+            state = state_of_move(start, end, x[12:] * family.unit, (phase, share))
+            scaled = model.coordinate_regressor.call(list(state), True, False)[0] @ ca.diag(ca.DM(scaling))
             total_information += lengths[phase] / ((1 if phase % 2 else 2) * total) * (scaled.T @ scaled)
         triangle = ca.densify(total_information)[ca.Sparsity.lower(len(scaling)).find()]
         velocity = (x[6:12] - x[:6]) / (2 * tj + th + tc)
         peaks = (velocity, velocity / (tj + th), velocity / (tj + th) / tj)
         scales = (family.half / limit / family.unit**order for order, limit in enumerate(family.limits, start=1))
         rows = [ca.DM(scale) * peak for scale, peak in zip(scales, peaks, strict=True)]
-        critical = states_of_move(CRITICAL_POINTS, 6)(start, end, x[12:] * family.unit)
+        critical = [ca.vertcat(*state_of_move(start, end, x[12:] * family.unit, at), 0) for at in CRITICAL_POINTS]
         for group in state_limits(case)[:STRUTS]:
             limit = ca.Function("limit", [group.kernel.variables], [group.kernel.expression])
-            rows += [limit(ca.vertcat(*(m[:, k] for m in critical), 0)) for k in range(len(CRITICAL_POINTS))]
+            rows += [limit(state) for state in critical]
         value, limits = ca.cse([-ca.dot(weights, triangle), ca.vertcat(*rows)])
         problem = {"x": x, "p": weights, "f": value, "g": limits}
         quiet = {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": 300}
