@@ -105,18 +105,13 @@ def paced(path: Trajectory, case: Case, margin: float, most: float, free: tuple[
     struts, of_struts = machine_of(case).further_drives(case, motion.pose, motion.rates, motion.accelerations)
     # derivatives of coordinates and struts with respect to s, shapes (n, c + k); third ones of the coordinates alone
     first, second = np.hstack([motion.rates, struts[0]]), np.hstack([motion.accelerations, struts[1]])
-    velocity, acceleration = (
-        np.concatenate([limits.rate, of_struts[0]]),
-        np.concatenate([limits.acceleration, of_struts[1]]),
-    )
-    velocity, acceleration, jerk = (limit * (1.0 - margin) for limit in (velocity, acceleration, limits.jerk))
-    shares = [
-        float((np.abs(values) / limit).max()) ** (1.0 / order)
-        for order, (values, limit) in enumerate(
-            ((first, velocity), (second, acceleration), (motion.jerks, jerk)), start=1
-        )
-    ]
-    own_pace = 1.0 / max(*shares, 1e-9)  # the largest share of the planned pace, the same all along, inside all limits
+    velocity = np.concatenate([limits.rate, of_struts[0]]) * (1.0 - margin)
+    acceleration = np.concatenate([limits.acceleration, of_struts[1]]) * (1.0 - margin)
+    jerk = limits.jerk * (1.0 - margin)
+    pairs = (first, velocity), (second, acceleration), (motion.jerks, jerk)
+    shares = [float((np.abs(values) / limit).max()) for values, limit in pairs]
+    # the largest share of the planned pace, the same all along, that is inside all limits
+    own_pace = 1.0 / max(1e-9, *(share ** (1.0 / order) for order, share in enumerate(shares, start=1)))
     knots = _knots(path.duration)
     basis = BSpline(np.concatenate([np.zeros(3), knots, np.full(3, path.duration)]), np.eye(len(knots) + 2), 3)
     at = [ca.sparsify(ca.DM(basis(s, nu=order))) for order in range(3)]
@@ -133,8 +128,7 @@ def paced(path: Trajectory, case: Case, margin: float, most: float, free: tuple[
         one, two, three = (ca.DM(v[:, k] / (limit * free[1])) for v in (first, second, motion.jerks))
         rows.append(three * p**3 + 3.0 * two * p * change + one * third)
     count = len(s)
-    weights = np.full(count, path.duration / count)
-    problem = {"x": x, "f": ca.dot(ca.DM(weights), 1.0 / p) / path.duration, "g": ca.vertcat(*rows)}
+    problem = {"x": x, "f": ca.sum1(1.0 / p) / count, "g": ca.vertcat(*rows)}
     options = {"ipopt": {"print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-6}, "print_time": False}
     solver = ca.nlpsol("pace", "ipopt", problem, options)
     begin = min(most, own_pace * float(min(h.min() for h in free)))
