@@ -178,7 +178,7 @@ def _by_errors(
         f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
     )
     sentence += "acceleration, of a controller that follows paths smoothly; --family ptp plans these moves"
-    return (other, smooth._replace(law_remark=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
+    return (other, smooth._replace(remark=sentence)) if times < 1.0 else (request, result._replace(laws=laws))
 
 
 def _explored(
@@ -251,7 +251,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     try:
         return rated_plan(request, case, result, seconds)
     except IdentificationError as error:
-        place = result.settings.get("sequence", f"no plan for model {request.model}")
+        place = str(result.settings.get("sequence", f"no plan for model {request.model}"))
         raise IdentificationError(place, f"{error.typed}") from error
 
 

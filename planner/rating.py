@@ -1,6 +1,6 @@
 """The plan of the motion from a search: its figures, and notes for the user."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
 from planner.bounds.information_limit import information_limit, known_bound
+from planner.families import Settings
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
 from planner.plan_figures import BINDING, Worth, bound_by, figures_of, predicted_std_of, worst_std
@@ -31,7 +32,7 @@ class PlannedMotion(NamedTuple):
     """The motion from a search, and the record of the search."""
 
     motion: Trajectory  # the best one, proven
-    settings: dict[str, Any]  # settings of its family
+    settings: Settings  # settings of its family
     limits: LimitReport
     starts: tuple[Start, ...] = ()  # the best one first
     failed: tuple[Failed, ...] = ()  # starts without a feasible motion
@@ -39,7 +40,7 @@ class PlannedMotion(NamedTuple):
     rival: Start | None = None  # start of another family, for comparison
     white: Start | None = None  # start for white noise alone, where a case states errors of the pose
     laws: BothLaws | None = None  # errors by both time laws of the moves on a machine that is not stiff
-    law_remark: str = ""  # why another family replaces moves with steps of acceleration
+    remark: str = ""  # what it replaces, and why: moves with steps of acceleration, or the path at another pace
 
     def of_rival(self, parameters: int) -> float:
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
@@ -196,10 +197,6 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
         )
     if len(choices := {start.family.choice for start in planned.starts}) > 1:
         words.append(f"{planned.starts[0].family.choice} is the best of {len(choices)} choices of order and period")
-    if (method := settings.get("retimed_with")) is not None:
-        before, off_mm, off_deg = (float(settings[k]) for k in ("duration_before_s", "off_path_mm", "off_path_deg"))
-        off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
-        words.append(f"re-timed with {method}: {motion.duration:.2f} s instead of {before:.2f} s{off}")
     if request.targets:
         predicted = {name: std for name, (std, _) in worst.items()}
         reached = (
@@ -207,7 +204,7 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
             for t in parse_targets(request.targets, case, request.model)
         )
         words.append(f"targets: {', '.join(reached)}")
-    if (knots := settings.get("knots")) is not None:
+    if isinstance(knots := settings.get("knots"), int):
         enough = enough_intervals(case, motion.duration)
         if knots < FEW_KNOTS * enough:
             words.append(
@@ -222,5 +219,5 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
     words += [
         f"{c.name} shapes the motion: with fewer weights in [payloads] it could carry more information" for c in forces
     ]
-    words += [planned.law_remark] if planned.law_remark else []
+    words += [planned.remark] if planned.remark else []
     return tuple(words if planned.laws is None else [*words, planned.laws.sentence])

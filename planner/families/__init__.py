@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from planner.families.ptp import PointToPointFamily
 
 
+Settings = Mapping[str, float | str | Sequence[str]]
+"""What a motion was made with, by the keys of `settings` in `plan.json`."""
+
+
 @dataclass(frozen=True)
 class Layout:
     """A family's motion as functions of its unknowns."""
@@ -50,8 +54,8 @@ class Family(Protocol):
         return self.name
 
     @property
-    def settings(self) -> Mapping[str, float]:
-        """Settings that were chosen before the search, for `plan.json`."""
+    def settings(self) -> Settings:
+        """Settings that were chosen before the search."""
         ...
 
     @property

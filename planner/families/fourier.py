@@ -7,7 +7,7 @@ space of these two rows, and the solver needs no constraint. Order 1 would have 
 coefficients, and a quintic leads from rest in the middle of its circle into it and back (`run_in`).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self
 
@@ -16,7 +16,7 @@ import numpy as np
 from cases.schema import Case
 from cases.units import Array
 from identification.trajectories.curves import FourierMotion
-from planner.families import Family, Layout, linear_rows
+from planner.families import Family, Layout, Settings, linear_rows
 from planner.families.states import linear_states
 
 START_SHARE = 0.8  # random starts use this share of the tightest limit: significantly different from zero, inside
@@ -71,7 +71,7 @@ class FourierFamily(Family):
     mending: ClassVar[int] = 20
 
     @property
-    def settings(self) -> Mapping[str, float]:
+    def settings(self) -> Settings:
         """Order, period and number of periods."""
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
         return own | ({"run_in_s": self.run_in} if self.run_in else {})

@@ -7,7 +7,7 @@ for n coordinates. For a controller that does not limit jerk tj is 0, moves are 
 The last move need not end where the first begins: a way back would cost moves with little information.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -23,7 +23,7 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
 from identification.motion import Joined
 from identification.trajectories.moves import StraightMove, fastest_profile, unit_profile
-from planner.families import Family, Layout
+from planner.families import Family, Layout, Settings
 from planner.families.rows import LinearRows, StateRows
 from planner.families.states import Kernel, KernelStates, LinearStates, state_size
 from postprocessors.dialects import dialect
@@ -124,7 +124,7 @@ class PointToPointFamily(Family):
         return "ptp, steps" if self.steps else self.name
 
     @property
-    def settings(self) -> Mapping[str, float]:
+    def settings(self) -> Settings:
         """Number of moves and duration."""
         return {"moves": self.moves, "duration_s": self.duration}
 

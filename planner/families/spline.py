@@ -7,7 +7,7 @@ which the rows leave free. The motion is at rest at its ends: the first three co
 and the same, and so are the last three. It need not end where it begins.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
 from typing import TYPE_CHECKING, ClassVar
@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import Array
 from identification.criteria import box_middle
 from identification.trajectories.curves import Piece, PolynomialMotion
-from planner.families import Family, Layout, linear_rows
+from planner.families import Family, Layout, Settings, linear_rows
 from planner.families.states import linear_states
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class SplineFamily(Family):
     mending: ClassVar[int] = 10
 
     @property
-    def settings(self) -> Mapping[str, float]:
+    def settings(self) -> Settings:
         """Number of intervals and duration."""
         return {"knots": self.intervals, "duration_s": self.duration}
 

@@ -29,6 +29,7 @@ from identification.trajectories.moves import (
     ruckig_profile,
 )
 from planner.bounds.information_limit import Bound, information_limit
+from planner.families import Settings
 from planner.noise import mean_information
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
@@ -232,13 +233,16 @@ def retimed_plan(found: Retimed, plan: Plan, model: int) -> Plan:
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
     source = plan.folder or Path(plan.name)
-    settings = {
+    before, off_mm, off_deg = found.before.duration, found.off_path[0] / MM, found.off_path[1] / DEG
+    settings: Settings = {
         "retimed_with": found.method,
         "retimed_from": str(source.resolve()),
-        "duration_before_s": found.before.duration,
-        "off_path_mm": found.off_path[0] / MM,
-        "off_path_deg": found.off_path[1] / DEG,
+        "duration_before_s": before,
+        "off_path_mm": off_mm,
+        "off_path_deg": off_deg,
         **({"stale": list(plan.stale)} if plan.stale else {}),
     }
-    request = replace(plan.of_motion[0], model=model, targets=())
-    return rated_plan(request, plan.case, PlannedMotion(found.motion, settings, found.after.limits), found.seconds)
+    off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
+    remark = f"re-timed with {found.method}: {found.motion.duration:.2f} s instead of {before:.2f} s{off}"
+    planned = PlannedMotion(found.motion, settings, found.after.limits, remark=remark)
+    return rated_plan(replace(plan.of_motion[0], model=model, targets=()), plan.case, planned, found.seconds)
