@@ -157,7 +157,10 @@ class TightDerivative:
         middle, wide = (low[:, 6:] + high[:, 6:]) / 2, (high[:, 6:] - low[:, 6:]) / 2
         forms = np.swapaxes(control.tables, -1, -2) @ (self.form @ control.tables)  # (n, 27, 15, 15)
         curvature = forms[:, :, _ACCELERATIONS, _ACCELERATIONS]
-        fixed = _fixed(control.products)
+        fixed = np.empty(
+            (len(low), 27, 8, 9)
+        )  # (1, x, y, products of rates) at control points of the rates and corners
+        fixed[..., 0], fixed[..., 1:3], fixed[..., 3:] = 1.0, _CORNERS[:, :2], control.products[:, :, None]
         coupled = np.einsum("nrwk,nakv->narwv", fixed, forms[:, :, _NOT_ACCELERATIONS, _ACCELERATIONS], optimize=True)
         rest = np.einsum(
             "nrwk,nakl->narwl", fixed, forms[:, :, _NOT_ACCELERATIONS][..., _NOT_ACCELERATIONS], optimize=True
@@ -240,15 +243,6 @@ class TightDerivative:
         shares[:, _ANGLES_AND_RATES] = _shares(self.features, values)
         shares[:, 12:] = accelerations
         return np.clip(shares, -1.0, 1.0)
-
-
-def _fixed(products: Array) -> Array:
-    """(1, x, y, products of rates) at the control points of the rates and the corners, shape (n, 27, 8, 9)."""
-    fixed = np.empty((len(products), 27, 8, 9))
-    fixed[..., 0] = 1.0
-    fixed[..., 1:3] = _CORNERS[:, :2]
-    fixed[..., 3:] = products[:, :, None]
-    return fixed
 
 
 def _largest(bend: Array, steep: Array, wide: Array) -> tuple[Array, Array]:

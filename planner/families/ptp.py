@@ -17,7 +17,7 @@ import numpy as np
 from cases.chain import Box
 from cases.controller import ControllerName
 from cases.schema import Case
-from cases.units import Array, Flags, Indices
+from cases.units import Array, Flags
 from identification.criteria import box_middle
 from identification.limit import LimitKind, LimitReport, Status
 from identification.limit_proof import PROOF_RATE
@@ -181,7 +181,9 @@ class PointToPointFamily(Family):
             ca.DM(self.half / limit / self.unit**order) * peak
             for order, (peak, limit) in enumerate(zip(maxima, self.limits, strict=True), start=1)
         ]
-        kernel = Kernel(own, ca.vertcat(*peaks))
+        kernel = Kernel(own, ca.vertcat(*peaks))  # of the unknowns of each move themselves
+        width = 2 * n + 3
+        own_states = LinearStates(index, np.zeros((count, 1, width)), np.tile(np.eye(width), (count, 1, 1, 1)))
         total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count
         edge = np.full(places, 1.0 - margin)
         lower, upper = self._time_bounds()
@@ -191,7 +193,7 @@ class PointToPointFamily(Family):
             peaks=tuple(np.tile(points, (count, 1)) for points in _PEAKS),
             rows=(
                 LinearRows.equation(csr_array(total[None, :]), 1.0),
-                StateRows(_plain_states(index), kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),
+                StateRows(own_states, kernel, np.ones((count, 1, kernel.size), dtype=bool), 1.0 - margin),
             ),
             lower=np.r_[-edge, lower.ravel()],
             upper=np.r_[edge, upper.ravel()],
@@ -279,12 +281,6 @@ class PointToPointFamily(Family):
         if self.steps:
             absent[:, 0] = False  # without it nothing accelerates
         return replace(self, absent=absent)
-
-
-def _plain_states(index: Indices) -> LinearStates:
-    """The unknowns of each move themselves, for what is limited as a function of them; shape (moves, m)."""
-    count, width = index.shape
-    return LinearStates(index, np.zeros((count, 1, width)), np.tile(np.eye(width), (count, 1, 1, 1)))
 
 
 def _largest_way(limits: Array, duration: float) -> float:

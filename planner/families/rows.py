@@ -30,13 +30,8 @@ class LinearRows:
         return cls(matrix, np.zeros(count, dtype=np.intp), np.ones(count, dtype=bool), np.ones(count), value)
 
     @property
-    def lower(self) -> Array:
-        """Lower bound of each row."""
-        return -self.upper if self.equal is None else self.upper
-
-    @property
     def upper(self) -> Array:
-        """Upper bound of each row."""
+        """Upper bound of each row; the lower one is its negative, or the same where rows are equal to a value."""
         return self.bound[self.chosen] if self.equal is None else np.full(int(self.chosen.sum()), self.equal)
 
     @cached_property
@@ -72,13 +67,8 @@ class StateRows:
     bound: float  # bound of all of them
 
     @property
-    def lower(self) -> Array:
-        """Lower bound of each row, -bound."""
-        return -self.upper
-
-    @property
     def upper(self) -> Array:
-        """Upper bound of each row, the bound."""
+        """Upper bound of each row; the lower one is its negative."""
         return np.full(int(self.chosen.sum()), self.bound)
 
     @cached_property

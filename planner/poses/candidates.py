@@ -14,7 +14,7 @@ from identification.limit import TOLERANCE
 from identification.model import Model
 from identification.motion import Array
 from planner.bounds.branch import Maximum
-from planner.bounds.design import EXCHANGED, LEVELS, Design, climb, directional, exchanged
+from planner.bounds.design import CLIMBS, EXCHANGED, LEVELS, SWEEPS, Design, climb, directional, exchanged
 from planner.pose_criteria import pose_regressors
 from planner.poses.space import JointSpace, space_of, standing_report, standing_shares
 from planner.search.feasibility import remedy
@@ -137,8 +137,6 @@ GAP = 5e-4  # dmax <= u (1 + GAP): the bound is then accurate to 0.05 % of effic
 SPACE_GAP = 1e-3
 FIRST = 2000  # candidates that a design begins with, at most
 STARTS = 60  # poses from which the largest derivative is searched for
-SWEEPS = 3  # sweeps over all coordinates
-CLIMBS = (0.15, 0.03)  # steps as shares of the half width of a coordinate
 
 
 def candidate_design(regressors: Array) -> Design:

@@ -172,7 +172,7 @@ def _choose(
     scaling: Array,
     done: Callable[[int], None],
 ) -> tuple[Array, str]:
-    """Chosen poses, shape (n, 6) [m, rad], their scaled regressors, and the result of the choice in one phrase.
+    """Chosen poses, shape (n, 6) [m, rad], and the result of the choice in one phrase.
 
     Raises:
         HexciteError: too many candidates for the method.

@@ -210,7 +210,7 @@ def lifted(program: NonlinearProgram, unknowns: Array) -> tuple[NonlinearProgram
     """
     from scipy.sparse import csr_array, eye_array, hstack
 
-    rows = [part for part in program.rows if len(part.lower)]
+    rows = [part for part in program.rows if len(part.upper)]
     limits = [part for part in rows if isinstance(part, StateRows)]
     states = limits[0].states if limits else None
     alike = all(part.states is states for part in limits)

@@ -101,7 +101,8 @@ class NonlinearProgram:
     @cached_property
     def row_bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of all rows, shapes (R,)."""
-        return (np.concatenate([part.lower for part in self.rows]), np.concatenate([part.upper for part in self.rows]))
+        lower = [part.upper if _equation(part) else -part.upper for part in self.rows]
+        return np.concatenate(lower), np.concatenate([part.upper for part in self.rows])
 
     @cached_property
     def pattern(self) -> tuple[Indices, Indices]:
@@ -111,12 +112,12 @@ class NonlinearProgram:
             own = part.pattern
             rows.append(own[0] + first)
             columns.append(own[1])
-            first += len(part.lower)
+            first += len(part.upper)
         return np.concatenate(rows), np.concatenate(columns)
 
     def information(self, unknowns: Array) -> Array:
         """Mean of H A^T A H over the motion, less what errors of the pose cost, shape (u, u)."""
-        states = _flat(self.states.at(unknowns))
+        states = np.concatenate(self.states.at(unknowns))
         regressors = self.regressor.values(states)
         if self.errors is not None:
             return self.errors.information(states, regressors)
@@ -139,7 +140,7 @@ class NonlinearProgram:
         last: list[tuple[Array, InformationOfStates]] = self.__dict__.setdefault("_last", [])
         if last and np.array_equal(last[0][0], unknowns):
             return last[0][1]
-        states = _flat(self.states.at(unknowns))
+        states = np.concatenate(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
         if self.errors is None:
             point = InformationOfStates.white(states, regressors, slopes, self.size)
@@ -215,7 +216,7 @@ class NonlinearProgram:
         first = 0
         at_states: dict[int, list[tuple[StateRows, Array]]] = {}
         for part in self.rows:
-            weights = multipliers[first : first + len(part.lower)]
+            weights = multipliers[first : first + len(part.upper)]
             first += len(weights)
             if isinstance(part, StateRows):
                 at_states.setdefault(id(part.states), []).append((part, weights))
@@ -243,11 +244,6 @@ class NonlinearProgram:
         along *= shares[:, None, None]
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
         return pulled_back(self.states, unknowns, along.reshape(*shape, shape[2]), pull.reshape(shape))
-
-
-def _flat(states: Array) -> Array:
-    """States one after the other, shape (K, d)."""
-    return states.reshape(-1, states.shape[2])
 
 
 def _equation(part: Rows) -> bool:

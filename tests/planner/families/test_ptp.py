@@ -52,7 +52,7 @@ def test_a_random_start_takes_the_duration_and_satisfies_the_limits_of_the_coord
     assert isinstance(peaks, StateRows)
     assert 0.9 < np.abs(peaks.values(start)).max() <= 1.0 + 1e-9
     assert duration.values(start) == pytest.approx(1.0, abs=1e-12)
-    assert duration.lower == duration.upper == 1.0
+    assert duration.upper == duration.equal == 1.0
 
 
 def test_it_is_at_rest_at_both_ends_and_between_its_moves(start: np.ndarray, family: PointToPointFamily):

@@ -19,7 +19,6 @@ from tests.planner.search.conftest import Small
 class Disc:
     """x^2 + y^2 over the first two of the unknowns, at most 1."""
 
-    lower: np.ndarray = field(default_factory=lambda: np.array([-1.0]))
     upper: np.ndarray = field(default_factory=lambda: np.array([1.0]))
     pattern: Any = (np.zeros(2, dtype=int), np.arange(2))
 
