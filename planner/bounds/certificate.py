@@ -157,9 +157,8 @@ class TightDerivative:
         middle, wide = (low[:, 6:] + high[:, 6:]) / 2, (high[:, 6:] - low[:, 6:]) / 2
         forms = np.swapaxes(control.tables, -1, -2) @ (self.form @ control.tables)  # (n, 27, 15, 15)
         curvature = forms[:, :, _ACCELERATIONS, _ACCELERATIONS]
-        fixed = np.empty(
-            (len(low), 27, 8, 9)
-        )  # (1, x, y, products of rates) at control points of the rates and corners
+        # (1, x, y, products of rates) at the control points of the rates and the corners
+        fixed = np.empty((len(low), 27, 8, 9))
         fixed[..., 0], fixed[..., 1:3], fixed[..., 3:] = 1.0, _CORNERS[:, :2], control.products[:, :, None]
         coupled = np.einsum("nrwk,nakv->narwv", fixed, forms[:, :, _NOT_ACCELERATIONS, _ACCELERATIONS], optimize=True)
         rest = np.einsum(

@@ -153,6 +153,7 @@ def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
     for other in (tighter, again):
         for old, new in zip(problem.rows, other.rows, strict=True):
             assert np.all(new.upper <= old.upper)
+        assert np.all(other.row_bounds[0] >= problem.row_bounds[0])
     factors = [min(1.0, (1.0 - MARGIN) / slip) for slip in slips]
     last = list(zip(problem.rows, tighter.rows, strict=True))[-len(problem.limits) :]
     for (old, new), factor in zip(last, factors[4:], strict=True):
