@@ -10,11 +10,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cases.errors import InfeasiblePlan, Interrupted
-from cases.poses import load_poses
 from cases.schema import Case
 from cases.units import Array
 from identification.model import full_model, identification_model, static_model
 from planner.bounds.information_limit import information_limit
+from planner.families.manual import load_poses
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c, require_plannable

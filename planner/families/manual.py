@@ -1,14 +1,16 @@
-"""Hand-made excitations: the moves, circles and pauses of a file, as fast as the limits allow."""
+"""Hand-made excitations: the moves, circles and pauses of a file, or its poses, as fast as the limits allow."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
-from cases.loading import find_case
-from cases.poses import Steps, load_poses, load_sequence
+from cases.loading import find_case, read_tables
+from cases.machine import POSE, Number, Part, Positive, own_units, si
 from cases.schema import Case
 from cases.units import Array
 from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
@@ -20,9 +22,95 @@ SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at a
 BISECTIONS = 12
 RATE = 2000.0  # [1/s]
 PLACES = 9  # places on the way of a step that are checked before it is timed
+MOST_STEPS = 1000
 STILL = 1e-9  # [m, rad] distance below which poses are the same
 
 Build = Callable[[float], Trajectory]
+
+
+class ManualStep(Part):
+    """A straight move to a pose relative to home, a full circle, or a pause."""
+
+    x_mm: Number = 0.0
+    y_mm: Number = 0.0
+    z_mm: Number = 0.0
+    a_deg: Number = 0.0
+    b_deg: Number = 0.0
+    c_deg: Number = 0.0
+    circle: Literal["XY", "ZX", "YZ"] | None = None
+    """A full circle in this plane; its centre lies at `radius_mm` from its start, against the plane's first axis."""
+    radius_mm: Positive | None = None
+    pause_s: Positive | None = None
+    speed: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 1.0
+    """Share of the limits of velocity; accelerations take its square, jerks its cube."""
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "ManualStep":
+        fields = self.model_fields_set
+        pose = fields & set(POSE)
+        if (self.circle is None) != (self.radius_mm is None):
+            raise ValueError("a circle needs circle and radius_mm, a move neither")
+        if sum((bool(pose), self.circle is not None, self.pause_s is not None)) > 1:
+            raise ValueError("a step is a move, a circle or a pause, not several; make separate steps")
+        return self
+
+    offset: ClassVar = si(*POSE)
+    """Pose relative to home, shape (6,) [m, rad]."""
+
+
+class Steps(Part):
+    """A hand-made excitation: it begins and ends standing at home."""
+
+    title: str
+    steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
+
+
+_WANTED = "name a TOML file of steps or a CSV of poses"
+
+
+def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
+    """Reads a sequence from a TOML file, for a machine whose coordinates, `columns`, are the pose of a platform.
+
+    Raises:
+        FileProblem: it is not there, or the machine has other coordinates.
+        CaseError: it describes no sequence; the message names the step.
+    """
+    if tuple(columns) != POSE:
+        raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
+    if not file.exists():
+        raise FileProblem(file, "cannot be read (No such file or directory)", _WANTED)
+    return read_tables(Steps, file)
+
+
+def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
+    """Reads poses from a CSV file with a column for each coordinate: of a platform absolute in {B}, or of joints.
+
+    Shape (n, columns) [m or rad]; names of columns end in mm or deg.
+
+    Raises:
+        FileProblem: it cannot be read, columns are missing, or a row holds no numbers.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileProblem(file, f"cannot be read ({error})", _WANTED) from error
+    rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    missing = [c for c in columns if c not in header]
+    if missing:
+        raise FileProblem(file, f"column {missing[0]} is missing", f"the first line must name {', '.join(columns)}")
+    if not 1 <= len(rows) - 1 <= MOST_STEPS:
+        raise FileProblem(file, f"holds {len(rows) - 1} poses", f"1 to {MOST_STEPS} make an excitation")
+    poses = []
+    for number, row in enumerate(rows[1:], start=1):
+        try:
+            values = [float(row[header.index(c)]) for c in columns]
+        except (ValueError, IndexError):
+            values = [float("nan")]
+        if not np.isfinite(values).all():
+            raise FileProblem(file, f"pose {number} holds no {len(columns)} numbers", "mend that line")
+        poses.append(values)
+    return np.asarray(np.array(poses) * own_units(columns))
 
 
 def sequence_file(case: Case) -> Path:

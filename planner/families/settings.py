@@ -10,13 +10,12 @@ import numpy as np
 from cases import checks_arguments
 from cases.controller import ControllerName
 from cases.errors import HexciteError
-from cases.poses import load_poses, load_sequence
 from cases.schema import Case
 from identification.criteria import Criterion, box_middle
 from identification.motion import Trajectory
 from planner.families import Family, ptp, spline
 from planner.families.fourier import FourierFamily
-from planner.families.manual import manual_motion, sequence_file
+from planner.families.manual import load_poses, load_sequence, manual_motion, sequence_file
 
 MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned

@@ -9,12 +9,12 @@ import pytest
 
 import hexcite as hx
 from cases.errors import HexciteError
-from cases.poses import load_poses
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
+from planner.families.manual import load_poses
 from planner.study import conduct, study_run
 from tests.helpers import HOME
 from tests.planner.command_line import call, refused
