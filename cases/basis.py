@@ -50,11 +50,6 @@ def study_basis(case: Case) -> dict[str, Any]:
     return values(case, (*_PLAN, "recording", "simulation")) | rate
 
 
-def study_hash(case: Case) -> str:
-    """Fingerprint of what the cells of a study depend on."""
-    return fingerprint(study_basis(case))
-
-
 def motion_hash(case: Case) -> str:
     """Fingerprint of what programs are proven against: machine, workspace and limits."""
     return fingerprint(values(case, _MOTION))

@@ -172,14 +172,11 @@ def _place(name: str, folder: Path | str | None) -> Path:
 
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class."""
-    inherited: dict[str, str] = {}
-    for base in part.__bases__:
-        if issubclass(base, Part):
-            inherited |= explanations(base)
-    (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    return inherited | {
+    bodies = (ast.parse(inspect.getsource(base)).body[0] for base in reversed(part.__mro__) if issubclass(base, Part))
+    return {
         field.target.id: " ".join(str(text.value.value).split())
-        for field, text in pairwise(body)
+        for body in bodies
+        for field, text in pairwise(ast.iter_child_nodes(body))
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
         if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
     }

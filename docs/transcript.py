@@ -13,7 +13,6 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 TOLERANCE = 0.3
 _BLOCK = re.compile(r"(?<=^```console\n)(.*?)(?=^```$)", re.M | re.S)
@@ -21,24 +20,12 @@ _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _REST = "..."
 
 
-class Step(NamedTuple):
-    """A command of a page.
-
-    Args:
-        command: as it is typed.
-        shown: lines that the page shows below it.
-    """
-
-    command: str
-    shown: tuple[str, ...]
-
-
-def steps_of(page: str) -> Iterator[Step]:
-    """The commands of a page with the lines below them."""
+def steps_of(page: str) -> Iterator[tuple[str, list[str]]]:
+    """The commands of a page as they are typed, each with the lines that the page shows below it."""
     for block in _BLOCK.findall(page):
         for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
             command, *shown = part.splitlines()
-            yield Step(command, tuple(shown))
+            yield command, shown
 
 
 def printed(command: str, folder: Path) -> list[str]:
@@ -91,10 +78,9 @@ def rewritten(page: str, folder: Path) -> str:
 
     def block(match: re.Match[str]) -> str:
         lines: list[str] = []
-        for step in steps_of(f"```console\n{match[1]}```\n"):
-            output = printed(step.command, folder)
-            shown = matched(step.shown, output) if step.shown else output
-            lines += [f"$ {step.command}", *shown]
+        for command, shown in steps_of(f"```console\n{match[1]}```\n"):
+            output = printed(command, folder)
+            lines += [f"$ {command}", *(matched(shown, output) if shown else output)]
         return "".join(f"{line}\n" for line in lines)
 
     return _BLOCK.sub(block, page)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.basis import KEPT, study_basis, study_hash
+from cases.basis import KEPT, study_basis
 from cases.controller import ControllerName
 from cases.errors import HexciteError
 from cases.schema import Case, fingerprint
@@ -131,7 +131,7 @@ def cell_key(settings: CellSettings, execute: ExecutionSpec | None, case: Case, 
     Only the used part of the case counts; the settings of the controller where it runs the plans.
     """
     executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
-    content = [settings, executed, study_hash(case), version]
+    content = [settings, executed, fingerprint(study_basis(case)), version]
     return fingerprint(content)
 
 

@@ -21,10 +21,10 @@ def test_the_tutorial_shows_what_its_commands_print(tmp_path: Path) -> None:
     page = (DOCS / "tutorial.md").read_text(encoding="utf-8")
     commands = list(transcript.steps_of(page))
     assert len(commands) >= 8
-    for step in commands:
-        now = transcript.matched(step.shown, transcript.printed(step.command, tmp_path))
-        for shown, line in zip(step.shown, now, strict=True):
-            assert not transcript.far_off(shown, line), f"{step.command}: shows {shown!r}, prints {line!r}"
+    for command, shown in commands:
+        now = transcript.matched(shown, transcript.printed(command, tmp_path))
+        for one, line in zip(shown, now, strict=True):
+            assert not transcript.far_off(one, line), f"{command}: shows {one!r}, prints {line!r}"
 
 
 def test_the_case_of_the_second_tutorial_is_a_case(tmp_path: Path) -> None:
