@@ -19,10 +19,9 @@ from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.channel_weights import EACH, full_weights, per_channel
-from identification.estimation.consistent import consistent_of
 from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
 from identification.estimation.force_noise import long_run_covariance
-from identification.estimation.nonlinear import nonlinear
+from identification.estimation.physical import consistent_of, nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.finding import Kind, note
 from identification.model import Model

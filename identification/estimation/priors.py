@@ -22,7 +22,7 @@ from identification.estimation.fit import (
     inverse_root,
 )
 from identification.estimation.force_noise import long_run_covariance, scores
-from identification.estimation.nonlinear import gauss_newton
+from identification.estimation.physical import gauss_newton
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import physical_form, require_names

@@ -9,18 +9,17 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from cases.errors import IdentificationError
-from identification.estimation import consistent as module
+from identification.estimation import physical as module
 from identification.estimation.channel_weights import per_channel
-from identification.estimation.consistent import consistent, pseudo_inertia
 from identification.estimation.estimators import estimate_selected
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
+from identification.estimation.physical import THINNEST, consistent, pseudo_inertia
 from identification.parameters import select
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, ONES, A, U, forces, truth_with
 from tests.identification.point_masses import PointMasses
 
 Array = np.ndarray
-THIN = 1e-3
 # Nearly a plate: I11 + I22 exceeds I33 by no more than the noise; half of all estimates lie on the wrong side.
 PLATE = truth_with(inertia_kg_m2=(1.2, 0.0, 0.0, 0.9, 0.0, 2.0999))
 
@@ -40,7 +39,7 @@ def bound(seed: int) -> tuple[Fit, tuple[Fit, float, float]]:
     """The seed-th inconsistent estimate, free and consistent with its rise of chi^2 and its probability."""
     seed = bound_seeds()[seed]
     start = free(seed)
-    return start, consistent(Regression(A, forces(seed, PLATE), NAMES), start, THIN)
+    return start, consistent(Regression(A, forces(seed, PLATE), NAMES), start)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -54,7 +53,7 @@ def test_the_pseudo_inertia_is_the_second_moment_of_mass(seed: int) -> None:
 
 def test_a_consistent_estimate_is_left_alone() -> None:
     start = free(0, U)
-    assert consistent(Regression(A, forces(0), NAMES), start, THIN) == (start, 0.0, 1.0)
+    assert consistent(Regression(A, forces(0), NAMES), start) == (start, 0.0, 1.0)
 
 
 def by_cholesky(start: Fit, guess: Array) -> tuple[float, Array]:
@@ -66,7 +65,7 @@ def by_cholesky(start: Fit, guess: Array) -> tuple[float, Array]:
         factor = np.zeros((4, 4))
         factor[lower] = x
         second = factor @ factor.T
-        sigma = second[:3, :3] + second[3, 3] * THIN**2 * np.eye(3)
+        sigma = second[:3, :3] + second[3, 3] * THINNEST**2 * np.eye(3)
         inertia = np.trace(sigma) * np.eye(3) - sigma
         return np.r_[second[3, 3], second[:3, 3], inertia[np.triu_indices(3)]]
 
@@ -107,7 +106,7 @@ def test_a_bound_body_is_as_thin_as_it_may_be(seed: int) -> None:
     second = pseudo_inertia(body)
     assert np.linalg.eigvalsh(second)[0] > 0.0
     about_centre = second[:3, :3] / body[0] - np.outer(body[1:4], body[1:4]) / body[0] ** 2
-    assert np.sqrt(np.linalg.eigvalsh(about_centre)[0]) == pytest.approx(THIN, rel=1e-3)
+    assert np.sqrt(np.linalg.eigvalsh(about_centre)[0]) == pytest.approx(THINNEST, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -116,7 +115,7 @@ def test_the_ellipsoid_of_the_free_estimate_holds_the_truth_at_least_as_often_ab
     inside, bounds = [], 0
     for seed in range(100):
         start = free(seed, truth)
-        result, rise, _ = consistent(Regression(A, forces(seed, truth), NAMES), start, THIN)
+        result, rise, _ = consistent(Regression(A, forces(seed, truth), NAMES), start)
         distance = [(v - truth) @ np.linalg.solve(start.covariance, v - truth) for v in (start.values, result.values)]
         assert distance[1] <= distance[0] + 1e-6
         inside.append(distance[1] / 20 <= stats.f.ppf(0.95, 20, start.freedom))
@@ -130,7 +129,7 @@ def test_luck_and_wrong_data_are_told_apart() -> None:
     assert min(bound(k)[1][2] for k in range(20)) > 1e-3
     impossible = PLATE.copy()
     impossible[NAMES.index("I33")] *= 1.5
-    _, rise, p_value = consistent(Regression(A, forces(0, impossible), NAMES), free(0, impossible), THIN)
+    _, rise, p_value = consistent(Regression(A, forces(0, impossible), NAMES), free(0, impossible))
     assert rise > 0.0
     assert p_value < 1e-6
 
@@ -141,7 +140,7 @@ def test_light_bodies_lost_in_noise_get_a_body_too(noise: float, seed: int) -> N
     truth = U.copy()
     truth[:10] = list(PointMasses(np.full(6, 0.1), PointMasses.drawn(seed).points * 0.2).parameters.values())
     measured = forces(seed, truth, noise)
-    result, *_ = consistent(Regression(A, measured, NAMES), gauss_markov(Regression(A, measured, NAMES), ONES), THIN)
+    result, *_ = consistent(Regression(A, measured, NAMES), gauss_markov(Regression(A, measured, NAMES), ONES))
     assert np.linalg.eigvalsh(pseudo_inertia(result.values[:10]))[0] > 0.0
 
 
@@ -151,7 +150,7 @@ def test_what_is_fixed_stays_fixed() -> None:
     for seed in range(10):
         measured = forces(seed, PLATE)
         start = estimate_selected(Regression(A, measured, NAMES), selection, lambda free: gauss_markov(free, ONES))
-        values = consistent(Regression(A, measured, NAMES), start, THIN)[0].values
+        values = consistent(Regression(A, measured, NAMES), start)[0].values
         assert (values[0], values[1], values[NAMES.index("k0")]) == (31.83, 0.0, 24.0)
         assert np.linalg.eigvalsh(pseudo_inertia(values[:10]))[0] > 0.0
 
@@ -161,7 +160,7 @@ def test_other_estimators_and_filters_are_served() -> None:
         per_channel(Regression(A, forces(1, PLATE), NAMES)),
         gauss_markov(Regression(A, forces(1, PLATE), NAMES, filtered=Filtered(0.1, 5)), ONES),
     ):
-        result, *_ = consistent(Regression(A, forces(1, PLATE), NAMES), start, THIN)
+        result, *_ = consistent(Regression(A, forces(1, PLATE), NAMES), start)
         np.testing.assert_allclose(result.residuals, forces(1, PLATE) - A @ result.values)
         assert result.covariance is start.covariance
         assert result.s0 == start.s0
@@ -176,21 +175,15 @@ def test_a_solver_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_model_without_inertia_is_refused() -> None:
     with pytest.raises(IdentificationError, match=r"I11, .*I33 .*; .*models 6 to 9") as caught:
-        consistent(Regression(A[:, :, :4], forces(0), NAMES[:4]), free(0), THIN)
+        consistent(Regression(A[:, :, :4], forces(0), NAMES[:4]), free(0))
     one_line(caught.value)
-
-
-@pytest.mark.parametrize("thinnest", [0.0, -1.0, np.inf, np.nan])
-def test_a_thickness_that_is_none_is_refused(thinnest: float) -> None:
-    with pytest.raises(IdentificationError, match="must be above zero"):
-        consistent(Regression(A, forces(0), NAMES), free(0), thinnest)
 
 
 def test_a_sensor_read_the_wrong_way_round_wants_a_negative_mass_and_gets_none() -> None:
     start = free(0, U)
     turned = replace(start, values=-start.values)
     try:
-        _, rise, p_value = consistent(Regression(A, -forces(0), NAMES), turned, THIN)
+        _, rise, p_value = consistent(Regression(A, -forces(0), NAMES), turned)
     except IdentificationError as error:
         one_line(error)
     else:

@@ -5,11 +5,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from identification.estimation import nonlinear as solver
+from identification.estimation import physical as solver
 from identification.estimation.estimators import estimate_selected
 from identification.estimation.fit import Filtered, Regression, gauss_markov
 from identification.estimation.force_noise import with_kernel
-from identification.estimation.nonlinear import nonlinear
+from identification.estimation.physical import nonlinear
 from identification.model import identification_model
 from identification.parameters import physical_form, select
 from tests.helpers import one_line, paper_poses, taylor_slope
