@@ -10,12 +10,11 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
 from cases.units import Array
-from identification.estimation.biases import gain, offset_moves
 from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, method
-from identification.estimation.fit import Fit, Regression, Value, joint_triangle
+from identification.estimation.fit import Fit, Regression, Value, inverse_root, joint_triangle
 from identification.estimation.force_noise import noise_covariance, whitening_of
 from identification.model import Model
-from identification.parameters import MASS, Selection
+from identification.parameters import MASS, Selection, offset_columns
 from identification.runs.evaluation import MOST_DELAY
 from identification.samples import Samples
 
@@ -95,13 +94,15 @@ def fit_samples(
     residuals = samples.residuals(columns[:, :, :own], fit.values[:own])
     taken, more = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance)
     if how.biases is not None:
-        moves = offset_moves(model, basis, columns, w)
+        offsets = offset_columns(model)
+        moves = -basis @ _gain(columns @ basis, w, columns[:, :, offsets])
+        moves[offsets] += np.eye(6)
         taken += moves @ how.biases.covariance @ moves.T
     unknowns, effects = len(model.names), None
     if how.biases is not None or fixed_delay is not None:
         effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
     if effects is not None:
-        moves = basis @ gain(columns @ basis, w, effects)
+        moves = basis @ _gain(columns @ basis, w, effects)
         if how.biases is not None:
             covariance = np.array(how.biases.require_accelerometer().covariance_m2_s4)
             taken += moves[:, 1:] @ covariance @ moves[:, 1:].T
@@ -125,16 +126,11 @@ def _converged(
     near: Array | None = None,
     steps: int = DELAY_STEPS,
 ) -> tuple[float, Array | None, Regression, Array | None]:
-    """Gauss-Newton over the delay: the delay, u, the regression there, and its whitening, where that is given.
+    """Gauss-Newton over the delay [s]: the delay, u, the regression there, and its whitening, where that is given.
 
     Args:
         beside: number of the run's nuisances that are estimated; without the last, the delay, that is fixed.
-        delay: delay to start from [s].
         near: u of a part of the run, shape (u,), with its delay: one step is then enough.
-        steps: number of steps, at most.
-
-    Raises:
-        IdentificationError: no delay brings forces and motion together.
     """
     forces, model, selection, weights = run.forces, run.model, method.selection(run.model), method.weights_for(sensors)
 
@@ -176,6 +172,14 @@ def _converged(
         )
     assert regression is not None
     return delay, values, regression, whitening
+
+
+def _gain(regressors: Array, w: Array, columns: Array) -> Array:
+    """How a fit weighted by W, shape (6, 6), changes with unit errors along columns, shape (n, 6, k), shape (v, k)."""
+    root = np.linalg.cholesky(w).T
+    weighted = (root @ regressors).reshape(-1, regressors.shape[2])
+    half = inverse_root(weighted)
+    return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
 
 
 def _whitening_from(matrices: Array, forces: Array, selection: Selection, model: Model, sensors: Sensors) -> Array:

@@ -220,6 +220,8 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
     """
     about = provenance(files)
     fit, how, model, case = estimate.fit, estimate.how, estimate.model, estimate.case
+    biases = how.biases
+    taken = biases.accelerometer.model_dump() if biases is not None and biases.accelerometer is not None else None
     standard = identification_model(case, model.number).names == model.names
     return ResultEntries(
         case=case.name,
@@ -238,7 +240,7 @@ def entries_of(estimate: Estimate, files: Sequence[Path] = (), **origin: Any) ->
         accelerometer=estimate.accelerometer,
         attenuation=estimate.attenuation,
         estimator=how.name,
-        biases=None if how.biases is None else how.biases.to_json(),
+        biases=None if biases is None else {"result": biases.source, "accelerometer": taken},
         weights=how.weights or case.sensors.weights,
         s0=fit.s0,
         s0_N=estimate.s0_N,

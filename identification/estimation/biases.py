@@ -8,7 +8,7 @@ Afterwards a channel that reads too much all along has drifted, or something pre
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import BaseModel, Field, NonNegativeFloat
@@ -16,7 +16,7 @@ from pydantic import BaseModel, Field, NonNegativeFloat
 from cases.errors import IdentificationError
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.fit import Fit, inverse_root
+from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import MASS, OFFSETS, offset_columns
@@ -81,13 +81,6 @@ class Biases:
         """The offsets as known values by name."""
         return dict(zip(OFFSET_NAMES, map(float, self.values), strict=True))
 
-    def to_json(self) -> dict[str, Any]:
-        """Entry of a result on the origin of its offsets."""
-        return {
-            "result": self.source,
-            "accelerometer": None if self.accelerometer is None else self.accelerometer.model_dump(),
-        }
-
     def require_accelerometer(self) -> AccelerometerBias:
         """The accelerometer's biases, without which fixed offsets would put them on the mass.
 
@@ -116,34 +109,6 @@ def mass_finding(model: Model, fit: Fit, taken: Array) -> Finding:
         f"of the mass's standard deviation of {variance**0.5:.2g} kg the offsets that were taken make {own**0.5:.2g} "
         f"kg; what this run leaves of its forces makes {max(variance - own, 0.0) ** 0.5:.2g} kg",
     )
-
-
-def gain(regressors: Array, w: Array, columns: Array) -> Array:
-    """How a weighted fit of `regressors` changes with unit errors along `columns`, shape (v, k).
-
-    Args:
-        regressors: A_j, shape (n, 6, v), of full rank.
-        w: W for one sample, shape (6, 6).
-        columns: C_j, shape (n, 6, k).
-    """
-    root = np.linalg.cholesky(w).T
-    weighted = (root @ regressors).reshape(-1, regressors.shape[2])
-    half = inverse_root(weighted)
-    return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
-
-
-def offset_moves(model: Model, basis: Array, matrices: Array, w: Array) -> Array:
-    """How the values of a fit change with unit errors of offsets that it took from another result, shape (u, 6).
-
-    Args:
-        basis: basis of what was free, shape (u, free).
-        matrices: A, shape (n, 6, u).
-        w: W for one sample, shape (6, 6).
-    """
-    offsets = offset_columns(model)
-    moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
-    moves[offsets] += np.eye(6)
-    return np.asarray(moves)
 
 
 def drift_findings(biases: Biases, model: Model, free: Fit) -> list[Finding]:

@@ -114,11 +114,10 @@ def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovarian
     """Effect of stationary noise at n equal steps: expected |rfft|^2 of the residuals, and B^T Gamma B.
 
     Args:
-        answer: B, the parameters answer to noise x with B^T x, shape (n, u).
-        taken: rfft of C, the fit takes C B^T x away, shape (n // 2 + 1, u).
+        answer: B, shape (n, u).
+        taken: rfft of C, shape (n // 2 + 1, u).
         here: 1 where there is a sample, 0 elsewhere, shape (n,).
         pairs: how often two samples are so many steps apart, shape (n,).
-        autocovariance: autocovariance of the noise, shape (n,).
     """
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
     response = toeplitz(autocovariance, answer)
@@ -128,14 +127,7 @@ def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovarian
 
 
 def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float) -> Array:
-    """B^T Gamma B of a channel with the autocovariance from its residuals, shape (u, u).
-
-    Args:
-        answer, basis: B and C, see `_seen`.
-        noise: residuals of variance 1, shape (n,), zero where there is no sample.
-        mask: 1 where there is a sample, shape (n,).
-        freedom: degrees of freedom of the channel.
-    """
+    """B^T Gamma B of a channel with the autocovariance from its residuals, shape (u, u); B and C as in `Turned`."""
     length = len(noise)
     pairs = np.maximum(np.round(products(mask)), 0.0)
     near = autoregressive(noise, mask, float(mask.sum()) / freedom)
@@ -151,11 +143,8 @@ def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float
 def _shares(power: Array, expected: Array) -> Array:
     """Shares of noises that make the power likeliest, none negative.
 
-    Multiplicative steps that never lose likelihood (Fevotte and Idier 2011, Neural Comput. 23:2421, beta = 0).
-
-    Args:
-        power: |rfft|^2 of residuals, shape (f,).
-        expected: autocovariance of each noise with share 1, shape (c, f).
+    Multiplicative steps that never lose likelihood (Fevotte and Idier 2011, Neural Comput. 23:2421, beta = 0), from
+    |rfft|^2 of residuals, shape (f,), and that expected of each noise with share 1, shape (c, f).
     """
     floor = NOTHING * float(expected.max())
     expected, power = np.maximum(expected, floor), np.maximum(power, floor)
@@ -259,12 +248,7 @@ def with_kernel(fit: Fit, regression: Regression) -> Fit:
 
 
 def noise_covariance(model: Model, sensors: Sensors, values: Array) -> Array:
-    """Covariance of a force sample of the body with parameters u by the noise that a case states, shape (6, 6).
-
-    Args:
-        sensors: they state noise of the forces.
-        values: u, shape (u,).
-    """
+    """Covariance of a force sample of the body with parameters u, of sensors that state noise of forces, (6, 6)."""
     force, acceleration = sensors.force_noise, sensors.acceleration_noise
     assert force is not None
     effects = acceleration_to_force(model, values) * (np.zeros(6) if acceleration is None else acceleration)

@@ -64,12 +64,7 @@ def independent(taken: Array) -> Array:
 
 
 def _solved(noise: Array, taken: Array, covariance: Array) -> tuple[Array, Array, Array, float]:
-    """P = V^-1 - H H^T over all channels.
-
-    Returns:
-        V^-1, shape (m, m), H, shape (m, s, r), P applied to the residuals, shape (m, s), and the logarithm of the
-        determinants' root.
-    """
+    """Of P = V^-1 - H H^T: V^-1, shape (m, m), H, shape (m, s, r), P times the residuals, log sqrt(determinants)."""
     count, channels = noise.shape
     jittered = covariance + JITTER * np.trace(covariance) / count * np.eye(count)
     factor, lower = cho_factor(jittered, lower=True)
@@ -225,10 +220,7 @@ def _near(data: Turned) -> Array:
 
 
 def _with_field(kernels: Array, squared: Array) -> Family:
-    """Sums of kernels, shape (c, m, m), and of a field over places at squared distances, shape (m, m).
-
-    Parameters: the shares, the field's last, and its length.
-    """
+    """Sums of kernels, shape (c, m, m), and of a field: shares, the field's last, and its length are parameters."""
     mixture, distance = mixtures(kernels), np.sqrt(squared)
 
     def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
@@ -248,11 +240,7 @@ def _field_covariance(data: Turned, places: Array, shares: Array) -> Array:
     """Covariance of half^-1 u by a field of variance `shares` in each channel, shape (u, u).
 
     As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so that
-    the length of the run does not count.
-
-    Args:
-        places: places in lengths of the field, shape (n, 6).
-        shares: shape (6,).
+    the length of the run does not count. Places are in lengths of the field, shape (n, 6).
     """
     offsets = places - places.mean(axis=0)
     waves = spectrum_of(places.shape[1])
