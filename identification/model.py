@@ -29,7 +29,7 @@ from identification.parameters import (
     State,
 )
 from identification.serial_chain import SerialChain
-from identification.strut_sensors import StrutLayout, rods, structure
+from identification.strut_sensors import StrutLayout, moving_struts, structure
 from identification.symbolic import Kinematics, Machine, gibbs, over_samples, rotation
 
 
@@ -86,7 +86,7 @@ class Model:
             motion: twist in {B}, shape (6,) [m/s, rad/s].
             motion_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
         """
-        gravity, hexapod = turn.T @ ca.DM(self.gravity), None if self.struts is None else self.struts.hexapod
+        gravity = turn.T @ ca.DM(self.gravity)
         state = State(
             x=position[0],
             y=position[1],
@@ -95,17 +95,18 @@ class Model:
             specific=turn.T @ motion_rate[:3] - gravity,
             omega=turn.T @ motion[3:],
             alpha=turn.T @ motion_rate[3:],
-            rods=None if hexapod is None else rods(hexapod, position, turn, motion, motion_rate, self.gravity),
         )
+        if self.struts is not None:
+            state = moving_struts(state, self.struts.hexapod, position, turn, motion, motion_rate, self.gravity)
         return self.at_state(state)
 
     def at_state(self, state: State) -> ca.SX:
         """A of (21) from what it depends on, shape (6, u)."""
         cartesian = ca.horzcat(ca.SX(6, 0), *(b.columns(state) for b in self.blocks if b.cartesian))
-        if state.rods is None:
+        if state.joints.is_empty():
             at_sensors = ca.DM(np.linalg.inv(self.structure)) @ cartesian  # J^T
         else:
-            at_sensors = ca.solve(structure(state.rods), cartesian)
+            at_sensors = ca.solve(structure(state), cartesian)
         widths = np.cumsum([0, *(len(b.parameters) for b in self.blocks if b.cartesian)])
         through = iter(ca.horzsplit(at_sensors, [int(w) for w in widths]))
         columns = [next(through) if b.cartesian else b.columns(state) for b in self.blocks]

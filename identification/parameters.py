@@ -31,18 +31,6 @@ class Parameter(NamedTuple):
     unit: str
 
 
-class Rods(NamedTuple):
-    """Motion of the struts of a hexapod in {P}, one column a strut (`identification.strut_sensors`)."""
-
-    joints: ca.SX  # platform joints, shape (3, 6) [m]
-    direction: ca.SX  # n from base to platform joint, shape (3, 6)
-    turning: ca.SX  # n', shape (3, 6) [1/s]
-    specific: ca.SX  # acceleration of the platform joints less gravity, shape (3, 6) [m/s^2]
-    gravity: ca.SX  # the same in each column, shape (3, 6) [m/s^2]
-    length: ca.SX  # l, shape (1, 6) [m]
-    speed: ca.SX  # l', shape (1, 6) [m/s]
-
-
 class State(NamedTuple):
     """What the regressor of one sample depends on, as expressions."""
 
@@ -53,7 +41,13 @@ class State(NamedTuple):
     specific: ca.SX  # acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2]
     omega: ca.SX  # angular velocity in {P}, shape (3,) [rad/s]
     alpha: ca.SX  # angular acceleration in {P}, shape (3,) [rad/s^2]
-    rods: Rods | None = None  # motion of the struts, where sensors sit in them
+    # motion of the struts with the platform, in {P}; no columns where the sensors do not sit in them
+    joints: ca.SX = ca.SX(3, 0)  # platform joints, shape (3, struts) [m]
+    direction: ca.SX = ca.SX(3, 0)  # n from base to platform joint, shape (3, struts)
+    turning: ca.SX = ca.SX(3, 0)  # n', shape (3, struts) [1/s]
+    specific_at_joints: ca.SX = ca.SX(3, 0)  # accelerations of these less gravity, shape (3, struts) [m/s^2]
+    length: ca.SX = ca.SX(1, 0)  # l, shape (1, struts) [m]
+    speed: ca.SX = ca.SX(1, 0)  # l', shape (1, struts) [m/s]
 
 
 class Block(NamedTuple):

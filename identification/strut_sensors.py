@@ -22,14 +22,10 @@ import numpy as np
 from cases.sensors import StrutSensors
 from cases.units import Array
 from identification.hexapod import Hexapod
-from identification.parameters import Block, Parameter, Rods, State
+from identification.parameters import Block, Parameter, State
 from identification.symbolic import rotation
 
 SLOW = 1e-3  # [rad/s] below which Coulomb friction of a joint, which has no value at rest, grows with the rate
-
-
-_Columns = Callable[[Rods, ca.SX], ca.SX]
-"""Rods and angular velocity of the platform -> wrench that each strut adds, shape (6, 6), one column a strut."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +45,10 @@ class StrutLayout:
 
     def structure_at(self, pose: ca.SX) -> ca.SX:
         """J^-T at a pose, shape (6, 6)."""
-        still = ca.SX.zeros(6)
-        return structure(rods(self.hexapod, pose[:3], rotation(pose[3:]), still, still, np.zeros(3)))
+        none, still = ca.SX.zeros(3), ca.SX.zeros(6)
+        state = State(none[0], none[1], none, none, none, none, none)
+        position, turn = pose[:3], rotation(pose[3:])
+        return structure(moving_struts(state, self.hexapod, position, turn, still, still, np.zeros(3)))
 
     @cached_property
     def structure_at_home(self) -> Array:
@@ -81,8 +79,10 @@ class StrutLayout:
         return values | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
 
 
-def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
-    """Motion of the struts with the platform.
+def moving_struts(
+    state: State, hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array
+) -> State:
+    """A state with the motion of a hexapod's struts.
 
     Args:
         position: origin of {P} in {B}, shape (3,) [m].
@@ -92,8 +92,7 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
         gravity: gravity in {B}, shape (3,) [m/s^2].
     """
     velocity, omega, acceleration, alpha = twist[:3], twist[3:], twist_rate[:3], twist_rate[3:]
-    columns: list[list[ca.SX]] = [[], [], [], []]
-    lengths, speeds = [], []
+    columns: list[list[ca.SX]] = [[], [], [], [], []]
     for base, joint in zip(hexapod.base, hexapod.platform, strict=True):
         arm = turn @ ca.DM(joint)
         strut = position + arm - ca.DM(base)
@@ -101,20 +100,18 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
         length = ca.norm_2(strut)
         direction = strut / length
         speed = ca.dot(direction, moving)
-        specific_force = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
-        vectors = (direction, (moving - speed * direction) / length, specific_force, ca.DM(gravity))
-        for column, vector in zip(columns, vectors, strict=True):
-            column.append(turn.T @ vector)
-        lengths.append(length)
-        speeds.append(speed)
-    joints = ca.SX(ca.DM(hexapod.platform.T))
-    direction, turning, specific_force, weight = (ca.horzcat(*column) for column in columns)
-    return Rods(joints, direction, turning, specific_force, weight, ca.horzcat(*lengths), ca.horzcat(*speeds))
+        at_joint = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
+        vectors = (direction, (moving - speed * direction) / length, at_joint)
+        for column, entry in zip(columns, (*(turn.T @ vector for vector in vectors), length, speed), strict=True):
+            column.append(entry)
+    names = ("direction", "turning", "specific_at_joints", "length", "speed")
+    of_struts = {name: ca.horzcat(*column) for name, column in zip(names, columns, strict=True)}
+    return state._replace(joints=ca.SX(ca.DM(hexapod.platform.T)), **of_struts)
 
 
-def structure(moving: Rods) -> ca.SX:
+def structure(state: State) -> ca.SX:
     """The columns (n_i; p_i x n_i) in {P}: forces in the struts -> force and moment on the platform, shape (6, 6)."""
-    return _wrench(moving, moving.direction)
+    return _wrench(state, state.direction)
 
 
 def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: bool = False) -> tuple[Block, ...]:
@@ -126,7 +123,7 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: boo
         viscous: whether the joints have viscous friction.
         coulomb: whether the joints have Coulomb friction.
     """
-    kinds: list[tuple[str, str, _Columns]] = [] if at_drive else [("mu", "kg", _rod_mass)]
+    kinds: list[tuple[str, str, Callable[[State], ca.SX]]] = [] if at_drive else [("mu", "kg", _rod_mass)]
     kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
     kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]
     if viscous:
@@ -136,26 +133,23 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: boo
     return tuple(_block(name, unit, columns, each) for name, unit, columns in kinds)
 
 
-def _block(name: str, unit: str, columns: _Columns, each: bool) -> Block:
-    def added(state: State) -> ca.SX:
-        assert state.rods is not None
-        of_each = columns(state.rods, state.omega)
-        return of_each if each else ca.sum2(of_each)
-
+def _block(name: str, unit: str, columns: Callable[[State], ca.SX], each: bool) -> Block:
+    """The block of wrenches that each strut adds, shape (6, 6), or of their sum."""
     names = [f"{name}_{k}" for k in range(1, 7)] if each else [name]
+    added = columns if each else lambda state: ca.sum2(columns(state))
     return Block(tuple(Parameter(name, unit) for name in names), added, True)
 
 
-def _wrench(moving: Rods, forces: ca.SX, moments: ca.SX | None = None) -> ca.SX:
+def _wrench(s: State, forces: ca.SX, moments: ca.SX | None = None) -> ca.SX:
     """Force and moment about the origin of {P} of forces in the platform joints, shapes (3, 6) -> (6, 6)."""
-    arms = [ca.cross(moving.joints[:, k], forces[:, k]) for k in range(6)]
+    arms = [ca.cross(s.joints[:, k], forces[:, k]) for k in range(6)]
     about = ca.horzcat(*arms) if moments is None else ca.horzcat(*arms) + moments
     return ca.vertcat(forces, about)
 
 
-def _across(moving: Rods, vectors: ca.SX) -> ca.SX:
+def _across(s: State, vectors: ca.SX) -> ca.SX:
     """The parts of vectors across the struts, shape (3, 6)."""
-    return vectors - moving.direction * _along(moving.direction, vectors)
+    return vectors - s.direction * _along(s.direction, vectors)
 
 
 def _along(one: ca.SX, other: ca.SX) -> ca.SX:
@@ -163,55 +157,60 @@ def _along(one: ca.SX, other: ca.SX) -> ca.SX:
     return ca.repmat(ca.sum1(one * other), 3, 1)
 
 
-def _bending(moving: Rods) -> ca.SX:
+def _bending(s: State) -> ca.SX:
     """The part of n'' across the struts, shape (3, 6) [1/s^2]."""
-    across = _across(moving, moving.specific + moving.gravity)
-    return (across - 2 * _three(moving.speed) * moving.turning) / _three(moving.length)
+    across = _across(s, s.specific_at_joints + _weight(s))
+    return (across - 2 * _three(s.speed) * s.turning) / _three(s.length)
+
+
+def _weight(s: State) -> ca.SX:
+    """Gravity, the same in each column, shape (3, 6) [m/s^2]."""
+    return ca.repmat(s.gravity, 1, 6)
 
 
 def _three(row: ca.SX) -> ca.SX:
     return ca.repmat(row, 3, 1)
 
 
-def _rod_mass(moving: Rods, _: ca.SX) -> ca.SX:
-    return _wrench(moving, _across(moving, moving.specific))
+def _rod_mass(s: State) -> ca.SX:
+    return _wrench(s, _across(s, s.specific_at_joints))
 
 
-def _first_moment(moving: Rods, _: ca.SX) -> ca.SX:
-    length = _three(moving.length)
-    inert = -2 * length * _bending(moving) - 2 * _three(moving.speed) * moving.turning
-    return _wrench(moving, (inert + _across(moving, moving.gravity)) / length)
+def _first_moment(s: State) -> ca.SX:
+    length = _three(s.length)
+    inert = -2 * length * _bending(s) - 2 * _three(s.speed) * s.turning
+    return _wrench(s, (inert + _across(s, _weight(s))) / length)
 
 
-def _first_moment_at_drive(moving: Rods, omega: ca.SX) -> ca.SX:
-    along = moving.direction * _along(moving.turning, moving.turning)
-    return _first_moment(moving, omega) + _wrench(moving, along)
+def _first_moment_at_drive(s: State) -> ca.SX:
+    along = s.direction * _along(s.turning, s.turning)
+    return _first_moment(s) + _wrench(s, along)
 
 
-def _inertia(moving: Rods, _: ca.SX) -> ca.SX:
-    return _wrench(moving, _bending(moving) / _three(moving.length))
+def _inertia(s: State) -> ca.SX:
+    return _wrench(s, _bending(s) / _three(s.length))
 
 
-def _tube(moving: Rods, _: ca.SX) -> ca.SX:
-    return _wrench(moving, -_across(moving, moving.gravity) / _three(moving.length))
+def _tube(s: State) -> ca.SX:
+    return _wrench(s, -_across(s, _weight(s)) / _three(s.length))
 
 
-def _spin(moving: Rods) -> ca.SX:
+def _spin(s: State) -> ca.SX:
     """Angular velocities n x n' of the struts, shape (3, 6) [rad/s]."""
-    return ca.horzcat(*(ca.cross(moving.direction[:, k], moving.turning[:, k]) for k in range(6)))
+    return ca.horzcat(*(ca.cross(s.direction[:, k], s.turning[:, k]) for k in range(6)))
 
 
-def _lateral(moving: Rods, moments: ca.SX) -> ca.SX:
+def _lateral(s: State, moments: ca.SX) -> ca.SX:
     """Forces across the struts that balance moments of their joints, shape (3, 6)."""
-    forces = [ca.cross(moving.direction[:, k], moments[:, k]) / moving.length[k] for k in range(6)]
+    forces = [ca.cross(s.direction[:, k], moments[:, k]) / s.length[k] for k in range(6)]
     return ca.horzcat(*forces)
 
 
-def _friction(moving: Rods, omega: ca.SX, platform: bool, coulomb: bool) -> ca.SX:
+def _friction(s: State, platform: bool, coulomb: bool) -> ca.SX:
     """Force and moment on the platform of friction in the struts' joints at the platform, or at the base."""
-    rates = _spin(moving) - ca.repmat(omega, 1, 6) if platform else _spin(moving)
+    rates = _spin(s) - ca.repmat(s.omega, 1, 6) if platform else _spin(s)
     moments = -(_directions(rates) if coulomb else rates)
-    return _wrench(moving, _lateral(moving, moments), moments if platform else None)
+    return _wrench(s, _lateral(s, moments), moments if platform else None)
 
 
 def _directions(rates: ca.SX) -> ca.SX:

@@ -7,7 +7,7 @@ import pytest
 from cases.schema import load_case
 from identification.hexapod import Hexapod
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, State
-from identification.strut_sensors import rods, structure, strut_blocks
+from identification.strut_sensors import moving_struts, structure, strut_blocks
 from identification.symbolic import rotation, twist, twist_rate
 
 CASE = load_case("hexapod")
@@ -31,13 +31,13 @@ def columns(at_drive: bool, each: bool = False, viscous: bool = False, coulomb: 
     pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("q", "v", "a"))
     turn = rotation(pose[3:])
     moved, rate = twist(pose, rates), twist_rate(pose, rates, accelerations)
-    moving = rods(HEXAPOD, pose[:3], turn, moved, rate, GRAVITY)
     specific = turn.T @ (rate[:3] - ca.DM(GRAVITY))
     none = ca.SX.zeros(1)
-    state = State(none, none, none, turn.T @ ca.DM(GRAVITY), specific, turn.T @ moved[3:], turn.T @ rate[3:], moving)
+    state = State(none, none, none, turn.T @ ca.DM(GRAVITY), specific, turn.T @ moved[3:], turn.T @ rate[3:])
+    state = moving_struts(state, HEXAPOD, pose[:3], turn, moved, rate, GRAVITY)
     blocks = (MASS, FIRST_MOMENT, INERTIA, *strut_blocks(at_drive, each, viscous, coulomb))
     wrenches = ca.horzcat(*(b.columns(state) for b in blocks))
-    return ca.Function("columns", [pose, rates, accelerations], [ca.solve(structure(moving), wrenches)])
+    return ca.Function("columns", [pose, rates, accelerations], [ca.solve(structure(state), wrenches)])
 
 
 def lagrange(above: float, first_above: float) -> ca.Function:
