@@ -67,13 +67,13 @@ def execute(
     run = carried_out(program, case, on)
     planned: Trajectory
     if program.reading.measures_at_poses:
-        planned = Joined(tuple(motion for _, motion in motions(program.reading, case, program.guarantees)))
+        planned = Joined(tuple(motion for _, motion in motions(program.reading, program.guarantees)))
         poses = program.reading.measured_poses
         seconds, off = stood(run, poses, program.path)
         rating = {"executed_s": seconds, "path_error_mm": off / MM, "d_efficiency_planned": None, "d_efficiency": None}
         rating["poses_m_rad"] = poses.tolist()
     else:
-        planned = planned_excitation(program, case)
+        planned = planned_excitation(program)
         rating = _rating(case, planned, run)
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     peaks = executed_peaks(run.execution, case)
@@ -126,7 +126,7 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
     except ProgramError as error:
         raise of_another(error, program.path, program.content, case) from error
     if on == ControllerName.VIRTUAL:
-        run = run_virtual(program.reading, case, program.guarantees)
+        run = run_virtual(program.reading, replace(program.guarantees, case=case))
     else:
         run = _on_linuxcnc(program, case, program.reading.measures_at_poses)
     if not len(run.trigger):

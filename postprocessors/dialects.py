@@ -200,7 +200,7 @@ class Program:
     @cached_property
     def proof(self) -> ProgramProof:
         """The proof of its limits; raises ProgramError where the motion is not defined."""
-        return self.proven or prove_program(self.reading, self.case, self.guarantees)
+        return self.proven or prove_program(self.reading, self.guarantees)
 
     @property
     def forecast(self) -> Forecast:

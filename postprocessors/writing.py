@@ -51,7 +51,7 @@ def proven_program(
     program = language.prepare(excitation_program(trajectory, case, header, speed), case)
     reading = language.read(language.write(program, case), str(path), case)
     guarantees = language.guarantees(reading, case)
-    proof = prove_program(reading, case, guarantees)
+    proof = prove_program(reading, guarantees)
     proof.require_accepted(accepted)
     if language.same is None:
         _require_same(program, reading, language.tolerance(case))

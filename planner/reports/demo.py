@@ -31,7 +31,7 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
     Args:
         answer: JSON answers of the steps: plan, post, check, run, identify, truth.
     """
-    case, result, planned = chain.plan.case, chain.result, planned_excitation(chain.program, chain.plan.case)
+    case, result, planned = chain.plan.case, chain.result, planned_excitation(chain.program)
     assert result.identifiability is not None
     assert result.residuals is not None
     run, plan = answer["run"], answer["plan"]

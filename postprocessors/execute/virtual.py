@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.schema import Case
 from identification.model import machine_of
 from identification.motion import Array, Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
@@ -22,22 +21,21 @@ REST = 0.2  # [s] recorded standstill before and after: filters need it, and use
 BLOCK = 100_000  # number of set points that are computed at once
 
 
-def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
+def run_virtual(reading: Reading, guarantees: Guarantees) -> ExecutedRun:
     """Executes a program that was read, starting from home; errors as `commanded`.
 
     Drives get a set point each cycle (`cycle_ms` of the case), and interpolate between them as those of LinuxCNC
     do: phases of the commanded motion that end within a cycle are spread over it, for encoders and sensors alike.
     """
-    settings = case.need_controller("a run")
-    motion, trigger = commanded(reading, case, guarantees)
-    machine, cycle = machine_of(case), settings.cycle
+    motion, trigger = commanded(reading, guarantees)
+    machine, cycle = machine_of(guarantees.case), guarantees.case.need_controller("a run").cycle
     t = np.minimum(np.arange(1 + np.ceil(motion.duration / cycle - 1e-9)) * cycle, motion.duration)
     blocks = np.array_split(t, 1 + len(t) // BLOCK)
     drives = np.vstack([machine.drives(motion.at(block).pose) for block in blocks])
     return ExecutedRun(NAME, Execution.of_set_points(machine, cycle, drives), trigger, real=False)
 
 
-def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joined, Array]:
+def commanded(reading: Reading, guarantees: Guarantees) -> tuple[Joined, Array]:
     """The motion that the controller commands, and start and end of each time the trigger is on, shape (k, 2) [s].
 
     Timed paths follow the curve through their points at their times; where that would exceed a limit of rates or
@@ -48,12 +46,13 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
         ProgramError: the motion is not defined.
         HexciteError: no pace of a path keeps the limits.
     """
+    case = guarantees.case
     home, _ = case.need_motion("a run")
     own = replace(guarantees, law=by_ruckig(guarantees.law))
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
     clock, on, at_poses = REST, False, reading.measures_at_poses
-    for stretch, motion in motions(reading, case, own):
+    for stretch, motion in motions(reading, own):
         part = motion
         if isinstance(motion, TimedPoints) and not keeps_pace(motion, case):
             try:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -33,10 +34,11 @@ def limits_jerk(law: Law) -> bool:
     return not (isinstance(profile, Profile) and profile.jerk_time == 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Guarantees:
-    """A controller as set up for one case and one program."""
+    """A controller as set up for one case and one program: the basis on which its limits are judged."""
 
+    case: Case
     controller: str  # name of the controller, for messages
     shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
     longest_block: float  # a timed block must not be longer: beyond it the time law is unknown [s]
@@ -59,20 +61,10 @@ class Guarantees:
         turning = math.sqrt(across * acceleration / angle)  # v^2 / r over the length r angle
         return self.law(min(velocity, turning), along * acceleration, along * jerk)
 
-
-Forecast = tuple[float, tuple[str, ...]]
-"""Predicted duration over planned duration of a program's timed paths, and remarks and remedies, one sentence each."""
-AS_PLANNED: Forecast = 1.0, ()
-
-
-@dataclass(frozen=True, slots=True)
-class Judge:
-    """The basis on which the limits of a program are judged."""
-
-    case: Case
-    guarantees: Guarantees
-    file: str  # name of the program, for messages
-    loads: Loads | None  # what the sensors carry; None where the case has no range or body
+    @cached_property
+    def loads(self) -> Loads | None:
+        """What the sensors carry; None where the case has no range or body."""
+        return Loads.of(self.case)
 
     @property
     def limits(self) -> Box:
@@ -81,7 +73,7 @@ class Judge:
 
     def status_of(self, kind: LimitKind) -> Status:
         """Whether the controller enforces a limit in a motion that it times."""
-        return Status.ENFORCED if kind.family in self.guarantees.enforced else Status.NOT_ENFORCED
+        return Status.ENFORCED if kind.family in self.enforced else Status.NOT_ENFORCED
 
     def prediction(
         self, check: LimitCheck, move: OwnMove = OwnMove.UNTIMED, status: Status | None = None
@@ -97,10 +89,15 @@ class Judge:
 
         No controller limits sensor forces. They are bounded where it enforces velocities and accelerations.
         """
-        if self.loads is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.guarantees.enforced:
+        if self.loads is None or not {LimitKind.VELOCITY, LimitKind.ACCELERATION} <= self.enforced:
             return None
         check = next((c for c in bound(self.loads) if c.kind is kind), None)
         return None if check is None or check.ratio > 1.0 else replace(check, of=check.of._replace(move=move))
+
+
+Forecast = tuple[float, tuple[str, ...]]
+"""Predicted duration over planned duration of a program's timed paths, and remarks and remedies, one sentence each."""
+AS_PLANNED: Forecast = 1.0, ()
 
 
 SHORTEST_POINTS = 1e-3  # least distance of points of a joint trajectory [s]: rounding of closer ones would add jerks
@@ -122,6 +119,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     polynomial = bool(_polynomials(reading))
     return Guarantees(
+        case,
         controller="SINUMERIK",
         shortest_block=settings.shortest_block_ms * MS,
         longest_block=math.inf if polynomial else LONGEST_POINTS,
@@ -149,6 +147,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
+        case,
         controller="TwinCAT",
         shortest_block=settings.shortest_block_ms * MS,
         longest_block=LONGEST_POINTS,
@@ -161,6 +160,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
 def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees of a robot: the text states speed and acceleration of each trapezoid; only its jerk is not proven."""
     return Guarantees(
+        case,
         controller="the robot",
         shortest_block=0.0,
         longest_block=0.0,
@@ -173,6 +173,7 @@ def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
 def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
     return Guarantees(
+        case,
         controller="joint_trajectory_controller",
         shortest_block=SHORTEST_POINTS,
         longest_block=math.inf,
@@ -187,6 +188,7 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees for a table, which states its time exactly: all limits are proven from the rows."""
     settings = case.need_settings(Setpoints, "a setpoint table")
     return Guarantees(
+        case,
         controller="setpoint generator",
         shortest_block=settings.cycle,
         longest_block=settings.cycle,

@@ -9,32 +9,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases.chain import Box
 from cases.errors import HexciteError
-from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import Limit, LimitCheck, LimitKind, OwnMove, Status
 from identification.limit_proof import limited_machine, prove
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.forces import forces_anywhere
-from postprocessors.proving.guarantees import Guarantees, Judge
+from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading import Arc, Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
     from postprocessors.dialects import Program
 
 
-def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMove | CircularMove | None:
+def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularMove | None:
     """The predicted motion of a move under the limits of the controller's set-up.
 
     None where its start is not known or nothing moves.
     """
     if part.start is None or not part.moves:
         return None
-    way = np.abs(part.end - part.start)
+    way, limits = np.abs(part.end - part.start), guarantees.limits
     if part.arc is not None:
-        return _arc(part, part.start, part.arc, limits, guarantees)
+        return _arc(part, part.start, part.arc, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
     if part.acceleration is not None:
@@ -42,11 +40,11 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
 
 
-def _arc(part: Untimed, start: Array, arc: Arc, limits: Box, guarantees: Guarantees) -> CircularMove:
+def _arc(part: Untimed, start: Array, arc: Arc, guarantees: Guarantees) -> CircularMove:
     plane, centre, angle = arc
     assert part.feed is not None
     first, second, _ = plane.axes
-    length = part.length
+    length, limits = part.length, guarantees.limits
     way = np.abs(part.end - start)
     way[[first, second]] = length  # either axis may carry all of it
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
@@ -54,15 +52,15 @@ def _arc(part: Untimed, start: Array, arc: Arc, limits: Box, guarantees: Guarant
     return CircularMove(start, part.end[3:], plane, centre, angle, law)
 
 
-def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:
+def motions(reading: Reading, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:
     """Each stretch of a program that takes time, with its motion as its controller is expected to make it."""
-    pose, limits = case.need_motion("a run")
+    pose, _ = guarantees.case.need_motion("a run")
     for part in reading.stretches:
         motion: Trajectory | None
         if isinstance(part, Timed):
             motion = part.points
         elif isinstance(part, Untimed):
-            motion = predicted(replace(part, start=pose), limits, guarantees)
+            motion = predicted(replace(part, start=pose), guarantees)
         else:
             motion = Standstill(pose, part.duration) if part.duration > 0.0 else None
         if motion is not None:
@@ -70,9 +68,9 @@ def motions(reading: Reading, case: Case, guarantees: Guarantees) -> Iterator[tu
             pose = motion.at([motion.duration]).pose[0]
 
 
-def planned_excitation(read: "Program", case: Case) -> Trajectory:
+def planned_excitation(read: "Program") -> Trajectory:
     """The programmed motion while the trigger is on; raises HexciteError where nothing moves then."""
-    excited = [motion for part, motion in motions(read.reading, case, read.guarantees) if part.trigger]
+    excited = [motion for part, motion in motions(read.reading, read.guarantees) if part.trigger]
     while excited and isinstance(excited[0], Standstill):  # pauses between moves count
         excited.pop(0)
     while excited and isinstance(excited[-1], Standstill):
@@ -88,7 +86,7 @@ _TRANSLATION = LimitKind.VELOCITY, LimitKind.ACCELERATION, LimitKind.JERK
 _ROTATION = LimitKind.ANGULAR_VELOCITY, LimitKind.ANGULAR_ACCELERATION, LimitKind.ANGULAR_JERK
 
 
-def way_home(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
+def way_home(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     """Limits of a move from an unknown pose, whose duration is not known either.
 
     The feed must not be above the case's safe feed (a rapid is), for obstacles cannot be checked on an unknown way.
@@ -112,7 +110,7 @@ def way_home(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
         yield proof or by.prediction(loose, OwnMove.WAY_HOME, Status.NOT_ENFORCED)
 
 
-def _of_own_axes(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
+def _of_own_axes(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     """Limits of axes of the machine's own, whose ways are unknown."""
     limits, share = by.limits, by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed
@@ -121,7 +119,7 @@ def _of_own_axes(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
     k = int(np.argmax(speeds / limits.rate))
     kind = LimitKind.ANGULAR_VELOCITY if limits.turns[k] else LimitKind.VELOCITY
     yield _feed_to_home(float(speeds[k]), share * float(limits.rate[k]), kind)
-    cycle = by.guarantees.jerk_time
+    cycle = by.jerk_time
     for own, (velocity, acceleration, jerking) in ((~limits.turns, _TRANSLATION), (limits.turns, _ROTATION)):
         if not own.any():
             continue
@@ -134,7 +132,7 @@ def _of_own_axes(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
         yield _row(jerking, 2.0 * peak / cycle if cycle > 0.0 else jerk, jerk, by)
 
 
-def _of_a_pose(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
+def _of_a_pose(part: Untimed, by: Guarantees) -> Iterable[LimitCheck]:
     """Limits of the coordinates of a pose, and of the drives behind it."""
     limits = by.limits
     rate = limits.rate.copy()
@@ -145,26 +143,26 @@ def _of_a_pose(part: Untimed, by: Judge) -> Iterable[LimitCheck]:
     k = int(np.argmax(rate[3:] / limits.rate[3:])) + 3
     yield _row(LimitKind.ANGULAR_VELOCITY, float(rate[k]), float(limits.rate[k]), by)
     # peaks by the controller's own law over a long way [m/s^2, rad/s^2]
-    laws = [by.guarantees.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
+    laws = [by.law(*v) for v in zip(rate, limits.acceleration, limits.jerk, strict=True)]
     peaks = np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
     yield _largest(LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION, peaks, limits.acceleration, by)
-    cycle = by.guarantees.jerk_time
+    cycle = by.jerk_time
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
     yield _largest(LimitKind.JERK, LimitKind.ANGULAR_JERK, jerks, limits.jerk, by)
     for kind, worst, most in limited_machine(by.case).from_anywhere(feed, rate, peaks):
         # rates of the drives follow from those of the pose, and so are enforced with these
-        follows = kind is LimitKind.STRUT_VELOCITY and worst <= most and LimitKind.VELOCITY in by.guarantees.enforced
+        follows = kind is LimitKind.STRUT_VELOCITY and worst <= most and LimitKind.VELOCITY in by.enforced
         yield _row(kind, worst, most, by, Status.ENFORCED if follows else None)
 
 
-def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, by: Judge) -> LimitCheck:
+def _largest(kind: LimitKind, angular: LimitKind, values: Array, limits: Array, by: Guarantees) -> LimitCheck:
     """The worst of all six coordinates, in its own unit, under the kind of translations."""
     k = int(np.argmax(values / limits))
     row = _row(kind, float(values[k]), float(limits[k]), by)
     return replace(row, unit=(kind if k < 3 else angular).unit)
 
 
-def _row(kind: LimitKind, worst: float, limit: float, by: Judge, status: Status | None = None) -> LimitCheck:
+def _row(kind: LimitKind, worst: float, limit: float, by: Guarantees, status: Status | None = None) -> LimitCheck:
     """A bound and its limit [SI]."""
     answer = by.status_of(kind) if status is None else status
     if answer is Status.ENFORCED:

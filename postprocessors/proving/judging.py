@@ -25,7 +25,7 @@ from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.forces import Steady, forces_along, forces_on
-from postprocessors.proving.guarantees import Judge
+from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted, way_home
 from postprocessors.reading import Still, Stretch, Timed, Untimed
 
@@ -35,14 +35,11 @@ SENSED = LimitKind.SENSOR_FORCE, LimitKind.SENSOR_MOMENT
 BY_TIME_LAW = LimitKind.ACCELERATION, LimitKind.JERK, LimitKind.STRUT_ACCELERATION
 
 
-def judge(part: Stretch, by: Judge) -> tuple[LimitReport, float]:
+def judge(part: Stretch, by: Guarantees) -> tuple[LimitReport, float]:
     """Limits of a stretch, on its own clock, and its duration [s].
 
     Timed paths and moves with the trigger on are excitations, with the box of `[limits.motion]`; moves without it take
     the machine to a place, with the limits of `[workspace]`, as the rows of a table, in which every move is timed.
-
-    Raises:
-        ProgramError: a timed block that the controller cannot time as written.
     """
     if isinstance(part, Timed):
         return LimitReport(tuple(_timed(part, by))), part.points.duration
@@ -50,7 +47,7 @@ def judge(part: Stretch, by: Judge) -> tuple[LimitReport, float]:
         return LimitReport(()), part.duration
     if part.start is None:
         return LimitReport(tuple(way_home(part, by))), 0.0
-    motion = predicted(part, by.limits, by.guarantees)
+    motion = predicted(part, by)
     if motion is None:
         return prove(Standstill(part.end, 0.0), by.case, 1.0, part.trigger), 0.0
     return LimitReport(tuple(_own_time(part, motion, by))), motion.duration
@@ -59,55 +56,54 @@ def judge(part: Stretch, by: Judge) -> tuple[LimitReport, float]:
 PARTS = 1e-3  # share of a cycle by which a block may differ from whole ones: rounding of F
 
 
-def _require_timing(part: Timed, by: Judge) -> None:
+def require_timing(part: Timed, by: Guarantees, file: str) -> None:
     """Raises ProgramError for a block that is below a cycle, and would last longer, or too long for a known law."""
-    own, steps = by.guarantees, np.diff(part.points.times)
-    cycles = steps / own.shortest_block if own.whole_cycles else np.zeros(1)
+    steps = np.diff(part.points.times)
+    cycles = steps / by.shortest_block if by.whole_cycles else np.zeros(1)
     for mask, sentence in (
         (
-            steps < own.shortest_block * (1 - 1e-6),
-            "the block takes {ms:.4g} ms, less than a cycle of {own.controller} ({cycle:g} ms); write longer blocks "
-            "({own.block_key})",
+            steps < by.shortest_block * (1 - 1e-6),
+            "the block takes {ms:.4g} ms, less than a cycle of {by.controller} ({cycle:g} ms); write longer blocks "
+            "({by.block_key})",
         ),
         (
-            steps > own.longest_block * (1 + 1e-6),
-            "the timed block takes {s:.4g} s; how {own.controller} moves within more than {own.longest_block:g} s is "
-            "not known: write shorter blocks ({own.block_key}), or a move at a feed (G94) with an exact stop",
+            steps > by.longest_block * (1 + 1e-6),
+            "the timed block takes {s:.4g} s; how {by.controller} moves within more than {by.longest_block:g} s is "
+            "not known: write shorter blocks ({by.block_key}), or a move at a feed (G94) with an exact stop",
         ),
         (
             np.abs(cycles - np.round(cycles)) > PARTS,
-            "the block takes {ms:.6g} ms, not whole cycles of {own.controller} ({cycle:g} ms), which leaves out the "
-            "rest and is faster: write whole ones ({own.block_key})",
+            "the block takes {ms:.6g} ms, not whole cycles of {by.controller} ({cycle:g} ms), which leaves out the "
+            "rest and is faster: write whole ones ({by.block_key})",
         ),
     ):
         if mask.any():
             k = int(np.argmax(mask))
-            words = sentence.format(own=own, ms=1e3 * steps[k], s=steps[k], cycle=1e3 * own.shortest_block)
-            raise ProgramError(by.file, part.lines[k], 0, words)
+            words = sentence.format(by=by, ms=1e3 * steps[k], s=steps[k], cycle=1e3 * by.shortest_block)
+            raise ProgramError(file, part.lines[k], 0, words)
 
 
-def _timed(part: Timed, by: Judge) -> Iterable[LimitCheck]:
+def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:
     """Checks of a timed path: values between its points are proven only where the controller follows the curve."""
-    _require_timing(part, by)
     in_box = part.trigger or not isinstance(part.points, Tabulated)
     report = prove_path(part.points, part.points.times, by.case, in_box)
     if isinstance(part.points, PolynomialMotion):
-        steps = tuple(joint_checks(part.points, by.limits, by.guarantees.shortest_block))
+        steps = tuple(joint_checks(part.points, by.limits, by.shortest_block))
         report = worst_of([report, LimitReport(steps)])
     for check in report.checks:
         kind = check.kind.family
-        if by.guarantees.follows_paths:
+        if by.follows_paths:
             yield check
         elif kind in SENSED:
             proof = by.proven_forces(kind, lambda loads: forces_on(loads, part.points))
             yield proof or replace(check, status=Status.NOT_ENFORCED)
-        elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
+        elif kind in BY_TIME_LAW or (kind in RATES and not by.even_blocks):
             yield replace(check, status=by.status_of(check.kind))
         else:
             yield check
 
 
-def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge) -> Iterable[LimitCheck]:
+def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -> Iterable[LimitCheck]:
     """Checks of a move: geometry and programmed speed are proven; values from the controller's law are predicted.
 
     Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
@@ -146,9 +142,9 @@ def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Judge) -> 
                 yield check
 
 
-def _jerk(check: LimitCheck, motion: Trajectory, by: Judge) -> LimitCheck:
+def _jerk(check: LimitCheck, motion: Trajectory, by: Guarantees) -> LimitCheck:
     """The check of jerk: without a jerk limit accelerations step within a cycle, by twice the peak at a reversal."""
-    cycle = by.guarantees.jerk_time
+    cycle = by.jerk_time
     if cycle <= 0.0:
         return by.prediction(check)
     axes = by.limits.turns if check.kind is LimitKind.ANGULAR_JERK else ~by.limits.turns
@@ -160,14 +156,14 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Judge) -> LimitCheck:
     return by.prediction(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
 
 
-def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Judge) -> Iterable[LimitCheck]:
+def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -> Iterable[LimitCheck]:
     """Velocities at the programmed feed from end to end, whether or not the controller slows down.
 
     For a rapid, velocities at the limits of the coordinates, if the controller enforces these.
     """
     if part.feed is not None:
         speed = part.feed / part.length
-    elif LimitKind.VELOCITY in by.guarantees.enforced and isinstance(motion, StraightMove):
+    elif LimitKind.VELOCITY in by.enforced and isinstance(motion, StraightMove):
         way = np.abs(motion.end - motion.start)
         speed = float(np.min(by.limits.rate[way > 0.0] / way[way > 0.0]))
     else:

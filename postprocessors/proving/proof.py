@@ -11,9 +11,8 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit import KINETIC, LimitCheck, LimitKind, LimitReport, Status, worst_of
 from identification.motion import Array
-from identification.overload import Loads
-from postprocessors.proving.guarantees import Guarantees, Judge
-from postprocessors.proving.judging import judge
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.judging import judge, require_timing
 from postprocessors.reading import Reading, Still, Timed, Untimed
 
 MOST_TIMES = 10.0  # multiple of a limit above which the number itself does not matter
@@ -112,7 +111,7 @@ class ProgramProof:
             raise ProgramError(self.file, first.line, 0, f"{first.sentence()}; {remedy}{more}")
 
 
-def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> ProgramProof:
+def prove_program(reading: Reading, guarantees: Guarantees) -> ProgramProof:
     """Proves a program that was read.
 
     Timed paths are proven at 10 kHz, or at a hundred samples a block where blocks are longer than 10 ms, under the
@@ -126,12 +125,13 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     """
     if not any(isinstance(part, Timed | Untimed) for part in reading.stretches):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
-    by = Judge(case, guarantees, reading.file, Loads.of(case))
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[LimitCheck] = []
     for part in reading.stretches:
-        report, duration = judge(part, by)
+        if isinstance(part, Timed):
+            require_timing(part, guarantees, reading.file)
+        report, duration = judge(part, guarantees)
         for check in report.violations:
             line = part.line_at(check.time) if isinstance(part, Timed) else part.line
             violations.append(replace(check, line=line, time=check.time + clock))
@@ -147,7 +147,7 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
         excitation,
         worst_of(reports),
         worst_first,
-        tuple(remarks(reading, case)),
+        tuple(remarks(reading, guarantees.case)),
     )
 
 

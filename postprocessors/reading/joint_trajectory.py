@@ -6,7 +6,6 @@ Between points with position, rate and acceleration `joint_trajectory_controller
 
 import re
 from itertools import pairwise
-from typing import NoReturn
 
 import numpy as np
 
@@ -19,8 +18,11 @@ LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096
 _KEYS = ("positions", "velocities", "accelerations", "time_from_start")
 _LIST = re.compile(r"\[([^\[\]]*)\]$")
-_TIME = re.compile(r"\{\s*sec:\s*(\d+)\s*,\s*nanosec:\s*(\d+)\s*\}$")
+_TIME = re.compile(r"  time_from_start: \{\s*sec:\s*(\d+)\s*,\s*nanosec:\s*(\d+)\s*\}$")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+_Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
 
 
 def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
@@ -29,82 +31,74 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     The recording has no trigger: the whole motion counts as the excitation.
     """
     chain, _ = case.need_chain("a joint trajectory")
-    reader = _Reader(file, program_lines(content, file, LONGEST_LINE))
-    names, points = reader.message()
+    texts = (text.split("#", 1)[0].rstrip() for text in program_lines(content, file, LONGEST_LINE))
+    lines = [(number, code) for number, code in enumerate(texts, 1) if code]
+    if len(lines) < 3:
+        raise ProgramError(file, 0, 0, "has no joint_names and points; is this a JointTrajectory?")
+    (line, first), (place, second), *rest = lines
+    names = [name.strip().strip("'\"") for name in _list_of((file, line, 0), first, "joint_names: ")]
+    if second != "points:":
+        problem = f"{second.strip()[:24]!r} where `points:` is expected; write joint_names, then points"
+        raise ProgramError(file, place, 0, problem)
+    if len(rest) % len(_KEYS):
+        problem = f"the last point is not complete; a point has {', '.join(_KEYS)}"
+        raise ProgramError(file, rest[-1][0], 0, problem)
+    groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
+    points = [_point(group, len(names), file) for group in groups]
     if names != list(chain.names):
-        reader.fail(reader.named, f"joints {', '.join(names)} are not those of the case, {', '.join(chain.names)}")
-    return _grouped(reader, points).reading(len(points))
+        problem = f"joints {', '.join(names)} are not those of the case, {', '.join(chain.names)}"
+        raise ProgramError(file, line, 0, problem)
+    return _grouped(file, points).reading(len(points))
 
 
-_Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
+def _point(group: list[tuple[int, str]], count: int, file: str) -> _Point:
+    rows = []
+    for mark, key, (line, code) in zip("-  ", _KEYS[:3], group, strict=False):
+        words = _list_of((file, line, 0), code, f"{mark} {key}: ")
+        if len(words) != count:
+            raise ProgramError(file, line, 0, f"{key} has {len(words)} numbers for {count} joints; correct it")
+        for word in map(str.strip, words):
+            if not _NUMBER.fullmatch(word) or abs(float(word)) > LARGEST:
+                problem = f"{word[:24]!r} is not a plain number below {LARGEST:g}; correct it"
+                raise ProgramError(file, line, 0, problem)
+        rows.append([float(word) for word in words])
+    line, code = group[3]
+    time = _TIME.match(code)
+    if time is None or int(time[2]) >= 10**9:
+        problem = "expected `  time_from_start: {sec: .., nanosec: ..}` with less than 10^9 nanoseconds"
+        raise ProgramError(file, line, 0, problem)
+    return group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9
 
 
-class _Reader:
-    """Lines of the message, one key each; positions of what is wrong."""
-
-    def __init__(self, file: str, lines: list[str]) -> None:
-        self.file, self.named = file, 0
-        self.lines = [
-            (number, code) for number, text in enumerate(lines, 1) if (code := text.split("#", 1)[0].rstrip()).strip()
-        ]
-
-    def fail(self, line: int, problem: str) -> NoReturn:
-        raise ProgramError(self.file, line, 0, problem)
-
-    def message(self) -> tuple[list[str], list[_Point]]:
-        if len(self.lines) < 3:
-            self.fail(0, "has no joint_names and points; is this a JointTrajectory?")
-        (self.named, first), (place, second), *rest = self.lines
-        names = [name.strip().strip("'\"") for name in self.list_of(self.named, first, "joint_names: ")]
-        if second != "points:":
-            self.fail(place, f"{second.strip()[:24]!r} where `points:` is expected; write joint_names, then points")
-        if len(rest) % len(_KEYS):
-            self.fail(rest[-1][0], f"the last point is not complete; a point has {', '.join(_KEYS)}")
-        groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
-        return names, [self.point(group, len(names)) for group in groups]
-
-    def point(self, group: list[tuple[int, str]], count: int) -> _Point:
-        rows = []
-        for mark, key, (line, code) in zip("-  ", _KEYS[:3], group, strict=False):
-            words = self.list_of(line, code, f"{mark} {key}: ")
-            if len(words) != count:
-                self.fail(line, f"{key} has {len(words)} numbers for {count} joints; correct it")
-            rows.append([self.number(line, word.strip()) for word in words])
-        line, code = group[3]
-        time = _TIME.match(code.removeprefix("  time_from_start: ")) if code.startswith("  time_from_start: ") else None
-        if time is None or int(time[2]) >= 10**9:
-            self.fail(line, "expected `  time_from_start: {sec: .., nanosec: ..}` with less than 10^9 nanoseconds")
-        return (group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
-
-    def list_of(self, line: int, code: str, start: str) -> list[str]:
-        match = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
-        if match is None:
-            self.fail(line, f"{code.strip()[:24]!r} where `{start}[..]` is expected; write the keys in this order")
-        return match[1].split(",")
-
-    def number(self, line: int, word: str) -> float:
-        if not _NUMBER.fullmatch(word) or abs(float(word)) > LARGEST:
-            self.fail(line, f"{word[:24]!r} is not a plain number below {LARGEST:g}; correct it")
-        return float(word)
+def _list_of(place: tuple[str, int, int], code: str, start: str) -> list[str]:
+    match = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
+    if match is None:
+        problem = f"{code.strip()[:24]!r} where `{start}[..]` is expected; write the keys in this order"
+        raise ProgramError(*place, problem)
+    return match[1].split(",")
 
 
-def _grouped(reader: _Reader, points: list[_Point]) -> Grouping:
+def _grouped(file: str, points: list[_Point]) -> Grouping:
     """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
     (line, state, time), (end, final, _) = points[0], points[-1]
     if not time > 0.0:
-        reader.fail(line, "the first point is at 0 s, to which the controller would jump; give it some time")
+        raise ProgramError(
+            file, line, 0, "the first point is at 0 s, to which the controller would jump; give it some time"
+        )
     for place, values, verb in ((line, state, "begins"), (end, final, "ends")):
         if values[1:].any():
-            reader.fail(place, f"the motion {verb} with a velocity or acceleration; it must be at rest there")
+            raise ProgramError(
+                file, place, 0, f"the motion {verb} with a velocity or acceleration; it must be at rest there"
+            )
     blocks: list[TimedBlock] = []
     for (_, before, start), (place, after, until) in pairwise(points):
         duration = until - start
         if not duration > 0.0:
-            reader.fail(place, f"time_from_start {until:g} s is not after the point before; correct it")
+            raise ProgramError(file, place, 0, f"time_from_start {until:g} s is not after the point before; correct it")
         standing = np.array_equal(before, after) and not after[1:].any()
         blocks.append((place, duration, after[0], None if standing else _quintic(before, after, duration)))
     moving = [k for k, (*_, coefficients) in enumerate(blocks) if coefficients is not None]
-    motions = Grouping(reader.file)
+    motions = Grouping(file)
     motions.stand(state[0])
     motions.pause(line, time)
     for k, block in enumerate(blocks):

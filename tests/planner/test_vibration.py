@@ -88,7 +88,7 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: f
     found = vibration(case, 9, motion, 0, motion.duration)
     language = dialect("sinumerik" if limited else "linuxcnc")
     written = proven_program(motion, case, language, "walk", (), accepted=ACCEPTED)
-    run = run_virtual(written.reading, case, written.guarantees)
+    run = run_virtual(written.reading, written.guarantees)
     excitation = Excitation(case, "ptp", run.excitation, run.execution, run.trigger, np.zeros((0, 6)), 0)
     (step,) = trials(excitation, [0], case.simulation.disturbances)
     by_mode = step.budget["m"][MODE]

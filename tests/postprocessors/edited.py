@@ -25,7 +25,7 @@ NAMES = [n for n in CASES if n != "sinumerik lines"]
 def proof(name: str, text: str) -> ProgramProof:
     language, case = dialect(name.split()[0]).load(), CASES[name]
     reading = language.read(text.encode("latin-1"), "p", case)
-    return prove_program(reading, case, language.guarantees(reading, case))
+    return prove_program(reading, language.guarantees(reading, case))
 
 
 def written(name: str, motion: Trajectory) -> str:

@@ -67,7 +67,7 @@ class Typed:
     def proof(self, text: str, case: Case = CASE) -> ProgramProof:
         """Proof of a whole program."""
         reading = self.read(text, case)
-        return prove_program(reading, case, self.language.guarantees(reading, case))
+        return prove_program(reading, self.language.guarantees(reading, case))
 
     def point(self, seconds: float, words: str) -> str:
         """A timed line."""
@@ -144,7 +144,7 @@ def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block
         if hasattr(stretch.points, "pieces"):
             return timed_path(next(names), stretch.points, case.controller.block, 1.0)
         return TimedPath(next(names), stretch.points.times, stretch.points.poses, stretch.points)
-    return predicted(stretch, case.limits.motion, guarantees)
+    return predicted(stretch, guarantees)
 
 
 def without_comments(text: str) -> list[str]:

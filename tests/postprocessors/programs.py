@@ -54,7 +54,7 @@ def parts(text: str, case: Case) -> tuple[Stretch, ...]:
 def proof(text: str, case: Case) -> ProgramProof:
     """Proof of a program's text."""
     reading = read_linuxcnc(text, "p.ngc")
-    return prove_program(reading, case, linuxcnc_guarantees(reading, case))
+    return prove_program(reading, linuxcnc_guarantees(reading, case))
 
 
 def linuxcnc_text(program: NeutralProgram) -> str:

@@ -84,7 +84,7 @@ def as_parquet(table: Table) -> bytes:
 
 def proof(content: bytes, case=CASE) -> ProgramProof:
     reading = LANGUAGE.read(content, "t", case)
-    return prove_program(reading, case, LANGUAGE.guarantees(reading, case))
+    return prove_program(reading, LANGUAGE.guarantees(reading, case))
 
 
 def refused(content: bytes, case=CASE) -> bool:

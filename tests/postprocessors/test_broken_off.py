@@ -48,9 +48,9 @@ def test_what_is_proven_can_be_run(seed: int):
     text = edited(originals("linuxcnc")[-1], random.Random(seed))
     try:
         reading = read_linuxcnc(text, "p.ngc")
-        if not prove_program(reading, CASE, linuxcnc_guarantees(reading, CASE)).ok:
+        if not prove_program(reading, linuxcnc_guarantees(reading, CASE)).ok:
             return
     except ProgramError:
         return
-    run = run_virtual(reading, CASE, linuxcnc_guarantees(reading, CASE))
+    run = run_virtual(reading, linuxcnc_guarantees(reading, CASE))
     assert np.isfinite(run.execution.struts(np.linspace(0.0, run.execution.duration, 50))).all()

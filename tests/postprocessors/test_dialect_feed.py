@@ -88,10 +88,10 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), move)))
     reading = typed.read(text)
     guarantees = typed.language.guarantees(reading, CASE)
-    run = predicted(reading.stretches[-1], limits, guarantees)
+    run = predicted(reading.stretches[-1], guarantees)
     assert run.duration == pytest.approx(move.duration, rel=1e-5)
     stretch = typed.read(_with_a_third_of_the_last_feed(text)).stretches[-1]
-    again = predicted(stretch, limits, guarantees)
+    again = predicted(stretch, guarantees)
     assert again.duration >= 3 * stretch.length / reading.stretches[-1].feed * (1 - 1e-5)
 
 

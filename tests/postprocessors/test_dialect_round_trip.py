@@ -124,7 +124,7 @@ def durations(typed: Typed, text: str, case: Case) -> list[float]:
     reading = typed.read(text, case)
     guarantees = typed.language.guarantees(reading, case)
     parts = [p for p in reading.stretches if isinstance(p, Untimed)]
-    moves = [predicted(p, case.limits.motion, guarantees) for p in parts]
+    moves = [predicted(p, guarantees) for p in parts]
     return [m.duration for m in moves if m is not None]
 
 

@@ -68,7 +68,7 @@ def moves_text() -> str:
 
 def judged(text: str):
     reading = LANGUAGE.read(text.encode(), "walk.yaml", ROBOT)
-    return prove_program(reading, ROBOT, LANGUAGE.guarantees(reading, ROBOT))
+    return prove_program(reading, LANGUAGE.guarantees(reading, ROBOT))
 
 
 SPEEDS = few(("moves", 1.0), ("swing", 0.3), ("spline", 1.0), ("swing", 1.0), kept=2)

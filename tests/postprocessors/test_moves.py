@@ -67,7 +67,7 @@ def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
             plane, _, angle = stretch.arc
             assert plane is part.plane
             assert angle == pytest.approx(part.angle, abs=2e-5)
-        ran = predicted(stretch, BOX, linuxcnc_guarantees(reading, CASE))
+        ran = predicted(stretch, linuxcnc_guarantees(reading, CASE))
         assert ran.duration == pytest.approx(part.duration, rel=2e-3)
 
 

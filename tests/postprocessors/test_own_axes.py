@@ -29,14 +29,14 @@ HEAD = "G17 G21 G40 G49 G54 G80 G90 G91.1 G94\nG92.1\nG61\nG1 X0 Y0 Z0 A0 C0 F50
 
 def judged(text: str):
     reading = LANGUAGE.read(text.encode(), "walk.ngc", CASE)
-    return prove_program(reading, CASE, LANGUAGE.guarantees(reading, CASE))
+    return prove_program(reading, LANGUAGE.guarantees(reading, CASE))
 
 
 def durations(text: str) -> list[float]:
     reading = LANGUAGE.read(text.encode(), "walk.ngc", CASE)
     guarantees = LANGUAGE.guarantees(reading, CASE)
     moves = [part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None]
-    return [predicted(part, CASE.limits.motion, guarantees).duration for part in moves]
+    return [predicted(part, guarantees).duration for part in moves]
 
 
 def by_hand(way: dict[str, float], feed: float) -> float:
@@ -144,7 +144,7 @@ def test_linuxcnc_executes_the_law_within_two_cycles_a_move(tmp_path: Path) -> N
             continue
         rows = np.flatnonzero(moved & (log.lines == part.line))
         first = int(rows[0]) - 1  # the first cycle of a motion shows the line before it
-        motion = predicted(part, limits, guarantees)
+        motion = predicted(part, guarantees)
         taken = (rows[-1] + 1 - first) * log.period
         assert abs(taken - motion.duration) <= 2 * log.period
         t = np.arange(len(rows)) * log.period

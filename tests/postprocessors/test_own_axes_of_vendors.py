@@ -56,9 +56,9 @@ def test_every_move_lasts_as_planned_and_all_limits_are_proven_or_enforced(name:
     reading = read(name, TEXTS[name])
     guarantees = dialect(name).load().guarantees(reading, CASE)
     moves = [part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None]
-    lasting = [predicted(part, CASE.limits.motion, guarantees).duration for part in moves]
+    lasting = [predicted(part, guarantees).duration for part in moves]
     assert lasting[1:-1] == pytest.approx([part.duration for part in walk(CASE).parts], rel=1e-6)
-    proof = prove_program(reading, CASE, guarantees)
+    proof = prove_program(reading, guarantees)
     assert proof.ok
     assert proof.relies_on == ()
 

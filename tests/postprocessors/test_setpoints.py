@@ -35,7 +35,7 @@ both = pytest.mark.parametrize("write", [write_csv, write_parquet], ids=["csv", 
 
 def proof(content: bytes, case=CASE) -> ProgramProof:
     reading = LANGUAGE.read(content, "t", case)
-    return prove_program(reading, case, LANGUAGE.guarantees(reading, case))
+    return prove_program(reading, LANGUAGE.guarantees(reading, case))
 
 
 def moves(case=CASE) -> NeutralProgram:
@@ -123,7 +123,7 @@ def test_struts_are_those_of_the_definition_and_their_derivatives_of_the_rows():
 @both
 def test_what_is_proven_can_be_run(write):
     reading = LANGUAGE.read(write(moves(), CASE), "t", CASE)
-    run = run_virtual(reading, CASE, LANGUAGE.guarantees(reading, CASE))
+    run = run_virtual(reading, LANGUAGE.guarantees(reading, CASE))
     assert run.trigger.shape == (1, 2)
     assert np.isfinite(run.execution.struts(np.linspace(0.0, run.execution.duration, 50))).all()
 

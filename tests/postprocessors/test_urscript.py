@@ -32,7 +32,7 @@ MOVEJ = re.compile(r"movej\(\[(.*)\], a=(.*), v=(.*), r=0\)")
 
 def judged(text: str, case=CASE):
     reading = LANGUAGE.read(text.encode(), "walk.script", case)
-    return prove_program(reading, case, LANGUAGE.guarantees(reading, case))
+    return prove_program(reading, LANGUAGE.guarantees(reading, case))
 
 
 @pytest.mark.parametrize("jerk", [False, True])
@@ -56,10 +56,9 @@ def test_moves_last_as_long_as_planned_by_the_trapezoid_of_the_text(jerk: bool, 
 def test_a_planned_trapezoid_is_executed_as_it_is() -> None:
     planned = walk(CASE, jerk=False)
     moves = [part for part in written().reading.stretches if isinstance(part, Untimed) and part.trigger]
-    _, limits = CASE.need_motion("a test")
     for part, plan in zip(moves, planned.parts, strict=True):
         t = np.linspace(0.0, plan.duration, 200)
-        made = predicted(part, limits, LANGUAGE.guarantees(written().reading, CASE))
+        made = predicted(part, LANGUAGE.guarantees(written().reading, CASE))
         np.testing.assert_allclose(made.at(t).pose, plan.at(t).pose, atol=1e-7)
         np.testing.assert_allclose(made.at(t[1:-1]).rates, plan.at(t[1:-1]).rates, atol=1e-6)
 
@@ -76,9 +75,9 @@ def test_only_the_jerk_of_the_ramps_is_nobodys() -> None:
 
 
 def test_the_first_move_is_slow_whichever_joint_leads() -> None:
-    _, limits = CASE.need_motion("a test")
     _, a, v = MOVEJ.findall(TEXT)[0]
     share = CASE.controller.safe_share
+    _, limits = CASE.need_motion("a test")
     assert float(v) == pytest.approx(share * limits.rate.min())
     assert float(a) == pytest.approx(share * limits.acceleration.min())
 

@@ -41,6 +41,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
     headroom = acceleration_headroom(reading, case)
     real = headroom <= 1.0
     return Guarantees(
+        case,
         controller="LinuxCNC",
         shortest_block=SERVO_PERIOD,
         longest_block=LONGEST_BLOCK,

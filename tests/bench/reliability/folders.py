@@ -143,7 +143,7 @@ def tally_of_plans(seeds: range, folder: Path) -> Tally:
                 return
             case = load_case("hexapod")
             read = read_program(program, case)
-            if not prove_program(read.reading, case, read.guarantees).ok:
+            if not prove_program(read.reading, read.guarantees).ok:
                 tally.defect(seed, "a program is written that is not proven")
             share = 0.0 if missing_interpreter() else interpreted_share(read.content, case)
             if isinstance(share, str) or not share <= ROUNDED:

@@ -86,7 +86,7 @@ def edited(text: str, draw: random.Random) -> str:
 def _proven(name: str, content: bytes, case: Case) -> tuple[Reading, ProgramProof]:
     language = dialect(name).load()
     reading = language.read(content, "p", case)
-    return reading, prove_program(reading, case, language.guarantees(reading, case))
+    return reading, prove_program(reading, language.guarantees(reading, case))
 
 
 def tally_of_programs(name: str, seeds: range) -> Tally:

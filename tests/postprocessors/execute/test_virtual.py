@@ -23,12 +23,12 @@ from tests.simulated_machine import PoseExecution
 
 def run(text: str, case: Case) -> ExecutedRun:
     reading = read_linuxcnc(text, "p.ngc")
-    return run_virtual(reading, case, linuxcnc_guarantees(reading, case))
+    return run_virtual(reading, linuxcnc_guarantees(reading, case))
 
 
 def motion_of(text: str, case: Case) -> Trajectory:
     reading = read_linuxcnc(text, "p.ngc")
-    return commanded(reading, case, linuxcnc_guarantees(reading, case))[0]
+    return commanded(reading, linuxcnc_guarantees(reading, case))[0]
 
 
 def test_the_struts_that_it_moves_are_the_inverse_kinematics_of_the_planned_motion(hexapod_case: Case):
