@@ -5,7 +5,8 @@ of a hexapod are computed again from pose, rates and accelerations.
 """
 
 import re
-from itertools import pairwise
+from collections.abc import Iterator
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,124 +122,109 @@ JERK_ROUNDING = 1e-3  # share of the jerk limit by which rounding in a table may
 STRUT_ROUNDING = np.array([1e-6, 1e-4, 1e-2]) * MM
 SAME_TIME = 1e-9  # [s]
 AT_HOME = 1e-9  # [m, rad]
-_PARTS = ("pose", "rates", "accelerations")
 
-
-class _Rows:
-    """The table in SI with the places of its cells."""
-
-    def __init__(self, file: str, table: Table, settings: Setpoints, columns: tuple[str, ...], count: int) -> None:
-        self.file, self.columns, self.units = file, columns, own_units(columns)
-        self.parts = {name: slice(1 + k * count, 1 + (k + 1) * count) for k, name in enumerate(_PARTS)}
-        self.struts = slice(1 + 3 * count, len(columns) - 1)
-        self.first, _, numbers = table
-        self.cycle = settings.cycle
-        self.values = numbers * self.units
-        self.time = self.values[:, 0]
-        self.pose, self.rates, self.accelerations = (self.values[:, part] for part in self.parts.values())
-        self.trigger = numbers[:, -1]
-        self.rest: NDArray[np.bool_] = np.asarray(~(self.rates.any(axis=1) | self.accelerations.any(axis=1)))
-
-    def error(self, row: int, column: int | None, problem: str) -> ProgramError:
-        place = "" if column is None else f"{self.columns[column]}: "
-        return ProgramError(self.file, self.first + row, 0, f"{place}{problem}")
-
-    def require(self, case: Case) -> None:
-        home, limits = case.need_motion("the check of a table")
-        steps = np.diff(self.time)
-        mask = np.abs(self.time - np.arange(len(self.time)) * self.cycle) > SAME_TIME
-        if mask.any():
-            row = int(np.argmax(mask))
-            gap = f"{1e3 * steps[row - 1]:.6g} ms after the row before" if row else f"{self.time[0]:g} s"
-            raise self.error(
-                row, 0, f"{gap}; rows begin at 0 and follow each {1e3 * self.cycle:g} ms, the case's cycle"
-            )
-        wrong = ~np.isin(self.trigger, (0.0, 1.0))
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            raise self.error(row, len(self.columns) - 1, f"{self.trigger[row]:g} is neither 0 nor 1; correct it")
-        for row, verb in ((0, "begins"), (-1, "ends")):
-            if not self.rest[row]:
-                raise self.error(row % len(self.time), None, f"the table {verb} in motion; it must be at rest there")
-        off = np.abs(self.pose[0] - home) > AT_HOME
-        if off.any():
-            raise self.error(
-                0, 1 + int(np.argmax(off)), "the table does not begin at home, where the machine must stand"
-            )
-        self._require_sequence(limits.jerk)
-        if limits.of_pose:
-            self._require_drives(case)
-
-    def _require_sequence(self, jerk: Array) -> None:
-        """Raises where no jerk within its limit J and with the mean q J can lead from a row to the next.
-
-        Rates and poses differ from those of a constant jerk by a weighted mean of the jerk. It is largest where the
-        jerk is J as long as its weight is large, and -J otherwise: J h^2 (1 - q^2) / 4 for rates, J h^3 (1 - q^2)
-        (3 - q) / 24 for poses. A table whose mean jerk is beyond J follows from itself; the proof judges it.
-        """
-        h = self.cycle
-        p, v, a = self.pose, self.rates, self.accelerations
-        mean = (a[1:] - a[:-1]) / h
-        most = np.where(np.abs(mean) <= jerk, jerk, 2.0 * np.abs(mean))
-        q = mean / most
-        rates = v[1:] - v[:-1] - h * (a[1:] + a[:-1]) / 2
-        poses = p[1:] - p[:-1] - h * v[:-1] - h**2 * (2 * a[:-1] + a[1:]) / 6
-        varied = most * (1.0 - q**2) * (1.0 + JERK_ROUNDING)
-        errors = {
-            "rates": (rates, h**2 * varied / 4, ROUNDING[1]),
-            "pose": (poses, h**3 * varied * (3.0 - np.sign(poses) * q) / 24, ROUNDING[0]),
-        }
-        for name, (error, bound, rounding) in errors.items():
-            bad = ~(np.abs(error) <= bound + rounding)
-            if bad.any():
-                row, k = (int(n) for n in np.argwhere(bad)[0])
-                column = self.parts[name].start + k
-                raise self.error(
-                    row + 1, column, "does not follow from the row before with its rate and acceleration; correct it"
-                )
-
-    def _require_drives(self, case: Case) -> None:
-        none = np.zeros_like(self.pose)
-        motion = Motion(self.time.copy(), self.pose.copy(), self.rates.copy(), self.accelerations.copy(), none)
-        exact = np.hstack(limited_machine(case).drives(motion))
-        bad = ~(np.abs(exact - self.values[:, self.struts]) <= np.repeat(STRUT_ROUNDING, 6))
-        if bad.any():
-            row, k = (int(n) for n in np.argwhere(bad)[0])
-            column = self.struts.start + k
-            value, expected = self.values[row, column] / self.units[column], exact[row, k] / self.units[column]
-            raise self.error(row, column, f"{value:.9g}, but the pose and its derivatives give {expected:.9g}")
-
-    def grouped(self) -> Grouping:
-        """Standstills, paths between them, and the trigger where it switches at rest."""
-        still = self.rest[1:] & self.rest[:-1] & ~(np.diff(self.pose, axis=0).any(axis=1))
-        change = np.flatnonzero((np.diff(still.astype(int)) != 0) | (np.diff(self.trigger[:-1]) != 0.0)) + 1
-        edges = [0, *(int(c) for c in change), len(still)]
-        motions = Grouping(self.file)
-        motions.stand(self.pose[0])
-        for start, end in pairwise(edges):
-            if bool(self.trigger[start]) != motions.trigger:
-                if not self.rest[start]:
-                    raise self.error(start, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
-                motions.switch(self.first + start, not motions.trigger, at_once=True)
-            if still[start]:
-                motions.pause(self.first + start, (end - start) * self.cycle)
-                continue
-            if not self.rest[end]:
-                raise self.error(end, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
-            rows = slice(start, end + 1)
-            values = self.pose[rows], self.rates[rows], self.accelerations[rows]
-            motions.rows(self.first + start, self.cycle, *values)
-        if bool(self.trigger[-1]) != motions.trigger:
-            motions.switch(self.first + len(still), not motions.trigger, at_once=True)
-        return motions
+Problem = tuple[int, int | None, str]
+"""Row, column (None for the row as a whole), and what is wrong there."""
 
 
 def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     """Reads a table, see `Language.read`: also rows that do not belong together are refused, with their line."""
     settings = case.need_settings(Setpoints, "a setpoint table")
     home, limits = case.need_motion("the check of a table")
-    columns = setpoint_columns(limits.columns, limits.of_pose)
-    table = read_table(content, file, settings.most_rows, columns)
-    rows = _Rows(file, table, settings, columns, len(home))
-    rows.require(case)
-    return rows.grouped().reading(len(rows.values))
+    columns, count = setpoint_columns(limits.columns, limits.of_pose), len(home)
+    first, _, numbers = read_table(content, file, settings.most_rows, columns)
+    values, trigger = numbers * own_units(columns), numbers[:, -1]
+    pose, rates, accelerations = (values[:, 1 + k * count : 1 + (k + 1) * count] for k in range(3))
+    motion = Motion(values[:, 0], pose, rates, accelerations, np.zeros_like(pose))
+    problems = chain(
+        _of_the_form(motion, trigger, settings.cycle, home),
+        _of_the_sequence(motion, settings.cycle, limits.jerk),
+        _of_the_drives(motion, values[:, 1 + 3 * count : -1], case) if limits.of_pose else (),
+        _of_the_trigger(motion, trigger),
+    )
+    for row, column, problem in problems:
+        place = "" if column is None else f"{columns[column]}: "
+        raise ProgramError(file, first + row, 0, f"{place}{problem}")
+    return _grouped(Grouping(file), motion, trigger, first, settings.cycle).reading(len(values))
+
+
+def _at_rest(motion: Motion) -> NDArray[np.bool_]:
+    return np.asarray(~(motion.rates.any(axis=1) | motion.accelerations.any(axis=1)))
+
+
+def _of_the_form(motion: Motion, trigger: Array, cycle: float, home: Array) -> Iterator[Problem]:
+    mask = np.abs(motion.t - np.arange(len(motion.t)) * cycle) > SAME_TIME
+    if mask.any():
+        row = int(np.argmax(mask))
+        gap = f"{1e3 * np.diff(motion.t)[row - 1]:.6g} ms after the row before" if row else f"{motion.t[0]:g} s"
+        yield row, 0, f"{gap}; rows begin at 0 and follow each {1e3 * cycle:g} ms, the case's cycle"
+    wrong = ~np.isin(trigger, (0.0, 1.0))
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        yield row, -1, f"{trigger[row]:g} is neither 0 nor 1; correct it"
+    rest = _at_rest(motion)
+    for row, verb in ((0, "begins"), (len(rest) - 1, "ends")):
+        if not rest[row]:
+            yield row, None, f"the table {verb} in motion; it must be at rest there"
+    off = np.abs(motion.pose[0] - home) > AT_HOME
+    if off.any():
+        yield 0, 1 + int(np.argmax(off)), "the table does not begin at home, where the machine must stand"
+
+
+def _of_the_sequence(motion: Motion, cycle: float, jerk: Array) -> Iterator[Problem]:
+    """Rows to which no jerk within its limit J and with the mean q J can lead from the row before.
+
+    Rates and poses differ from those of a constant jerk by a weighted mean of the jerk. It is largest where the
+    jerk is J as long as its weight is large, and -J otherwise: J h^2 (1 - q^2) / 4 for rates, J h^3 (1 - q^2)
+    (3 - q) / 24 for poses. A table whose mean jerk is beyond J follows from itself; the proof judges it.
+    """
+    h, p, v, a = cycle, motion.pose, motion.rates, motion.accelerations
+    mean = (a[1:] - a[:-1]) / h
+    most = np.where(np.abs(mean) <= jerk, jerk, 2.0 * np.abs(mean))
+    q = mean / most
+    rates = v[1:] - v[:-1] - h * (a[1:] + a[:-1]) / 2
+    poses = p[1:] - p[:-1] - h * v[:-1] - h**2 * (2 * a[:-1] + a[1:]) / 6
+    varied = most * (1.0 - q**2) * (1.0 + JERK_ROUNDING)
+    for start, error, bound, rounding in (
+        (1 + len(jerk), rates, h**2 * varied / 4, ROUNDING[1]),
+        (1, poses, h**3 * varied * (3.0 - np.sign(poses) * q) / 24, ROUNDING[0]),
+    ):
+        bad = np.argwhere(~(np.abs(error) <= bound + rounding))
+        if len(bad):
+            row, k = bad[0].tolist()
+            yield row + 1, start + k, "does not follow from the row before with its rate and acceleration; correct it"
+
+
+def _of_the_drives(motion: Motion, written: Array, case: Case) -> Iterator[Problem]:
+    exact = np.hstack(limited_machine(case).drives(motion))
+    bad = np.argwhere(~(np.abs(exact - written) <= np.repeat(STRUT_ROUNDING, 6)))
+    if len(bad):
+        row, k = bad[0].tolist()
+        value, expected = written[row, k] / MM, exact[row, k] / MM
+        column = 1 + 3 * motion.pose.shape[1] + k
+        yield row, column, f"{value:.9g}, but the pose and its derivatives give {expected:.9g}"
+
+
+def _of_the_trigger(motion: Motion, trigger: Array) -> Iterator[Problem]:
+    moving = np.flatnonzero((np.diff(trigger[:-1]) != 0.0) & ~_at_rest(motion)[1:-1])
+    if len(moving):
+        yield int(moving[0]) + 1, -1, "the trigger switches in motion; switch at rest"
+
+
+def _grouped(motions: Grouping, motion: Motion, trigger: Array, first: int, cycle: float) -> Grouping:
+    """Standstills, paths between them, and the trigger where it switches at rest; the first row is at a line."""
+    rest = _at_rest(motion)
+    still = rest[1:] & rest[:-1] & ~(np.diff(motion.pose, axis=0).any(axis=1))
+    change = np.flatnonzero(np.diff(still) | (np.diff(trigger[:-1]) != 0.0)) + 1
+    motions.stand(motion.pose[0])
+    for start, end in pairwise([0, *map(int, change), len(still)]):
+        if bool(trigger[start]) != motions.trigger:
+            motions.switch(first + start, not motions.trigger, at_once=True)
+        if still[start]:
+            motions.pause(first + start, (end - start) * cycle)
+            continue
+        rows = slice(start, end + 1)
+        motions.rows(first + start, cycle, motion.pose[rows], motion.rates[rows], motion.accelerations[rows])
+    if bool(trigger[-1]) != motions.trigger:
+        motions.switch(first + len(still), not motions.trigger, at_once=True)
+    return motions

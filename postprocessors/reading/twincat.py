@@ -6,6 +6,8 @@ functions are those of the case. In a machine's own axes no transformation is ac
 
 import re
 
+import numpy as np
+
 from cases.controller import TWINCAT_NAME, TwinCat, TwinCatAxes
 from cases.schema import Case
 from postprocessors.reading import Reading, axis_letters, program_lines
@@ -16,12 +18,13 @@ from postprocessors.reading.twincat_words import (
     MODAL,
     MOST_MESSAGES,
     REMEDY,
-    PointPath,
     twincat_words,
 )
 
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
 _COMMANDS_OF_OWN_AXES = ("#SLOPE", "#TRAFO OFF", "#FGROUP", "#MSG", "#MSG SYN", "#TIME")
+FEWEST_SPLINE_POINTS = 3  # fewest points of an AKIMA spline, its start included
+_DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
 
 
 class _TwinCatInterpreter(ModalState):
@@ -43,7 +46,10 @@ class _TwinCatInterpreter(ModalState):
         super().__init__(file, letters, self.of_pose is None)
         if self.of_pose is not None:
             self.scale[4] *= self.of_pose.angle_sign_b
-        self.path = PointPath(self)
+        self.curve = ""  # SPLINE, HSC or CONTOUR while a path of points is open
+        self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
+        self.points = 0  # of the path, its start included
+        self.stopped = False  # whether an exact stop has ended the points
         self.messages = 0
 
     def read(self, words: list[Word]) -> None:
@@ -83,20 +89,20 @@ class _TwinCatInterpreter(ModalState):
 
     def _mode(self, name: str, word: Word) -> None:
         if name == "G261":
-            self.path.open("CONTOUR", word)
+            self._open("CONTOUR", word)
         elif name == "G260":
-            self.path.close("CONTOUR", word)
+            self._close("CONTOUR", word)
         self.activate(name)
 
     def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
         self.require_alone(word, block)
-        if self.path.kind or self.flowing:
+        if self.curve or self.flowing:
             self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
         self.motions.switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True)
 
     def _command(self, word: Word) -> None:
         name, s = word.name, self.of_pose
-        if self.path.kind and name not in ("#SPLINE OFF", "#HSC OFF"):
+        if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
         if s is None and name not in _COMMANDS_OF_OWN_AXES:
             self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of a program in own axes; remove it')}")
@@ -125,28 +131,75 @@ class _TwinCatInterpreter(ModalState):
             case "#TIME":
                 self._pause(word, word.value)
             case "#SPLINE TYPE AKIMA":
-                self.path.akima = True
+                self.akima = True
             case "#SPLINE ON":
-                self.path.open("SPLINE", word)
+                self._open("SPLINE", word)
             case "#SPLINE OFF":
-                self.path.close("SPLINE", word)
+                self._close("SPLINE", word)
             case "#HSC ON" if s is not None:
-                self.path.require_deviations(word, "BSPLINE", s)
-                self.path.open("HSC", word)
+                self._require_deviations(word, "BSPLINE", s)
+                self._open("HSC", word)
             case "#HSC OFF":
-                self.path.close("HSC", word)
+                self._close("HSC", word)
             case "#CONTOUR MODE" if s is not None:
-                self.path.require_deviations(word, "DEV", s)
-                self.path.contour = True
+                self._require_deviations(word, "DEV", s)
+                self.contour = True
             case _:
                 self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of an excitation; remove it')}")
+
+    def _open(self, kind: str, word: Word) -> None:
+        """Begins a path where the machine stands, of a kind that was chosen before; refuses one within another."""
+        if kind == "SPLINE" and not self.akima:
+            self.fail(word, "#SPLINE ON before #SPLINE TYPE AKIMA; add it")
+        if kind == "CONTOUR" and (not self.contour or self.curve):
+            self.fail(word, "G261 needs #CONTOUR MODE before it, and no other curve; correct that")
+        if self.curve:
+            self.fail(word, f"{word.name} while another curve is open; end it first")
+        if np.isnan(self.pose).any():
+            self.fail(word, "a path of points starts from an unknown pose; first move home at a feed (G94)")
+        if self.flowing:
+            self.fail(word, "a path of points starts while the machine moves on; write G60 in the block before")
+        self.curve, self.points, self.stopped = kind, 1, False
+
+    def _close(self, kind: str, word: Word) -> None:
+        """Ends a path; refuses one of another kind or with too few points."""
+        if self.curve != kind:
+            self.fail(word, f"{word.name} without its beginning; remove it")
+        if kind == "SPLINE" and self.points < FEWEST_SPLINE_POINTS:
+            self.fail(word, f"a spline needs {FEWEST_SPLINE_POINTS} points, its start included; add some")
+        self.curve = ""
+
+    def _point(self, first: Word, exact: bool) -> None:
+        """Adds a timed block as a point of the path; the first move of a program needs no path."""
+        if not self.curve:
+            if not np.isnan(self.pose).any():
+                problem = "a timed block (G93) is a corner without a curve; write #SPLINE ON before the points"
+                self.fail(first, problem)
+            return
+        if self.stopped:
+            self.fail(first, "a point after an exact stop within a path; write G60 in the last block alone")
+        self.points += 1
+        self.stopped = exact
+
+    def _require_deviations(self, word: Word, kind: str, settings: TwinCat) -> None:
+        """Refuses a curve that may leave its points by more than the case allows; both deviations must be stated."""
+        s, arguments = settings, word.arguments or ()
+        limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
+        text = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
+        deviations = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
+        if arguments[:1] != (kind,) or len(arguments) != 3 or set(deviations) != set(limits):
+            self.fail(word, f"{word.name} needs its deviations; write {word.name} {text}")
+        for name, limit in limits.items():
+            if not 0.0 < deviations[name] <= limit:
+                problem = f"{name}={deviations[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
+                self.fail(word, problem)
 
     def _equal(self, word: Word, expected: tuple[str, ...], written: str) -> None:
         if (word.arguments or ()) != expected or word.value is not None:
             self.fail(word, f"{word.name} is not what the case says; write {word.name}{written}")
 
     def _pause(self, word: Word, seconds: float | None) -> None:
-        if self.path.kind:
+        if self.curve:
             self.fail(word, "a dwell within a path of points; end it first")
         self.pause(word, seconds, "G04 0.3")
 
@@ -191,9 +244,9 @@ class _TwinCatInterpreter(ModalState):
         unsure = "whether the machine stops after this move is not known; write G60 in its block"
         duration, feed = self.timing(block, end, first)
         if duration is not None:
-            self.path.point(first, exact)
+            self._point(first, exact)
             exact = False  # the exact stop at the end of a whole path is not a stop within it
-        elif self.path.kind:
+        elif self.curve:
             self.fail(
                 first, "a block of the controller's own timing within a path of points; write G93 and F in seconds"
             )
@@ -204,12 +257,12 @@ class _TwinCatInterpreter(ModalState):
     def _arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G162"):
             self.fail(first, "an arc needs relative centres; write G162")
-        if self.path.kind or not exact:
+        if self.curve or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
         self.arc(block, first, exact)
 
     def _end(self, word: Word) -> None:
-        if self.path.kind:
+        if self.curve:
             self.fail(word, "a path of points is still open at the end; close it")
         if self.transformed:
             self.fail(word, "the transformation is still on; write #TRAFO OFF before")

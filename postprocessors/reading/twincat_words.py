@@ -2,12 +2,9 @@
 
 import re
 
-import numpy as np
-
-from cases.controller import TwinCat
 from cases.errors import ProgramError
 from postprocessors.reading import each_word
-from postprocessors.reading.modal import ModalState, Word
+from postprocessors.reading.modal import Word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
 MOST_MESSAGES = 10  # unread ones stop the controller
@@ -148,67 +145,3 @@ def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
     if value is not None:
         raise ProgramError(file, line, column, f"{letter}{number}= is not a word here; write {letter} and its number")
     return Word(letter, column, float(number))
-
-
-FEWEST_SPLINE_POINTS = 3  # fewest points of an AKIMA spline, its start included
-
-_DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
-
-
-class PointPath:
-    """The path of points that is open in a state of the controller, if one is."""
-
-    def __init__(self, state: ModalState) -> None:
-        self.state = state
-        self.kind = ""  # SPLINE, HSC or CONTOUR while one is open
-        self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
-        self.points = 0
-        self.stopped = False  # whether an exact stop has ended the points
-
-    def open(self, kind: str, word: Word) -> None:
-        """Begins a path where the machine stands, of a kind that was chosen before; refuses one within another."""
-        fail = self.state.fail
-        if kind == "SPLINE" and not self.akima:
-            fail(word, "#SPLINE ON before #SPLINE TYPE AKIMA; add it")
-        if kind == "CONTOUR" and (not self.contour or self.kind):
-            fail(word, "G261 needs #CONTOUR MODE before it, and no other curve; correct that")
-        if self.kind:
-            fail(word, f"{word.name} while another curve is open; end it first")
-        if np.isnan(self.state.pose).any():
-            fail(word, "a path of points starts from an unknown pose; first move home at a feed (G94)")
-        if self.state.flowing:
-            fail(word, "a path of points starts while the machine moves on; write G60 in the block before")
-        self.kind, self.points, self.stopped = kind, 1, False
-
-    def close(self, kind: str, word: Word) -> None:
-        """Ends a path; refuses one of another kind or with too few points."""
-        if self.kind != kind:
-            self.state.fail(word, f"{word.name} without its beginning; remove it")
-        if kind == "SPLINE" and self.points < FEWEST_SPLINE_POINTS:
-            self.state.fail(word, f"a spline needs {FEWEST_SPLINE_POINTS} points, its start included; add some")
-        self.kind = ""
-
-    def point(self, first: Word, exact: bool) -> None:
-        """Adds a timed block as a point of the path; the first move of a program needs no path."""
-        if not self.kind:
-            if not np.isnan(self.state.pose).any():
-                problem = "a timed block (G93) is a corner without a curve; write #SPLINE ON before the points"
-                self.state.fail(first, problem)
-            return
-        if self.stopped:
-            self.state.fail(first, "a point after an exact stop within a path; write G60 in the last block alone")
-        self.points += 1
-        self.stopped = exact
-
-    def require_deviations(self, word: Word, kind: str, settings: TwinCat) -> None:
-        """Refuses a curve that may leave its points by more than the case allows; both deviations must be stated."""
-        s, arguments = settings, word.arguments or ()
-        limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
-        text = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
-        deviations = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
-        if arguments[:1] != (kind,) or len(arguments) != 3 or set(deviations) != set(limits):
-            self.state.fail(word, f"{word.name} needs its deviations; write {word.name} {text}")
-        for name, limit in limits.items():
-            if not 0.0 < deviations[name] <= limit:
-                problem = f"{name}={deviations[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
-                self.state.fail(word, problem)
