@@ -114,14 +114,9 @@ class Recording(Stream):
         """How many samples were lost between each row and the next, shape (n - 1,)."""
         return lost_samples(self.t)
 
-    @property
-    def streams(self) -> tuple[Stream, ...]:
-        """All streams of the run, that of the forces first."""
-        return self, *self.others
-
     def stream_with(self, channel: Channel) -> Stream | None:
         """The stream that has a channel; None where the run has no such channel."""
-        return next((s for s in self.streams if channel in s.channels), None)
+        return next((s for s in (self, *self.others) if channel in s.channels), None)
 
 
 SCHEMA_VERSION = 1

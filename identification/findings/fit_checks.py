@@ -102,12 +102,9 @@ def recorded_overrides(recording: Recording) -> tuple[tuple[slice, float], ...]:
         return ()
     on = np.ones(len(recording.forces), dtype=bool) if recording.trigger is None else recording.trigger
     rows = np.flatnonzero(on & (np.abs(recording.override - 1.0) > 1e-6))
-    return tuple(
-        (slice(int(part[0]), int(part[-1]) + 1), float(np.median(recording.override[part])))
-        for group in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
-        for part in np.split(group, 1 + np.flatnonzero(np.abs(np.diff(recording.override[group])) > STEP))
-        if len(part)
-    )
+    apart = (np.diff(rows) > 1) | (np.abs(np.diff(recording.override[rows])) > STEP)
+    parts = np.split(rows, 1 + np.flatnonzero(apart)) if len(rows) else []
+    return tuple((slice(int(p[0]), int(p[-1]) + 1), float(np.median(recording.override[p]))) for p in parts)
 
 
 def other_feed(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:

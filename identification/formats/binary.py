@@ -28,7 +28,6 @@ from identification.formats.text_errors import without
 
 if TYPE_CHECKING:
     import pyarrow as pa
-    import pyarrow.parquet as pq
     from rosbags.highlevel import AnyReader
 
 STAMP = "header.stamp"
@@ -192,9 +191,22 @@ def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     import pyarrow as pa
     import pyarrow.parquet as pq  # costs 50 ms, and few need it
 
+    count = 0
     try:
         with pq.ParquetFile(file) as parquet:
-            yield from _row_groups(file, parquet, form)
+            names = tuple(parquet.schema_arrow.names)
+            chosen = select(file, names, form)
+            clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
+            if not chosen:
+                raise RecordingError(file, without(names, form))
+            for group in range(parquet.num_row_groups):
+                batch = parquet.read_row_group(group, columns=[*(names[k] for k in chosen.values()), *clock])
+                values = {ours: _numbers(file, names[k], batch) for ours, k in chosen.items()}
+                stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
+                if stamps is None and form.clock.period is not None:
+                    stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
+                yield ColumnTable(str(file), form, names, values, stamps, tick, Lines(count + 1, word="row"))
+                count += batch.num_rows
     except (pa.ArrowException, OSError, ValueError) as error:
         if isinstance(error, RecordingError):
             raise
@@ -202,24 +214,6 @@ def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             raise unreadable(file, error) from error
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
         raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
-
-
-def _row_groups(file: Path, parquet: "pq.ParquetFile", form: RecordingFormat) -> Iterator[ColumnTable]:
-    names = tuple(parquet.schema_arrow.names)
-    chosen = select(file, names, form)
-    clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
-    if not chosen:
-        raise RecordingError(file, without(names, form))
-    columns = [*(names[k] for k in chosen.values()), *clock]
-    count = 0
-    for group in range(parquet.num_row_groups):
-        batch = parquet.read_row_group(group, columns=columns)
-        values = {ours: _numbers(file, names[k], batch) for ours, k in chosen.items()}
-        stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
-        if stamps is None and form.clock.period is not None:
-            stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
-        yield ColumnTable(str(file), form, names, values, stamps, tick, Lines(count + 1, word="row"))
-        count += batch.num_rows
     if not count:
         raise RecordingError(file, "has columns but no rows", "record again")
 

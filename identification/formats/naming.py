@@ -59,8 +59,6 @@ _SINGLE = (
 )
 GROUPS = (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, POSE, ROTATION, ACCELEROMETER, BAR_FORCES, WRENCH)
 """Columns that belong together: one of them is nothing without the others."""
-
-
 _OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
 
 

@@ -1,7 +1,7 @@
 """What is wrong with a text file that cannot be read: its first line that is to blame, the value and the remedy."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from cases.errors import RecordingError
@@ -61,8 +61,12 @@ def explain(
         wanted: positions of the fields that must be numbers.
         cause: what the parser said, for damage that is not understood here.
     """
-    for number, raw, ends in _lines(block):
-        place = f"{file}, line {number}"
+    first, data = block
+    last = first + data.count(b"\n")
+    for number, line in enumerate(data.split(b"\n"), first):
+        place, raw = f"{file}, line {number}", line.rstrip(b"\r")
+        if not raw:
+            continue
         if not raw.strip(b"\0"):
             return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
         try:
@@ -71,7 +75,7 @@ def explain(
             return not_text(place, form)
         fields = split(text, form.separator)
         if len(fields) != len(names):
-            remedy = _remedy(len(fields), len(names), form.separator, text, ends)
+            remedy = _remedy(len(fields), len(names), form.separator, text, number < last)
             return RecordingError(place, f"expected {len(names)} columns, got {len(fields)}", remedy)
         for k in wanted:
             if not is_value(fields[k], form):
@@ -83,15 +87,6 @@ def explain(
 def not_text(place: str, form: RecordingFormat) -> RecordingError:
     """The error for bytes that the file's encoding does not know."""
     return RecordingError(place, f"is not {form.encoding.upper()} text", "save the file as UTF-8")
-
-
-def _lines(block: Block) -> Iterator[tuple[int, bytes, bool]]:
-    """Number, text and whether it ends with a line break, of each line that is not blank."""
-    first, data = block
-    lines = data.split(b"\n")
-    for k, line in enumerate(lines):
-        if line.rstrip(b"\r"):
-            yield first + k, line.rstrip(b"\r"), k < len(lines) - 1
 
 
 def _remedy(count: int, wanted: int, separator: str, text: str, ends: bool) -> str:

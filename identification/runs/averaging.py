@@ -190,9 +190,10 @@ class PeriodicRun(PlainSamples):
 
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
         """Findings: what repeats, how it was evaluated, and residuals beyond what does not repeat."""
-        p, series, scatter = self.part, self.struts, self.scatter
-        t = self._clock[self.used]
-        count = 1 if scatter is None else len(scatter)
+        p, t, scatter = self.part, self._clock[self.used], self.scatter
+        count, noise = 1, None
+        if scatter is not None:  # what does not repeat, as covariance of white noise
+            count, noise = len(scatter), noise_spectra(scatter, self.harmonics, 1).real.mean(axis=0) * self.samples
         repeats = (
             f"struts repeat within {p.misfit * 1e3:.2g} mm rms, {100 * p.relative:.2g} % of their motion"
             if p.periods > 1
@@ -201,11 +202,9 @@ class PeriodicRun(PlainSamples):
         reason = "as given"
         if self.chosen:
             reason = "all below filter_cutoff_Hz" if self.limited else "as many as stand out of the struts' noise"
-        averaged = (
-            f"{count} periods of {series.period:.6g} s averaged" if count > 1 else f"1 period of {p.period:.6g} s"
-        )
+        averaged = f"{count} periods of {p.period:.6g} s averaged" if count > 1 else f"1 period of {p.period:.6g} s"
         entries = {
-            "period_s": series.period,
+            "period_s": p.period,
             "periods": count,
             "periods_found": p.periods,
             "from_s": float(t[0]),
@@ -214,39 +213,26 @@ class PeriodicRun(PlainSamples):
             "harmonics_chosen": self.chosen,
             "misfit_m": p.misfit,
             "misfit_of_motion": p.relative,
-            "noise_between_periods": None
-            if scatter is None
-            else np.sqrt(np.diag(self._not_repeated(scatter))).tolist(),
+            "noise_between_periods": None if noise is None else np.sqrt(np.diag(noise)).tolist(),
         }
-        return (
-            note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=entries),
-            note(
-                Kind.WINDOW,
-                f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / series.period:.3g} Hz, "
-                f"{reason}; velocities and accelerations from the Fourier series of the struts",
-            ),
-            *self._beyond_noise(fit, w),
+        sentence = (
+            f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / p.period:.3g} Hz, {reason}"
         )
-
-    def _not_repeated(self, scatter: Array) -> Array:
-        """What does not repeat, up to the harmonics, as covariance of white noise, shape (6, 6)."""
-        return np.asarray(noise_spectra(scatter, self.harmonics, 1).real.mean(axis=0) * self.samples)
-
-    def _beyond_noise(self, fit: Fit, w: Array) -> list[Finding]:
-        if self.scatter is None:
-            return []
-        noise = float(np.trace(w @ self._not_repeated(self.scatter))) / 6.0
-        ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
-        free = 6 * (len(self.scatter) - 1) * self.points
-        if ratio < MODEL_ERROR**2 or float(fdtrc(fit.freedom, free, ratio)) > UNLIKELY:
-            return []
-        return [
-            warning(
-                Kind.MODEL,
-                f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "
-                "repeats, so it is not noise but an error of the model, the geometry or the encoders",
-            )
+        findings = [
+            note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=entries),
+            note(Kind.WINDOW, f"{sentence}; velocities and accelerations from the Fourier series of the struts"),
         ]
+        if noise is None:
+            return tuple(findings)
+        ratio = fit.s0**2 / max(float(np.trace(w @ noise)) / 6.0, np.finfo(float).tiny)
+        chance = float(fdtrc(fit.freedom, 6 * (count - 1) * self.points, ratio))
+        if ratio >= MODEL_ERROR**2 and chance <= UNLIKELY:
+            sentence = (
+                f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: "
+            )
+            sentence += "it repeats, so it is not noise but an error of the model, the geometry or the encoders"
+            findings.append(warning(Kind.MODEL, sentence))
+        return tuple(findings)
 
 
 def periodic_run(recording: Recording, case: Case, model: Model, wish: Conditioning) -> PeriodicRun:

@@ -233,7 +233,7 @@ def delay_band(recording: Recording) -> float:
     At low frequencies a delay looks like a turn of the accelerometer about the axis of the motion, and what the
     sensors err by with the orientation passes for it; vibration and jerks of a machine at higher frequencies do not.
     """
-    return widest_band(*recording.streams)
+    return widest_band(recording, *recording.others)
 
 
 def _equal_steps(stream: Stream) -> tuple[Array, float]:

@@ -337,7 +337,7 @@ def tally_of_other_files(seeds: range, folder: Path) -> Tally:
                 tally.defect(seed, f"{name}: values that are not finite")
             return
         recording = tally.attempt(seed, lambda: read(file, case), str(file))
-        for stream in () if recording is None else recording.streams:
+        for stream in () if recording is None else (recording, *recording.others):
             runs = stream.t is None or np.all(np.diff(stream.t) > 0)  # None: averages at standstills
             if not (runs and all(np.isfinite(array).all() for array in stream.channels.values())):
                 tally.defect(seed, f"{name}: a stream that is not finite, or whose clock does not run")

@@ -38,7 +38,7 @@ def require_streams(recording: Recording) -> None:
     np.testing.assert_allclose(struts.struts, RUN.struts[::4], rtol=1e-8)
     np.testing.assert_allclose(struts.t, RUN.t[::4] + 0.0005, atol=1e-9)
     assert struts.step == pytest.approx(4e-3)
-    assert [list(s.channels) for s in recording.streams] == [["forces"], ["struts"]]
+    assert [list(s.channels) for s in (recording, *recording.others)] == [["forces"], ["struts"]]
 
 
 @pytest.mark.parametrize("reverse", [False, True])
@@ -86,7 +86,8 @@ def test_standstills_in_several_files_are_joined_row_by_row(tmp_path: Path) -> N
 
 def test_a_run_of_one_file_has_one_stream(tmp_path: Path) -> None:
     numbers = np.column_stack([RUN.t, RUN.struts * 1e3, RUN.forces])
-    (stream,) = read(written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES])), HEXAPOD).streams
+    stream = read(written(tmp_path, csv(numbers, ["t_s", *STRUTS, *BAR_FORCES])), HEXAPOD)
+    assert stream.others == ()
     assert list(stream.channels) == ["struts", "forces"]
     assert stream.rows == RUN.count
 
