@@ -96,7 +96,10 @@ def find_contacts(
     centre, metric, noise = _calm(residuals if calm is None else calm)
     distance = np.sum(((residuals - centre) @ metric) * (residuals - centre), axis=1)
     # Where all channels but one leap, noise of the one that hardly changes is not contact.
-    own = np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * noise, axis=1)
+    step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
+    width = 2 * max(1, round(NEARBY / step)) + 1
+    change = maximum_filter1d(expected, width, axis=0) - minimum_filter1d(expected, width, axis=0)
+    own = np.any(np.abs(residuals) > SHARE * change + OWN * noise, axis=1)
     clear = (distance >= CLEAR) & own
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
     contacts: list[Contact] = []
@@ -108,7 +111,6 @@ def find_contacts(
             before = contacts.pop()
             contact = Contact(before.start, contact.end, max(before.peak, contact.peak))
         contacts.append(contact)
-    step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
     return tuple(contact for contact in contacts if contact.end - contact.start + step >= SHORTEST)
 
 
@@ -118,13 +120,6 @@ def touched(t: Array, contacts: tuple[Contact, ...]) -> Flags:
     for contact in contacts:
         rows |= (t >= contact.start - MARGIN) & (t <= contact.end + MARGIN)
     return rows
-
-
-def _change(t: Array, forces: Array) -> Array:
-    """Range of the forces around each sample, shape (n, 6)."""
-    step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
-    width = 2 * max(1, round(NEARBY / step)) + 1
-    return np.asarray(maximum_filter1d(forces, width, axis=0) - minimum_filter1d(forces, width, axis=0))
 
 
 SEARCHES = 4  # for contacts; each finds what the one before hid

@@ -19,7 +19,7 @@ from cases.loading import CASE_FILE, built_in_cases, find_case
 from cases.schema import Case, load_case
 from cases.units import Array
 from identification.estimation.fit import column_scale, joint_triangle
-from identification.findings.cable_orders import SIDES, STRAIGHT, Order, orders_of, remedy
+from identification.findings.cable_orders import SIDES, STRAIGHT, Order, mistakes, orders_of, remedy, words
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of, regressors
 from identification.parameters import nominal_parameters, offset_columns
@@ -102,14 +102,14 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
             return None
-        opposite = Order(STRAIGHT.places, (-1,) * 6)
+        opposite = tuple((k, -1) for k in range(6))
         return (
-            f"{opposite.words(SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
+            f"{words(opposite, SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
             f"{remedy(case, 'force', opposite)}, or correct gravity_m_s2"
         )
     rivals = [_likeliest([f for f in candidates if f[1] == side]) for side in {f[1] for f in candidates}]
     alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
-    names = " or ".join(order.words(SIDES[side]) for _, side, order in alike)
+    names = " or ".join(words(order, SIDES[side]) for _, side, order in alike)
     recorded = _in_words(weights, weighted, newtons)
     instead = f" instead of {recorded}" if np.isfinite(newtons) else ", while no pose fits them as recorded"
     remedies = " or ".join(remedy(case, side, order) for _, side, order in alike)
@@ -126,7 +126,7 @@ def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
     """
     least = min(residuals for residuals, _, _ in candidates)[0]
     same = [c for c in candidates if c[0][0] <= SAME * least]
-    return min(same or candidates, key=lambda c: c[2].mistakes)
+    return min(same or candidates, key=lambda c: mistakes(c[2]))
 
 
 def _in_words(weights: Array, weighted: float, newtons: float) -> str:
@@ -202,16 +202,16 @@ def _compensated(signals: Sequence[Array], motion: Kinematics, case: Case, model
             "the weight has been taken out of the readings, which are in the axes of the base",
         ),
     )
-    recorded, ((least, _), words) = _rms(signals, weights, whole)[0], min(tried)
+    recorded, ((least, _), reading) = _rms(signals, weights, whole)[0], min(tried)
     if not least * FACTOR < recorded:
         return None
-    return f"{words}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
+    return f"{reading}: as such they leave residuals {recorded / least:.1f} times smaller; {RECORD_RAW}"
 
 
 def _regressors_of(drives: Sequence[Array], case: Case, model: Model, orders: Sequence[Order]) -> list[Array | None]:
     """A where the struts were recorded in other orders, shape (n, 6, u) each; None where no pose has such struts."""
-    places = np.array([order.places for order in orders])
-    signs = np.repeat([order.signs for order in orders], len(drives[0]), axis=0)
+    places, signs = np.moveaxis(np.array(orders), 2, 0)
+    signs = np.repeat(signs, len(drives[0]), axis=0)
     lengths, velocities, accelerations = (
         np.swapaxes(motion[:, places], 0, 1).reshape(-1, 6) for motion in drives
     )  # those of each order in turn
@@ -238,7 +238,7 @@ def _rms(
     nothing = float("inf"), float("inf")
     if matrices is None:
         return nothing
-    places, signs = list(order.places), np.array(order.signs)
+    places, signs = np.array(order).T
     forces, *slopes = (signal[:, places] * signs for signal in signals)
     root = np.sqrt(weights)
     columns = np.dstack([matrices, *slopes])

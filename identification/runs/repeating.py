@@ -137,14 +137,10 @@ def _lags(x: Array, motion: float) -> list[int]:
         if max(_away(part, k) for k in shifts) > (RISEN * motion) ** 2:
             candidates.append((lag, end + lag - first))
     longest = max((length for _, length in candidates), default=0)
-    good = [lag for lag, length in candidates if length >= AS_LONG * longest]
-    return [_finest(x, lag * every, every, COARSE * motion) for lag in _alone(good)]
-
-
-def _alone(lags: list[int]) -> list[int]:
-    """The middle of each group of neighbours, ascending."""
-    groups = np.split(np.array(lags, dtype=np.int64), np.flatnonzero(np.diff(lags) > 1) + 1) if lags else []
-    return [int(group[len(group) // 2]) for group in groups]
+    good = np.array([lag for lag, length in candidates if length >= AS_LONG * longest], dtype=np.int64)
+    neighbours = np.split(good, np.flatnonzero(np.diff(good) > 1) + 1)
+    middles = [int(group[len(group) // 2]) for group in neighbours if len(group)]
+    return [_finest(x, lag * every, every, COARSE * motion) for lag in middles]
 
 
 def _finest(x: Array, lag: int, every: int, tolerance: float) -> int:
