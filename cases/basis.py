@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import CaseError, FileProblem
-from cases.loading import built_in_cases
 from cases.schema import Case, fingerprint, load_case
+from cases.tables import built_in_cases
 
 KEPT = "computed_from"  # key of plan.json, recording.json and result.json
 _MACHINE = ("setup", "gravity_m_s2", "sensor_frame", "machine")

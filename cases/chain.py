@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
-from cases.machine import KeepOut, MotionLimits, Part, Positive, Range, Tool, Vector, frozen, kind_of, si
-from cases.machine import Number as Real
+from cases.machine import KeepOut, MotionLimits, Tool
 from cases.sensors import RigidBody
+from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, si
 from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
@@ -55,9 +55,9 @@ class Joint(ChainFrame):
     """Lower and upper end of the joint."""
     position_mm: Range | None = None
     """The same of a joint that slides."""
-    home_deg: Real | None = None
+    home_deg: Number | None = None
     """Where programs begin and end; limits of motion are relative to it."""
-    home_mm: Real | None = None
+    home_mm: Number | None = None
     """The same of a joint that slides."""
     torque_Nm: Positive | None = None
     """Largest torque of the joint's drive; plans use 80 % of it at most, where every joint states its link."""

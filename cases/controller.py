@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
-from cases.machine import Part, Positive, kind_of, si_value
+from cases.tables import Part, Positive, kind_of, si_value
 from cases.units import DEG, MINUTE, MM
 
 

@@ -1,126 +1,15 @@
-"""The machine that moves the sensor frame, its reach and motion limits, and what tables of a case are made of.
-
-Those are strict numbers, ranges and points, each with its unit in the key that holds it.
-"""
+"""The machine that moves the sensor frame: a hexapod, its reach and its limits of motion."""
 
 import math
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, model_validator
-from pydantic_core.core_schema import CoreSchema, tagged_union_schema
+from pydantic import AfterValidator, model_validator
 
-from cases.units import DEG, MM, MS, UM, Array, Flags
-
-
-class Part(BaseModel):
-    """A table of a case file: unknown keys are errors, values never change after validation."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    def __eq__(self, other: object) -> bool:
-        """Whether values are equal; arrays that were derived from them do not count."""
-        return type(self) is type(other) and self.model_dump() == other.model_dump()
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy with other values, from which all that is derived from them is computed anew."""
-        copy = super().model_copy(update=update, deep=deep)
-        for name in set(vars(copy)) - set(type(copy).model_fields):
-            del vars(copy)[name]
-        return copy
-
-
-def kind_of(one: type[Part], other: type[Part]) -> GetPydanticSchema:
-    """The rule that distinguishes a table of one kind, by its own keys, from one of another.
-
-    Tags in angle brackets name the class that a table was read as; messages leave them out.
-    """
-    distinctive = frozenset(one.model_fields) - frozenset(other.model_fields)
-
-    def tag(table: Any) -> str:
-        own = not distinctive.isdisjoint(table) if isinstance(table, dict) else isinstance(table, one)
-        return f"<{(one if own else other).__name__}>"
-
-    def schema(_: Any, handler: Callable[[type[Part]], CoreSchema]) -> CoreSchema:
-        return tagged_union_schema({f"<{kind.__name__}>": handler(kind) for kind in (one, other)}, tag)
-
-    return GetPydanticSchema(schema)
-
-
-LARGEST = 1e15  # beyond any machine, in any unit; sixth powers of it are still numbers
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST)]
-NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LARGEST)]
-
-
-def _ordered(value: tuple[float, float]) -> tuple[float, float]:
-    low, high = value
-    if not low < high:
-        raise ValueError(f"lower limit {low:g} is not below upper limit {high:g}; swap or widen them")
-    return value
-
-
-def _six_points(value: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, float, float], ...]:
-    if len(value) != 6:
-        raise ValueError(f"has {len(value)} points, a hexapod has 6; list one [x, y, z] for each strut, in strut order")
-    return value
-
-
-def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
-    first, last, step = value
-    if not (first <= last and step > 0.0):
-        raise ValueError(
-            f"[{first:g}, {last:g}, {step:g}] is not a range [first, last, step]; step up from first to last"
-        )
-    return value
-
-
-Grid = Annotated[tuple[Number, Number, Number], AfterValidator(_climbing)]
-"""First value, last value, step."""
-Range = Annotated[tuple[Number, Number], AfterValidator(_ordered)]
-Vector = tuple[Number, Number, Number]
-PositiveVector = tuple[Positive, Positive, Positive]
-Six = tuple[Number, Number, Number, Number, Number, Number]
-SixPoints = Annotated[tuple[Vector, ...], AfterValidator(_six_points)]
-
-
-def frozen(values: Any) -> Array:
-    """A read-only array of floats."""
-    array: Array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
-
-
-_OWN = {"mm": MM, "um": UM, "deg": DEG, "ms": MS}
-_ENDING = re.compile(r"_(mm|um|deg|ms)(_s\d?)?$")
-
-
-def own_units(keys: Iterable[str]) -> Array:
-    """SI values of the units that keys and columns end in, shape (keys,); 1 where they are SI, or have none."""
-    return np.array([_OWN[match[1]] if (match := _ENDING.search(key)) else 1.0 for key in keys])
-
-
-def si_value(key: str) -> cached_property[float]:
-    """A value of a table in SI."""
-    return cached_property(lambda table: float(getattr(table, key) * own_units([key])[0]))
-
-
-def si(*keys: str) -> cached_property[Array]:
-    """Values of a table in SI, of several keys one after the other, as an array that cannot be changed."""
-
-    units = own_units(keys)
-
-    def values(table: Part) -> Array:
-        return frozen(
-            np.hstack([np.multiply(getattr(table, key), unit) for key, unit in zip(keys, units, strict=True)])
-        )
-
-    return cached_property(values)
+from cases.tables import NonNegative, Number, Part, Positive, PositiveVector, Range, Vector, frozen, own_units, si
+from cases.units import DEG, MM, Array, Flags
 
 
 def turned(angles: Array) -> Array:
@@ -175,10 +64,16 @@ class Ring(Part):
         return np.array([[self.radius_mm * np.cos(t), self.radius_mm * np.sin(t), self.z_mm] for t in angles]) * MM
 
 
+def _six_points(value: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, float, float], ...]:
+    if len(value) != 6:
+        raise ValueError(f"has {len(value)} points, a hexapod has 6; list one [x, y, z] for each strut, in strut order")
+    return value
+
+
 class Joints(Part):
     """Six points, listed one by one or as a ring; exactly one of the two."""
 
-    points_mm: SixPoints | None = None
+    points_mm: Annotated[tuple[Vector, ...], AfterValidator(_six_points)] | None = None
     """[x, y, z] of each joint, in strut order."""
     ring: Ring | None = None
     """Joints on a circle, in three pairs."""

@@ -11,7 +11,8 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from cases.machine import POSE, Number, Part, Positive, Six, Vector, frozen, si
+from cases.machine import POSE
+from cases.tables import Number, Part, Positive, Six, Vector, frozen, si
 from cases.units import DEG, MM, MS, UM, Array
 
 CLOCK, TRIGGER, OVERRIDE, TEMPERATURE = "t_s", "trigger", "override_percent", "temperature_degC"

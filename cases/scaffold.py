@@ -12,10 +12,9 @@ from pathlib import Path
 from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import toml_value, write_text
-from cases.loading import CASE_FILE, built_in_cases, find_case
-from cases.machine import Part
 from cases.poses import Poses
 from cases.schema import Case, load_case
+from cases.tables import CASE_FILE, Part, built_in_cases, find_case
 from cases.urdf import read_urdf
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")

@@ -18,11 +18,11 @@ from cases.chain import Chain, JointMotionLimits, Limits, SerialMachine, joint_p
 from cases.controller import Controller, ControllerName, Settings, Sinumerik, TwinCat
 from cases.errors import CaseError
 from cases.files import atomic_file, check_file, toml_text
-from cases.loading import ALSO, find_case, lasting_name, read_tables
-from cases.machine import HexapodMachine, MotionLimits, Part, Vector, Workspace, box_problems, frozen, kind_of
+from cases.machine import HexapodMachine, MotionLimits, Workspace, box_problems
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
+from cases.tables import ALSO, Part, Vector, find_case, frozen, kind_of, lasting_name, read_tables
 from cases.units import DEG, MINUTE, MM, Array, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; other values are typing errors or in another unit.

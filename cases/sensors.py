@@ -6,20 +6,9 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.machine import (
-    Joints,
-    NonNegative,
-    Number,
-    Part,
-    Positive,
-    Six,
-    Vector,
-    frozen,
-    require_spanning,
-    si,
-    si_value,
-)
+from cases.machine import Joints, require_spanning
 from cases.recording_format import BAR_FORCES, WRENCH
+from cases.tables import NonNegative, Number, Part, Positive, Six, Vector, frozen, si, si_value
 from cases.units import DEG, MM, UM, Array
 
 

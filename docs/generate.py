@@ -9,9 +9,9 @@ from typing import Any, get_args, get_type_hints
 import typer
 
 import hexcite
-from cases.machine import LARGEST, Part
 from cases.scaffold import explanations
 from cases.schema import Case
+from cases.tables import LARGEST, Part
 from planner.cli import app
 
 UNITS = {

@@ -17,7 +17,6 @@ import numpy as np
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
-from cases.machine import own_units
 from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
@@ -33,6 +32,7 @@ from cases.recording_format import (
     WRENCH,
 )
 from cases.schema import Case
+from cases.tables import own_units
 from cases.units import Array, Indices, as_html
 from identification.formats.table import Channel, Stream, lost_samples, unreadable
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from cases.errors import CaseError
-from cases.loading import find_case
 from cases.scaffold import readiness
 from cases.schema import Case, load_case
+from cases.tables import find_case
 from cases.units import as_html
 from planner.motion_box import MotionBox, largest_box
 from planner.reach import Reach

@@ -14,8 +14,8 @@ from cases.basis import case_of, changes_since, plan_basis, require_unchanged
 from cases.chain import MOST_JOINTS
 from cases.errors import FileProblem, HexciteError
 from cases.files import DAMAGED, read_json
-from cases.machine import LARGEST
 from cases.schema import Case
+from cases.tables import LARGEST
 from cases.units import Array
 from identification.criteria import Criterion, reference_scaling, singular_values
 from identification.limit import LimitReport

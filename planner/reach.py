@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from cases.machine import own_units
 from cases.schema import Case
+from cases.tables import own_units
 from cases.units import DEG, MM
 from identification.limit import TOLERANCE, Limit, LimitKind
 from identification.limit_proof import CHUNK, limited_machine, of_mechanics

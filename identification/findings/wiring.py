@@ -15,8 +15,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cases.errors import HexciteError
-from cases.loading import CASE_FILE, built_in_cases, find_case
 from cases.schema import Case, load_case
+from cases.tables import CASE_FILE, built_in_cases, find_case
 from cases.units import Array
 from identification.estimation.fit import column_scale, joint_triangle
 from identification.findings.cable_orders import SIDES, STRAIGHT, Order, mistakes, orders_of, remedy, words

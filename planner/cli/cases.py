@@ -17,8 +17,8 @@ app = typer.Typer(help="Work with the description of a machine.", no_args_is_hel
 
 def list_cases(json: console.Json = False) -> None:
     """List the built-in cases."""
-    from cases.loading import built_in_cases
     from cases.schema import load_case
+    from cases.tables import built_in_cases
 
     rows = [
         {"name": c.name, "setup": c.setup, "title": c.title, "file": str(file)}
@@ -137,8 +137,8 @@ def show(
 ) -> None:
     """Draw the machine at home, with the reach of its coordinates."""
     from cases.files import atomic_file, check_file, output_place
-    from cases.loading import find_case
     from cases.schema import load_case
+    from cases.tables import find_case
 
     loaded = load_case(case)
     loaded.need_motion("the picture of the machine")

@@ -33,8 +33,8 @@ def poses(
     They are visited in the fastest order.
     """
     from cases.files import PLAN, check_folder, output_place
-    from cases.loading import find_case
     from cases.schema import load_case
+    from cases.tables import find_case
     from identification.model import static_model
     from planner.library import plan_poses
     from planner.poses.candidates import JOINT_CANDIDATES

@@ -172,8 +172,8 @@ def run(
     Sensors and encoders are simulated for the motion that the controller executed.
     """
     from cases.files import RUN, check_folder, output_place
-    from cases.loading import find_case
     from cases.schema import load_case
+    from cases.tables import find_case
     from planner.execution import require_controller
     from planner.execution import run as executed
     from planner.request import require_seed

@@ -13,9 +13,9 @@ from pydantic import Field
 from cases.controller import ControllerName
 from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
-from cases.machine import Part
 from cases.schema import Case
 from cases.sensors import Disturbances
+from cases.tables import Part
 from identification.criteria import Criterion
 from planner.comparison import METHOD_TABLES
 from planner.comparison.trials import Excitation, Trial, trials

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
-from cases.loading import find_case, read_tables
-from cases.machine import POSE, Number, Part, Positive, own_units, si
+from cases.machine import POSE
 from cases.schema import Case
+from cases.tables import Number, Part, Positive, find_case, own_units, read_tables, si
 from cases.units import Array
 from identification.limit_proof import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory

@@ -10,9 +10,9 @@ import numpy as np
 
 from cases.basis import values
 from cases.errors import CaseError
-from cases.loading import built_in_cases, find_case
 from cases.machine import Joints, MotionLimits
 from cases.schema import Case, load_case
+from cases.tables import built_in_cases, find_case
 from identification.hexapod import Hexapod
 from identification.limit import LimitKind
 from identification.limit_proof import prove

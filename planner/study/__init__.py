@@ -15,8 +15,7 @@ from pydantic import BeforeValidator, Field
 from cases.basis import KEPT, changes_since
 from cases.errors import FileProblem, HexciteError
 from cases.files import atomic_file, json_text, read_json, write_text
-from cases.loading import read_tables
-from cases.machine import Part, Positive
+from cases.tables import Part, Positive, read_tables
 from planner.families.settings import Fourier, family_class
 from planner.request import OWNERS, Request
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.machine import own_units
 from cases.recording_format import setpoint_columns
 from cases.schema import Case
+from cases.tables import own_units
 from cases.units import MM
 from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion

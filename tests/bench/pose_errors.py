@@ -15,8 +15,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
-from cases.loading import find_case
 from cases.schema import load_case
+from cases.tables import find_case
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form

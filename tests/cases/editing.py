@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from cases.loading import built_in_cases
+from cases.tables import built_in_cases
 
 HEXAPOD = built_in_cases()["hexapod"].read_text(encoding="utf-8")
 

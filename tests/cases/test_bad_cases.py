@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import built_in_cases
 from cases.schema import load_case
+from cases.tables import built_in_cases
 from tests.cases.editing import HEXAPOD, edited
 from tests.helpers import one_line
 

@@ -19,8 +19,8 @@ from cases.basis import (
     result_basis,
 )
 from cases.errors import CaseError, FileProblem
-from cases.loading import built_in_cases
 from cases.schema import Case, load_case
+from cases.tables import built_in_cases
 
 
 def edited(key: str, value: Any) -> Case:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from cases.errors import CaseError, FileProblem
-from cases.loading import built_in_cases, find_case
 from cases.schema import Case, load_case
+from cases.tables import built_in_cases, find_case
 from tests.cases.editing import HEXAPOD, edited
 from tests.helpers import answer, one_line
 

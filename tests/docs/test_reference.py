@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from cases.machine import Part
 from cases.scaffold import explanations
 from cases.schema import Case
+from cases.tables import Part
 
 spec = importlib.util.spec_from_file_location("generate", Path(__file__).parents[2] / "docs" / "generate.py")
 assert spec is not None

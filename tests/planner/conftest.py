@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from cases.loading import built_in_cases
+from cases.tables import built_in_cases
 from planner.plans import Plan
 from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, call, hexcite

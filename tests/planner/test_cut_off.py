@@ -10,8 +10,8 @@ import pytest
 
 from cases.basis import KEPT, recording_basis
 from cases.errors import IdentificationError
-from cases.loading import built_in_cases
 from cases.schema import Case
+from cases.tables import built_in_cases
 from identification.findings.wiring import fitting_case
 from identification.hexapod import Hexapod
 from identification.identify import identify

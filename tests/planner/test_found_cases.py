@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cases.loading import built_in_cases
+from cases.tables import built_in_cases
 from tests.helpers import tells
 from tests.planner.command_line import call, refused
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.loading import built_in_cases
 from cases.schema import Case
+from cases.tables import built_in_cases
 from identification.criteria import CRITERIA, box_middle, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.trajectories.curves import FourierMotion

@@ -8,9 +8,9 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.special import gamma, kv
 
-from cases.loading import find_case
 from cases.schema import load_case
 from cases.sensors import PoseField
+from cases.tables import find_case
 from identification.criteria import box_middle, reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model

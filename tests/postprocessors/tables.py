@@ -12,9 +12,9 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from cases.errors import ProgramError
-from cases.machine import own_units
 from cases.recording_format import setpoint_columns
 from cases.schema import load_case
+from cases.tables import own_units
 from identification.limit_proof import limited_machine, prove
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.moves import StraightMove

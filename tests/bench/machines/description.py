@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases.loading import CASE_FILE
 from cases.schema import Case
+from cases.tables import CASE_FILE
 from tests.helpers import pose_shares
 
 Range = tuple[float, float]

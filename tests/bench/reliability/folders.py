@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.loading import built_in_cases
 from cases.scaffold import readiness
 from cases.schema import load_case
+from cases.tables import built_in_cases
 from identification.hexapod import Hexapod
 from planner.reach import reach
 from planner.reports.case_figures import case_figures, has_motion_box, leftovers

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases.loading import built_in_cases
+from cases.tables import built_in_cases
 from identification.motion import Measurement
 from planner.plans import Plan
 from tests.helpers import tells

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import built_in_cases
 from cases.scaffold import NEEDS, readiness
 from cases.schema import Case, load_case
+from cases.tables import built_in_cases
 from planner.families.settings import Fourier
 from planner.planning import require_plannable
 from planner.reports.case_figures import leftovers

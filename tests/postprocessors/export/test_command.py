@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from cases.loading import built_in_cases
 from cases.schema import load_case
+from cases.tables import built_in_cases
 from postprocessors.export.targets import TARGETS
 from tests.planner.command_line import call, refused
 from tests.postprocessors.export.calibrations import write_result
