@@ -1,7 +1,8 @@
 """From a plan to a program that is proven, or the reason why not."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -160,10 +161,8 @@ def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
         ProgramError: it cannot be read or understood.
         CaseError: the case lacks what its dialect needs.
     """
-    try:
+    with naming_another(file, file.read_bytes() if file.is_file() else b"", case):
         return read_program(file, case, dialect)
-    except (ProgramError, CaseError) as error:
-        raise of_another(error, file, file.read_bytes() if file.is_file() else b"", case) from error
 
 
 def check(
@@ -185,23 +184,24 @@ def check(
     """
     read = read_for(case, Path(program), dialect)
     if accept is not None:
-        try:
+        with naming_another(read.path, read.content, case):
             read.proof.require_accepted((accept,) if isinstance(accept, str) else accept)
-        except ProgramError as error:
-            raise of_another(error, read.path, read.content, case) from error
     return read
 
 
-def of_another(error: HexciteError, file: Path, content: bytes, case: Case) -> HexciteError:
-    """The error of a program, preceded by the case that its header names where that is another one."""
-    other = written_for_another(content, case)
-    if other is None:
-        return error
-    if not isinstance(error, ProgramError):
-        return ProgramError(file, 0, 0, f"is {other}; {error.typed}")
-    return ProgramError(
-        error.file, error.line, error.column, f"is {other}; {error.typed.removeprefix(error.place)[2:]}"
-    )
+@contextmanager
+def naming_another(file: Path, content: bytes, case: Case) -> Iterator[None]:
+    """Inside, an error of a program is preceded by the case that its header names where that is another one."""
+    try:
+        yield
+    except (ProgramError, CaseError) as error:
+        other = written_for_another(content, case)
+        if other is None:
+            raise
+        if not isinstance(error, ProgramError):
+            raise ProgramError(file, 0, 0, f"is {other}; {error.typed}") from error
+        problem = f"is {other}; {error.typed.removeprefix(error.place)[2:]}"
+        raise ProgramError(error.file, error.line, error.column, problem) from error
 
 
 def written_for_another(content: bytes, case: Case) -> str | None:

@@ -1,6 +1,6 @@
 """A plan: the chosen motion or set of poses, its predicted figures, and the proof of its limits."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -122,15 +122,12 @@ class Plan:
         """Writes the same files into an existing folder."""
         (folder / "plan.json").write_text(json_text(self.to_json()), encoding="utf-8")
         if isinstance(self.request, PoseRequest):
-            columns = ",".join(("pose", *self.case.need_motion("a plan")[1].columns))
-            rows = (
-                f"{k}," + ",".join(f"{v:.9g}" for v in row)
-                for k, row in enumerate(poses_in_units(self.poses, self.case), 1)
-            )
-            (folder / "poses.csv").write_text("\n".join([columns, *rows]) + "\n", encoding="utf-8")
+            poses = poses_in_units(self.poses, self.case)
+            columns = "pose", *self.case.need_motion("a plan")[1].columns
+            name, text = "poses.csv", _csv(columns, np.column_stack([np.arange(1, len(poses) + 1), poses]))
         else:
-            text = motion_csv(sample(self.motion, SAMPLE_RATE), self.case)
-            (folder / "motion.csv").write_text(text, encoding="utf-8")
+            name, text = "motion.csv", motion_csv(sample(self.motion, SAMPLE_RATE), self.case)
+        (folder / name).write_text(text, encoding="utf-8")
 
     @classmethod
     def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":
@@ -227,6 +224,9 @@ def motion_csv(motion: Motion, case: Case) -> str:
     limits = case.need_motion("a plan")[1]
     unit = np.where(limits.turns, 1 / DEG, 1 / MM)
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
+    return _csv(motion_columns(limits.columns), table)
+
+
+def _csv(columns: Sequence[str], table: Array) -> str:
     form = ",".join(["%.9g"] * table.shape[1])
-    lines = [form % tuple(row) for row in table.tolist()]
-    return "\n".join([",".join(motion_columns(limits.columns)), *lines]) + "\n"
+    return "\n".join([",".join(columns), *(form % tuple(row) for row in table.tolist())]) + "\n"

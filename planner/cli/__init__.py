@@ -32,23 +32,12 @@ app = typer.Typer(
 )
 app.command("cases")(cases.list_cases)
 app.add_typer(cases.app, name="case")
-app.command("plan")(plan.plan)
-app.command("poses")(poses.poses)
-app.command("post")(programs.post)
-app.command("check")(programs.check)
-app.command("run")(programs.run)
-app.command("look")(identify.look)
-app.command("identify")(identify.identify)
-app.command("force")(force.force)
-app.command("tare")(force.tare)
-app.command("payload")(force.payload)
-app.command("export")(force.export)
-app.command("bound")(limits.bound)
-app.command("study")(study.study)
-app.command("retime")(limits.retime)
-app.command("compare")(compare.compare)
-app.command("validate")(compare.validate)
-app.command("demo")(demo.demo)
+for command in (
+    plan.plan, poses.poses, programs.post, programs.check, programs.run, identify.look, identify.identify,
+    force.force, force.tare, force.payload, force.export, limits.bound, study.study, limits.retime,
+    compare.compare, compare.validate, demo.demo,
+):  # fmt: skip
+    app.command()(command)
 
 
 def main() -> None:

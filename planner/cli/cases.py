@@ -10,7 +10,6 @@ from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
     from planner.motion_box import MotionBox
-    from planner.reach import Reach
 
 app = typer.Typer(help="Work with the description of a machine.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -86,7 +85,14 @@ def check(
     for remark in checked.remarks:
         print(f"look at {remark}")
     if reach is not None:
-        _print_reach(reach, case, proposal is None)
+        from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
+
+        if reach.share < 1.0:
+            console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
+        print(share_sentences(reach))
+        if proposal is None and not reach.whole:
+            command = f"hexcite case check {case} --propose"
+            print(f"Plans satisfy these limits too. `{command}` finds the largest reachable box.")
     if proposal is not None:
         _print_proposal(proposal)
 
@@ -101,17 +107,6 @@ def _units_of(case: str) -> tuple[str, ...]:
         return tuple(mistaken_units(load_case(case)))
     except CaseError:
         return ()
-
-
-def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
-    """Prints the reachable share of the motion box, and how far each coordinate goes alone."""
-    from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
-
-    if reach.share < 1.0:
-        console.print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
-    print(share_sentences(reach))
-    if advise and not reach.whole:
-        print(f"Plans satisfy these limits too. `hexcite case check {case} --propose` finds the largest reachable box.")
 
 
 def _print_proposal(box: "MotionBox") -> None:

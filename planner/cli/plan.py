@@ -167,6 +167,7 @@ def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     """Prints a plan for people."""
+    from cases.sensors import payload_words
     from identification.limit import Status
 
     worth = plan.of_motion[1]
@@ -191,11 +192,13 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         noise += " and noise of the accelerations as the case states it"
     if (by_pose := answer["pose_errors"]) is not None:
         noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
-    noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
+    first, last = answer["payload_from"], answer["payload"]
+    mounted = payload_words(last) if first == last else f"the largest with {first} to {payload_words(last)}"
+    noise += f", {answer['assumed_rate_Hz']:g} Hz, {mounted}"
     title = f"Predicted standard deviations ({noise}, weights {answer['weights']})"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
-    first, last = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
-    print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
+    begin, end = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
+    print(f"from rest at {begin} to rest " + ("there" if begin == end else f"at {end}"))
     count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once
     starts = f"; {count} start{'s' * (count > 1)}" if count else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
@@ -214,10 +217,3 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         f"{answer['report']}"
     )
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({worth.bound.label})")
-
-
-def _mounted(answer: dict[str, Any]) -> str:
-    first, last = answer["payload_from"], answer["payload"]
-    from cases.sensors import payload_words
-
-    return payload_words(last) if first == last else f"the largest with {first} to {payload_words(last)}"

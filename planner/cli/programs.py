@@ -98,10 +98,9 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
-    from cases.errors import ProgramError
     from cases.schema import load_case
     from planner.plan_program import check as checked
-    from planner.plan_program import of_another
+    from planner.plan_program import naming_another
 
     loaded = load_case(case)
     with console.status(f"proving {program.name}", json):
@@ -109,10 +108,8 @@ def check(
         answer = answer_of_proof(read)
     if not console.answered(answer, json):
         show_check(answer, read)
-    try:
+    with naming_another(program, read.content, loaded):
         read.proof.require()
-    except ProgramError as error:
-        raise of_another(error, program, read.content, loaded) from error
 
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
@@ -210,7 +207,12 @@ def show_run(answer: dict[str, Any]) -> None:
             f"planned), home to home; stood within {answer['path_error_mm']:.4f} mm of them"
         )
     else:
-        print(_rated(answer))
+        print(
+            f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
+            f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} as executed, "
+            f"behind the evaluation's filter ({answer['d_efficiency_planned']:.3f} as programmed, by the controller's "
+            "law)"
+        )
     peaks = ", ".join(f"{name} {share_text(share, 0)}" for name, share in answer["peaks_of_limit"].items())
     print(f"reached of the limits in the whole run: {peaks}")
     for sentence in answer["exceeded"]:
@@ -218,11 +220,3 @@ def show_run(answer: dict[str, Any]) -> None:
     if answer["remark"]:
         print(answer["remark"])
     print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
-
-
-def _rated(answer: dict[str, Any]) -> str:
-    return (
-        f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
-        f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} as executed, "
-        f"behind the evaluation's filter ({answer['d_efficiency_planned']:.3f} as programmed, by the controller's law)"
-    )

@@ -33,10 +33,6 @@ class LinearAnswer:
         """Forces of all samples of the recording as the evaluation sees them, shape (n, 6) [N]."""
         return added if self.run is None else self.run.filter.apply(added)[self.run.rows]
 
-    def left(self, truth: Array) -> Array:
-        """Evaluated forces less those of some parameters u, shape (n, 6) [N]."""
-        return np.asarray(self.forces - self.matrices @ truth)
-
     def of(self, forces: Array) -> Array:
         """Shifts of the parameters, shape (u, k) [SI], by evaluated forces, shape (n, 6, k) [N]."""
         return np.asarray(np.tensordot(self.answer, forces, axes=2))
@@ -98,7 +94,7 @@ def error_budget(
     model = estimate.model
     noise = recording.forces - parts.sum(axis=0)
     added = [answer.seen(part) for part in (*parts[1:], noise)]
-    *shifts, whole = answer.of(np.stack([*added, answer.left(truth)], axis=2)).T
+    *shifts, whole = answer.of(np.stack([*added, answer.forces - answer.matrices @ truth], axis=2)).T
     form, none = physical_form(model), np.zeros((len(truth), len(truth)))
     values, true = form.of(estimate.fit.values, none)[0], form.of(truth, none)[0]
     effects = [values - form.of(estimate.fit.values - shift, none)[0] for shift in shifts]
