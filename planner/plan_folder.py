@@ -233,13 +233,12 @@ def motion_of_entries(data: dict[str, Any]) -> Trajectory:
     raise KeyError("fourier, moves or polynomial")
 
 
-def _coordinates(entry: dict[str, Any], key: str, rows: int | None = None) -> Array:
+def _coordinates(entry: dict[str, Any], key: str, dimensions: int = 1) -> Array:
     """Values of each coordinate, shape (n,) or (rows, n)."""
-    value = np.array(entry[key], dtype=float)
-    shape = value.shape if rows is None else value.shape[1:]
-    if len(shape) != 1 or not 1 <= shape[0] <= MOST_JOINTS or (rows is not None and len(value) != rows):
+    shape = np.shape(entry[key])
+    if len(shape) != dimensions or not all(shape) or shape[-1] > MOST_JOINTS:
         raise ValueError(key)
-    return _numbers(entry, key, *value.shape)
+    return _numbers(entry, key, *shape)
 
 
 def _numbers(entry: dict[str, Any], key: str, *shape: int) -> Array:
@@ -257,14 +256,13 @@ def _positive(entry: dict[str, Any], key: str, zero: bool = False) -> float:
 
 
 def _fourier(entry: dict[str, Any]) -> FourierMotion:
-    order, repeats = len(entry["a_m_s_rad_s"]), int(entry["repeats"])
-    if order < 1 or repeats < 1:
-        raise ValueError("a_m_s_rad_s" if order < 1 else "repeats")
-    a, b = (_coordinates(entry, key, order) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
-    run_in = _positive(entry, "run_in_s") if "run_in_s" in entry else 0.0
-    centre = _coordinates(entry, "centre_m_rad")
-    if not len(centre) == a.shape[1] == b.shape[1]:
+    repeats, centre = int(entry["repeats"]), _coordinates(entry, "centre_m_rad")
+    if repeats < 1:
+        raise ValueError("repeats")
+    a, b = (_coordinates(entry, key, 2) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
+    if a.shape != b.shape or len(centre) != a.shape[1]:
         raise ValueError("centre_m_rad")
+    run_in = _positive(entry, "run_in_s") if "run_in_s" in entry else 0.0
     return FourierMotion(centre, a, b, _positive(entry, "period_s"), repeats, run_in)
 
 
@@ -299,7 +297,7 @@ def _profile(entry: dict[str, Any]) -> Profile:
 
 
 def _read_piece(entry: dict[str, Any]) -> Piece:
-    rows = len(entry["coefficients_SI"])
-    if not 1 <= rows <= 6:
+    coefficients = _coordinates(entry, "coefficients_SI", 2)
+    if len(coefficients) > 6:
         raise ValueError("coefficients_SI")
-    return Piece(_coordinates(entry, "coefficients_SI", rows), _positive(entry, "duration_s"))
+    return Piece(coefficients, _positive(entry, "duration_s"))

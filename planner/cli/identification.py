@@ -12,25 +12,9 @@ from identification.estimation.priors import Prior
 from identification.model import Model
 from identification.outcome import Result, biases_of
 from identification.parameters import physical_form, symmetric_platform
-from identification.samples import Conditioning
 from planner.cli.console import print_table
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
 from planner.request import read_value
-
-AUTO = "auto"
-
-
-def read_conditioning(
-    period: str | None, harmonics: int | None, flexible: bool = False, standstills: bool = False
-) -> Conditioning:
-    """The conditioning that options ask for; `period` is `auto` or seconds, as typed."""
-    seconds = None
-    if period not in (None, AUTO):
-        try:
-            seconds = float(str(period).removesuffix("s"))
-        except ValueError:
-            raise HexciteError(f"--period {period}", "is not a period; give auto or seconds, as --period 3") from None
-    return Conditioning(period is not None, seconds, harmonics, flexible, standstills)
 
 
 def method_of(

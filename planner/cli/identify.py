@@ -81,10 +81,17 @@ def identify(
     from identification.formats.table import require_file
     from identification.identify import identify as find_parameters
     from identification.recording import Recording, read
-    from planner.cli.identification import answer_of_result, method_of, read_conditioning, show_result
+    from identification.samples import Conditioning
+    from planner.cli.identification import answer_of_result, method_of, show_result
     from planner.plans import Plan
 
-    conditioning = read_conditioning(period, harmonics, flexible, standstills)
+    seconds = None
+    if period not in (None, "auto"):
+        try:
+            seconds = float(str(period).removesuffix("s"))
+        except ValueError:
+            raise HexciteError(f"--period {period}", "is not a period; give auto or seconds, as --period 3") from None
+    conditioning = Conditioning(period is not None, seconds, harmonics, flexible, standstills)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)

@@ -26,7 +26,6 @@ from planner.plan_program import write
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseRequest, Request
-from postprocessors.dialects import Program
 from postprocessors.execute import stood
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated.
@@ -165,10 +164,7 @@ def carry_out(
     failed: dict[str, str] = {}
     for method in methods:
         try:
-            count(f"{method}: planning", 0)
-            program = _program(method, settings, _planned(case, method, settings, folder), folder)
-            count(f"{method}: on {settings.on}", 0)
-            excitation = _excitation(method, settings, program)
+            excitation = _excitation(case, method, settings, folder, count)
         except HexciteError as error:
             failed[method] = error.typed.replace(f"{folder}/", "")
             count(method, len(mounted))
@@ -183,16 +179,16 @@ def carry_out(
     return tuple(results), executed, failed
 
 
-def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:
+def _excitation(case: Case, method: str, settings: ValidationSettings, folder: Path, count: Count) -> Excitation:
+    """A method planned, written as a proven program and executed."""
+    count(f"{method}: planning", 0)
+    plan = _planned(case, method, settings, folder)
     dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
     suffix, accepted = ("ngc", ACCEPTED) if dialect == ControllerName.LINUXCNC else ("mpf", ())
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)
-    return program
-
-
-def _excitation(method: str, settings: ValidationSettings, program: Program) -> Excitation:
+    count(f"{method}: on {settings.on}", 0)
     run = carried_out(program, program.case, settings.on)
     poses, duration = np.zeros((0, 6)), run.excitation
     if program.reading.measures_at_poses:

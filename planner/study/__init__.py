@@ -37,7 +37,7 @@ Whole = Annotated[int, Field(strict=True)]
 
 
 _USUAL = Request()
-_NAMES = {"duration_s": "duration", "period_s": "period"}  # settings whose columns carry a unit
+OPTIONS = {"duration_s": "duration", "period_s": "period"}  # of settings whose columns carry a unit
 
 
 class Grid(Part):
@@ -128,7 +128,7 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
         settings = dict(zip(names, values, strict=True))
         family = settings["family"]
         # Settings of another family do not make another cell.
-        own = [k for k in settings if OWNERS.get(_NAMES.get(k, k), family) == family]
+        own = [k for k in settings if OWNERS.get(OPTIONS.get(k, k), family) == family]
         settings = {k: settings[k] for k in own if settings[k] is not None}
         text = json.dumps(settings, sort_keys=True)
         if text not in texts:
@@ -142,7 +142,7 @@ def request_of(settings: CellSettings) -> Request:
     Raises:
         HexciteError: the settings cannot be planned.
     """
-    ours = {_NAMES.get(k, k): v for k, v in settings.items()}
+    ours = {OPTIONS.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
     own = {name: ours.pop(name) for name in OWNERS if name in ours}
     return Request(kind(**own), starts=1, **ours)

@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -34,17 +34,9 @@ class Study:
 
     def to_json(self) -> dict[str, Any]:
         """Entries for programs."""
-        return {
-            "study": str(self.folder),
-            "cells": self.cells,
-            "computed": self.computed,
-            "done": self.done,
-            "failed": self.failed,
-            "rows": self.rows,
-            "seconds": self.seconds,
-            "overhead": self.overhead,
-            "best": {letter: {**group.settings, "score": group.best} for letter, group in self.best.items()},
-        }
+        figures = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "folder"}
+        best = {letter: {**group.settings, "score": group.best} for letter, group in self.best.items()}
+        return {"study": str(self.folder), **figures, "best": best}
 
     def write_page(self) -> Path:
         """Writes the page of the folder, report.html, and returns its path."""

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from planner.reports.page import Chart, note, page, section, table, tiles
-from planner.study import DONE, FAILED, PLANNED, SETTINGS, CellSettings
+from planner.study import DONE, FAILED, OPTIONS, PLANNED, SETTINGS, CellSettings
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -75,8 +75,7 @@ def _group(settings: CellSettings, rows: list[int], columns: dict[str, list[Any]
 
 def command_of(settings: CellSettings, case: str) -> str:
     """The command line that plans a cell anew, from eight starts."""
-    options = {"duration_s": "duration", "period_s": "period"}
-    words = [f"--{options.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
+    words = [f"--{OPTIONS.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
     return " ".join(["hexcite plan", case, *words])
 
 
