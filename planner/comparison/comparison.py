@@ -248,7 +248,7 @@ def _among(
 
 
 def _size(entry: Entry, names: Iterable[str]) -> float:
-    deviations = [entry.parameters[n].std for n in names]
+    deviations = [entry.parameters[n].reported for n in names]
     if not all(d > 0.0 for d in deviations):
         raise HexciteError(entry.name, "a parameter was given, not identified; compare without --fix")
     return float(np.mean(np.log(deviations)))

@@ -13,6 +13,7 @@ from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json, sha256_of
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.estimation.fit import Value
 from identification.formats.reading import files_of
 from identification.identify import default_model, standing_of
 from identification.model import Model, identification_model
@@ -36,14 +37,6 @@ class Level(IntEnum):
     PLANNED = 1
     EXECUTED = 2
     IDENTIFIED = 3
-
-
-class Deviation(NamedTuple):
-    """A parameter: value (None before it was identified), and standard deviation, reported or predicted [SI]."""
-
-    value: float | None
-    std: float
-    unit: str
 
 
 class Conditions(NamedTuple):
@@ -70,7 +63,7 @@ class Entry:
     samples: int  # samples of forces that count
     # A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown
     criteria: Mapping[str, float]
-    parameters: Mapping[str, Deviation]  # parameters by name
+    parameters: Mapping[str, Value]  # parameters by name; before they are identified of value NaN, std predicted
     s0: float | None  # s0 of a result [N]; None otherwise
     notes: Mapping[str, float]  # figures of the execution, by name
     warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
@@ -88,7 +81,10 @@ class Entry:
             "samples": self.samples,
             "criteria": dict(self.criteria),
             "s0_N": self.s0,
-            "parameters": {n: t._asdict() for n, t in self.parameters.items()},
+            "parameters": {
+                n: {"value": v.value if self.level is Level.IDENTIFIED else None, "std": v.reported, "unit": v.unit}
+                for n, v in self.parameters.items()
+            },
             "execution": dict(self.notes),
             "assumed_noise_N": self.conditions.noise,
             "load_kg": self.conditions.load,
@@ -135,13 +131,13 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
         vibrating = vibration(saved.case, model.number, saved.motion, saved.payloads[-1], saved.duration)
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
-    units, noise, weights = _units(model), saved.assumed_noise, saved.payloads[-1]
+    noise, weights = saved.assumed_noise, saved.payloads[-1]
     if len(poses):  # the noise of plans of poses is that of averages
         noise *= float(np.sqrt(max(float(saved.settings["average_s"]) * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may state another rate since
-    deviations = {n: Deviation(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
+    deviations = _predicted({n: scale * float(s) for n, s in saved.predicted_std.items()}, model)
     return Entry(
         name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=saved.fingerprint),
         model.number, saved.family, saved.duration, samples,
@@ -149,8 +145,10 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     )  # fmt: skip
 
 
-def _units(model: Model) -> dict[str, str]:
-    return {p.name: p.unit for p in physical_form(model).parameters}
+def _predicted(deviations: Mapping[str, float], model: Model) -> dict[str, Value]:
+    """Parameters of which standard deviations are predicted [SI]."""
+    units = {p.name: p.unit for p in physical_form(model).parameters}
+    return {name: Value(np.nan, std, std, units[name]) for name, std in deviations.items()}
 
 
 def _criteria(information: Array, model: Model) -> dict[str, float]:
@@ -178,7 +176,6 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     if errors is not None and struts is not None:
         rows = matrices if noise.whitening is None else noise.whitening @ matrices
         by_pose = errors.scatter(rows * scaling, struts, seconds)
-    units = _units(model)
     weighted = counted_information(lambda root: _seen(matrices, root, scaling), noise, by_pose)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors)
     recordings, payload = frozenset(map(sha256_of, files_of([path]))), about.get("payload")
@@ -188,7 +185,7 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     return Entry(
         str(path), Level.EXECUTED, conditions, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
-        {n: Deviation(None, s, units[n]) for n, s in expected.items()}, None,
+        _predicted(expected, model), None,
         {n: float(about[n]) for n in figures if about.get(n) is not None},
         (*([str(about["remark"])] if about.get("remark") else []), *stale_in),
     )  # fmt: skip
@@ -221,7 +218,6 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
     saved = Result.load(path, user_case, stale)
     case, model, data = saved.case, saved.model, saved.record
     samples, s0, seconds = data.samples, data.s0, data.measuring_s
-    deviations = {n: Deviation(v.value, v.reported, v.unit) for n, v in saved.parameters.items()}
     conditions = Conditions(case, recordings=saved.recordings, plan=data.plan_hash)
     criteria: dict[str, float] = {}
     if data.weights == "equal":
@@ -233,6 +229,6 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
             pass
     return Entry(
         str(path), Level.IDENTIFIED, conditions, model.number,
-        data.estimator, seconds, samples, criteria, deviations, data.s0_N, {},
+        data.estimator, seconds, samples, criteria, saved.parameters, data.s0_N, {},
         tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
     )  # fmt: skip

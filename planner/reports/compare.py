@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from cases.files import provenance
+from identification.estimation.fit import Value
 from planner.comparison.comparison import Comparison
-from planner.comparison.entries import Deviation, Entry, Level
+from planner.comparison.entries import Entry, Level
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import colour_or_grey
 from planner.reports.page import Chart, note, page, plain, section, table
@@ -37,7 +38,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     return rows
 
 
-def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Deviation | None]]]:
+def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Value | None]]]:
     """Name of every parameter, factor to the unit shown, that unit, and value and deviation in each entry."""
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         values = [e.parameters.get(name) for e in entries]
@@ -58,8 +59,8 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
         row = [f"{parameter_words(name)} [{unit}]"]
         for entry, t in zip(entries, values, strict=True):
             if entry.level is Level.IDENTIFIED:
-                row.append("-" if t is None or t.value is None else value_text(t.value * scale, t.std * scale))
-            row.append("-" if t is None else std_text(t.std * scale))
+                row.append("-" if t is None else value_text(t.value * scale, t.reported * scale))
+            row.append("-" if t is None else std_text(t.reported * scale))
         rows.append(row)
     return rows
 
@@ -71,7 +72,9 @@ def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
         row = [f"{parameter_words(name)} [{unit} √s]"]
         for entry, t in zip(entries, values, strict=True):
             known = t is not None and entry.duration is not None
-            row.append(std_text(t.std * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-")
+            row.append(
+                std_text(t.reported * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-"
+            )
         rows.append(row)
     return rows
 
@@ -137,7 +140,7 @@ def _std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
     series = [
         (
             entry.name,
-            {n: t.std for n, t in entry.parameters.items()},
+            {n: t.reported for n, t in entry.parameters.items()},
             {"color": colour, "symbol": symbols[entry.level - 1]},
         )
         for entry, colour in coloured(groups)

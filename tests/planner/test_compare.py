@@ -13,8 +13,9 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.schema import Case
+from identification.estimation.fit import Value
 from planner.comparison.comparison import groups, recommend, warnings_of
-from planner.comparison.entries import Conditions, Deviation, Entry, Level, read_entry
+from planner.comparison.entries import Conditions, Entry, Level, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.plan_program import plan_of_program
 from planner.reports.compare import coloured
@@ -27,7 +28,7 @@ Chain = dict[str, dict[str, Any]]
 
 
 def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
-    told = {n: Deviation(1.0, std, "kg") for n in names}
+    told = {n: Value(1.0, std, std, "kg") for n in names}
     return Entry(
         name, Level.IDENTIFIED, Conditions(case, recordings=frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
     )  # fmt: skip
@@ -40,7 +41,10 @@ def changed(one: Entry, **changes: Any) -> Entry:
 
 
 def noisier(one: Entry, factor: float) -> Entry:
-    return replace(one, parameters={n: t._replace(std=factor * t.std) for n, t in one.parameters.items()})
+    return replace(
+        one,
+        parameters={n: t._replace(std=factor * t.std, std_robust=factor * t.std) for n, t in one.parameters.items()},
+    )
 
 
 def test_the_advice_follows_the_noise_and_not_the_order(hexapod_case: Case):
