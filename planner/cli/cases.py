@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import hexcite as hx
+from cases.errors import CaseError
+from cases.files import atomic_file, check_file, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -16,13 +19,12 @@ app = typer.Typer(help="Work with the description of a machine.", no_args_is_hel
 
 def list_cases(json: console.Json = False) -> None:
     """List the built-in cases."""
-    from cases.schema import load_case
     from cases.tables import built_in_cases
 
     rows = [
         {"name": c.name, "setup": c.setup, "title": c.title, "file": str(file)}
         for name, file in built_in_cases().items()
-        for c in [load_case(name)]
+        for c in [hx.load_case(name)]
     ]
     if not console.answered({"cases": rows}, json):
         console.print_table(
@@ -44,13 +46,11 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Validate a case and say how much of its motion box is reachable."""
-    from cases.errors import CaseError
     from identification.limit import LimitReport
-    from planner.case_check import check_case
 
     try:
         with console.status("searching the largest reachable box", json or not propose):
-            checked = check_case(case, propose)
+            checked = hx.check_case(case, propose)
     except CaseError as error:
         if len(error.problems) < 2:
             for remark in () if json else _units_of(case):
@@ -99,12 +99,10 @@ def check(
 
 def _units_of(case: str) -> tuple[str, ...]:
     """Units that look mistaken in a case whose machine cannot stand at home, and why it may not."""
-    from cases.errors import CaseError
-    from cases.schema import load_case
     from planner.reports.case_figures import mistaken_units
 
     try:
-        return tuple(mistaken_units(load_case(case)))
+        return tuple(mistaken_units(hx.load_case(case)))
     except CaseError:
         return ()
 
@@ -131,11 +129,9 @@ def show(
     json: console.Json = False,
 ) -> None:
     """Draw the machine at home, with the reach of its coordinates."""
-    from cases.files import atomic_file, check_file, output_place
-    from cases.schema import load_case
     from cases.tables import find_case
 
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     loaded.need_motion("the picture of the machine")
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
@@ -166,13 +162,12 @@ def new(
 
     The case file is filled in section by section; it tells how.
     """
-    from cases.scaffold import new_arm, new_case
 
     if urdf is not None and like is not None:
         raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
     if urdf is None and flange is not None:
         raise typer.BadParameter("--flange names a link of a URDF file; give --urdf too")
-    file = new_case(name, like or "hexapod", output) if urdf is None else new_arm(name, urdf, flange, output)
+    file = hx.new_case(name, like or "hexapod", output) if urdf is None else hx.new_arm(name, urdf, flange, output)
     if console.answered({"ok": True, "case": str(file)}, json):
         return
     print(f"case written: {file}")

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import hexcite as hx
+from cases.files import COMPARISON, VALIDATION, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 from planner.comparison import METHOD_TABLES
@@ -26,14 +28,11 @@ def compare(
 
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
-    from cases.files import COMPARISON, check_folder, output_place
-    from cases.schema import load_case
-    from planner.comparison.comparison import compare as compared
 
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with console.status("comparing", json):
-        comparison = compared(folders, None if case is None else load_case(case), stale)
+        comparison = hx.compare(folders, None if case is None else hx.load_case(case), stale)
         console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
     if not console.answered(answer, json):
@@ -89,20 +88,16 @@ def validate(
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
     what it models. Interrupted, the same command uses the plans that are there.
     """
-    from cases.errors import HexciteError
-    from cases.files import VALIDATION, check_folder, output_place
-    from cases.schema import load_case
-    from planner.comparison.methods import ValidationSettings, require_methods, unfinished
+    from planner.comparison.methods import require_methods, unfinished
     from planner.comparison.trials import mounted_weights
-    from planner.comparison.validation import disturbances_of, validate_recordings
-    from planner.comparison.validation import validate as carried_out
+    from planner.comparison.validation import disturbances_of
 
-    settings = ValidationSettings(on, starts, seed, plans, workers)
-    loaded = load_case(case)
+    settings = hx.ValidationSettings(on, starts, seed, plans, workers)
+    loaded = hx.load_case(case)
     if recordings is not None:
         simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         for option in (name for name, value in simulating.items() if value):
-            raise HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
+            raise hx.HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
     names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
     selection = tuple(METHOD_TABLES) if names is None else names
     if recordings is None:
@@ -111,13 +106,13 @@ def validate(
     place = output_place(output, Path("hexcite-validation"), overwrite)
     check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
-        validation = validate_recordings(loaded, recordings, names)
+        validation = hx.validate_recordings(loaded, recordings, names)
         console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
         disturbances_of(loaded, settings, undisturbed)  # before anything is made
         with unfinished(place, loaded, settings, overwrite) as work:
             with console.progress("validating", len(selection) * len(mounted), json) as count:
-                validation = carried_out(
+                validation = hx.validate(
                     loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
                 )
             console.save_with_page(validation, VALIDATION, place, overwrite)

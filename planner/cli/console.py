@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import hexcite as hx
+from cases.files import FolderKind, atomic_folder
 from planner.precision import bounds_text, share_text
 
 if TYPE_CHECKING:
-    from cases.files import FolderKind
     from identification.limit import LimitCheck
 
 
@@ -155,15 +156,13 @@ def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: Any, kind: "FolderKind", folder: Path, overwrite: bool) -> None:
+def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:
     """Writes a value with its page report.html.
 
     Raises:
         FileProblem: the folder holds other files, or cannot be written.
     """
-    from cases.files import atomic_folder
-    from planner.reports import report
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        report(value, part / "report.html")
+        hx.report(value, part / "report.html")

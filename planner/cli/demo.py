@@ -1,12 +1,11 @@
 """`hexcite demo`: the whole chain on one case, from its description to a report."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import hexcite as hx
+from cases.files import DEMO, check_folder, output_place, write_text
 from planner.cli.console import Json, Overwrite, answered, option, out, print_table
-
-if TYPE_CHECKING:
-    from identification.outcome import Result
 
 
 def demo(
@@ -20,24 +19,17 @@ def demo(
 ) -> None:
     """Plan, program, prove, execute, identify and report, end to end."""
     from cases.controller import ControllerName
-    from cases.files import DEMO, check_folder, output_place, write_text
-    from cases.schema import load_case
     from identification.model import full_model
-    from identification.recording import Recording
     from planner.cli.identification import answer_of_result
     from planner.cli.plan import answer_of_plan
     from planner.cli.programs import answer_of_program, answer_of_proof, answer_of_run
     from planner.demonstration import accepted
-    from planner.demonstration import demo as whole_chain
     from planner.execution import best_controller
     from planner.plan_program import usual_dialect
-    from planner.plans import Plan
-    from planner.reports import report
     from planner.reports.demo import demo_page, truth_cells
-    from postprocessors.dialects import Program
     from postprocessors.dialects import dialect as dialect_named
 
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)
     check_folder(place, DEMO, overwrite=overwrite)
     loaded.need_simulation("the demo")  # before anything is said
@@ -52,10 +44,10 @@ def demo(
     def step(text: str) -> None:
         say(f"[{len(answer) + 1}/6] {text}")
 
-    def done(value: "Plan | Program | Recording | Result") -> None:
-        if isinstance(value, Plan):
+    def done(value: "hx.Plan | hx.Program | hx.Recording | hx.Result") -> None:
+        if isinstance(value, hx.Plan):
             plan = answer["plan"] = answer_of_plan(value, place / "plan")
-            report(value, place / "plan" / "report.html")
+            hx.report(value, place / "plan" / "report.html")
             kind = f"{plan['settings']['moves']} moves" if "moves" in plan["settings"] else "a spline"
             moves = f"{kind}, {plan['duration_s']:.3g} s"
             bound = "certified" if plan["bound"]["certified"] else "estimated"
@@ -64,7 +56,7 @@ def demo(
             say(f"      {line}")
             own = f"for {controller}; what it does not enforce of {', '.join(accepted(value))} is accepted here by name"
             step(f"post: {'a table of set points, one row a cycle' if table else own}")
-        elif isinstance(value, Program):
+        elif isinstance(value, hx.Program):
             written = answer["post"] = answer_of_program(value)
             unit = "rows" if table else "blocks"
             line = f"{written['blocks']} {unit}, {written['duration_s']:.2f} s with the way to the first pose and home"
@@ -74,7 +66,7 @@ def demo(
             say(f"      {checked['verdict']}")
             name, reason = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({reason})")
-        elif isinstance(value, Recording):
+        elif isinstance(value, hx.Recording):
             run = answer["run"] = answer_of_run(value, place / "recording")
             line = f"{run['controller']}: {run['duration_s']:.3f} s of {run['planned_s']:.3f} s planned, "
             line += f"{run['path_error_mm']:.3f} mm from the path, D-efficiency {run['d_efficiency']:.3f} as executed"
@@ -82,13 +74,13 @@ def demo(
             step(f"identify: model {full_model(loaded)} from the recording alone")
         else:
             data = answer["identify"] = answer_of_result(value, place / "result")
-            report(value, place / "result" / "report.html")
+            hx.report(value, place / "result" / "report.html")
             line = f"{len(data['parameters'])} parameters from {data['samples']} samples, residuals {data['s0']:.3g} N"
             say(f"      {line}")
 
     law = " of limited jerk" if table else f" of {controller}"
     step(f"plan: the most informative moves inside the limits, with the time law{law}")
-    chain = whole_chain(loaded, place, on, seed=seed, starts=starts, done=done)
+    chain = hx.demo(loaded, place, on, seed=seed, starts=starts, done=done)
     step("compare with the truth of the simulated machine")
     answer["truth"] = list(chain.truth)
     if not json:

@@ -1,13 +1,11 @@
 """`hexcite force`, `tare`, `payload` and `export`: identified parameters in use."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import hexcite as hx
+from cases.files import RESULT, check_file, check_folder, output_place
 from planner.cli.console import Json, Overwrite, OwnCase, Stale, answered, argument, option, out, print_table
-
-if TYPE_CHECKING:
-    from identification.outcome import Result
-    from identification.recording import Recording
 
 
 def export(
@@ -24,16 +22,12 @@ def export(
     json: Json = False,
 ) -> None:
     """Write the calibrated model for a controller."""
-    from cases.errors import HexciteError
-    from cases.schema import load_case
-    from identification.outcome import Result
     from postprocessors.export.targets import TARGETS
-    from postprocessors.export.targets import export as write
 
     if to not in TARGETS:
-        raise HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
-    identified = Result.load(result, None if case is None else load_case(case), stale)
-    files = write(identified, to, output, force=force, overwrite=overwrite)
+        raise hx.HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
+    identified = hx.Result.load(result, None if case is None else hx.load_case(case), stale)
+    files = hx.export(identified, to, output, force=force, overwrite=overwrite)
     warnings = [*identified.warnings, *identified.remarks]
     answer: dict[str, Any] = {
         "file": str(files[0]),
@@ -66,14 +60,12 @@ def force(
     json: Json = False,
 ) -> None:
     """Compute external force and moment over a recording."""
-    from cases.files import check_file, output_place
     from cases.recording_format import WRENCH
-    from identification.external import force as over_recording
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
-    result = over_recording(*_read(recording, parameters, case, stale))
+    result = hx.force(*_read(recording, parameters, case, stale))
     result.save(file, overwrite)
     answer: dict[str, Any] = {
         "force": str(file),
@@ -93,18 +85,17 @@ def force(
     print(f"written: {file} ({len(result.t)} samples, behind the filter of the case)")
 
 
-def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[Recording, Result]":
+def _read(recording: Path, parameters: Path, case: str | None, stale: bool) -> "tuple[hx.Recording, hx.Result]":
     """The run, and the result whose parameters are used; its case stands in where no other is named."""
-    from cases.schema import load_case
-    from identification.outcome import Result, case_of_result
-    from identification.recording import Recording, record_of, require_recording
+    from identification.outcome import case_of_result
+    from identification.recording import record_of, require_recording
 
     require_recording(recording)
-    named = None if case is None else load_case(case)
+    named = None if case is None else hx.load_case(case)
     if named is None and not record_of(recording):
         named = case_of_result(parameters)
-    run = Recording.load(recording, named, stale)
-    return run, Result.load(parameters, run.case, stale)
+    run = hx.Recording.load(recording, named, stale)
+    return run, hx.Result.load(parameters, run.case, stale)
 
 
 def tare(
@@ -120,14 +111,12 @@ def tare(
 
     All other parameters stay as they are.
     """
-    from cases.files import RESULT, check_folder, output_place
-    from identification.external import tare as with_new_offsets
     from identification.parameters import offset_columns
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
     run, saved = _read(recording, parameters, case, stale)
-    tared = with_new_offsets(run, saved)
+    tared = hx.tare(run, saved)
     tared.save(folder, overwrite)
     if answered({"result": str(folder), **tared.record.to_json()}, json):
         return
@@ -156,13 +145,10 @@ def payload(
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
-    from cases.schema import load_case
-    from identification.outcome import Result
-    from identification.payloads import payload as between
     from planner.cli.identification import PARAMETER_COLUMNS, parameter_rows
 
-    old = Result.load(before, None if case is None else load_case(case), stale)
-    found = between(old, Result.load(after, old.case, stale))
+    old = hx.Result.load(before, None if case is None else hx.load_case(case), stale)
+    found = hx.payload(old, hx.Result.load(after, old.case, stale))
     answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
         "warnings": list(found.warnings),

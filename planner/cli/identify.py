@@ -3,11 +3,13 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import hexcite as hx
+from cases.files import RESULT, atomic_file, check_file, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
 if TYPE_CHECKING:
-    from identification.formats.looked import Column, Look
+    from identification.formats.looked import Column
 
 
 def identify(
@@ -73,39 +75,35 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
-    from cases.errors import HexciteError
-    from cases.files import RESULT, check_folder, output_place
-    from cases.schema import load_case
-    from identification.external import verify as verified
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
-    from identification.identify import identify as find_parameters
-    from identification.recording import Recording, read
-    from identification.samples import Conditioning
     from planner.cli.identification import answer_of_result, method_of, show_result
-    from planner.plans import Plan
 
     seconds = None
     if period not in (None, "auto"):
         try:
             seconds = float(str(period).removesuffix("s"))
         except ValueError:
-            raise HexciteError(f"--period {period}", "is not a period; give auto or seconds, as --period 3") from None
-    conditioning = Conditioning(period is not None, seconds, harmonics, flexible, standstills)
+            raise hx.HexciteError(
+                f"--period {period}", "is not a period; give auto or seconds, as --period 3"
+            ) from None
+    conditioning = hx.Conditioning(period is not None, seconds, harmonics, flexible, standstills)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
     with console.status("identifying", json):
-        run = Recording.load(recordings, None if case is None else load_case(case), stale)
+        run = hx.Recording.load(recordings, None if case is None else hx.load_case(case), stale)
         assert run.case is not None  # it was read with one
         own, plan = run.case, None
         if poses is not None:
-            plan = Plan.load(poses, own, stale=True)  # of a plan of poses only these are wanted
+            plan = hx.Plan.load(poses, own, stale=True)  # of a plan of poses only these are wanted
             if not len(plan.poses):
-                raise HexciteError(poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses")
-        result = find_parameters(
+                raise hx.HexciteError(
+                    poses, f"is a plan of family {plan.family}, not of poses; name one of hexcite poses"
+                )
+        result = hx.identify(
             run,
             model=model,
             how=lambda m: method_of(m, own, estimator, fix, drop, symmetric, prior, weights, biases, stale),
@@ -118,7 +116,7 @@ def identify(
     if not json:
         show_result(answer)
     if verify is not None:
-        prediction = verified(read(verify, result.case), result)
+        prediction = hx.verify(hx.read(verify, result.case), result)
         answer["verify"] = prediction.to_json()
         if not json:
             print(prediction)
@@ -138,14 +136,11 @@ def look(
 
     Nothing is changed: compare the proposal with what you know, and paste it into the case file.
     """
-    from cases.files import atomic_file, check_file, output_place
-    from cases.schema import load_case
-    from identification.formats.look import look as look_at
 
     file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with console.status("looking", json):
-        report = look_at(recording, None if case is None else load_case(case))
+        report = hx.look(recording, None if case is None else hx.load_case(case))
         from planner.reports.plots import look_figure
 
         with atomic_file(file) as part:
@@ -165,7 +160,7 @@ def look(
         _show(report, file)
 
 
-def _show(report: "Look", file: Path) -> None:
+def _show(report: "hx.Look", file: Path) -> None:
     head = ("column", "meaning", "unit", "smallest", "largest", "taken from")
     console.print_table(
         f"{report.file.name}: {report.rows} rows", head, [_row(column) for column in report.columns], False

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import hexcite as hx
+from cases.files import PLAN, check_file, check_folder, json_text, write_text
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -29,22 +31,17 @@ def bound(
     """
     from time import perf_counter
 
-    from cases.files import check_file, json_text, write_text
-    from cases.schema import load_case
     from identification.model import full_model
-    from planner.bounds.information_limit import bound as information_limit
     from planner.bounds.information_limit import require_time
 
     require_time(time_limit)
     if output is not None:
         check_file(output, [".json"], overwrite=overwrite)
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     start = perf_counter()
     model = full_model(loaded) if model is None else model
     with console.status(f"information limit of {loaded.name}, model {model}", json) as report:
-        limit = information_limit(
-            loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report
-        )
+        limit = hx.bound(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
@@ -116,15 +113,12 @@ def retime(
 
     Prints criteria and limits before and after; without -o nothing is written.
     """
-    from cases.files import PLAN, check_folder
-    from cases.schema import load_case
     from cases.units import DEG, MM
-    from planner.plans import Plan
     from planner.retiming.retimed import repaced, retimed_plan
 
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
-    plan = Plan.load(source, None if case is None else load_case(case), stale)
+    plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
     model = plan.model if model is None else model
     with console.status("re-timing", json) as report:
         result = repaced(plan, method, fastest, model, report)

@@ -3,17 +3,17 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import hexcite as hx
+from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
 MOST_USED = 0.9  # share of a limit from which it is shown
 
-if TYPE_CHECKING:
-    from planner.plans import Plan
 
 SEARCHED = ("duration", "starts", "seconds", "seed", "workers", "target")  # options of families that are optimised
 OPTIONS = {"controller": "for"}  # options whose names differ from those of their parameters
@@ -76,8 +76,6 @@ def plan(
 
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
-    from cases.files import PLAN, check_folder, output_place
-    from cases.schema import load_case
     from identification.criteria import Criterion
     from identification.model import full_model
     from planner.families.settings import family_class
@@ -91,7 +89,7 @@ def plan(
     family_source = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     request = Request(
         kind(**{option: options[option] for option, owner in OWNERS.items() if owner == family}),
         duration=duration,
@@ -130,11 +128,10 @@ def read_payloads(text: str) -> tuple[int, int | None]:
     Raises:
         HexciteError: the text is neither a number nor a range.
     """
-    from cases.errors import HexciteError
 
     match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
     if match is None:
-        raise HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
+        raise hx.HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
     return int(match[2]), None if match[1] is None else int(match[1])
 
 
@@ -144,7 +141,6 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
     Raises:
         HexciteError: an option belongs to another family, or fixes a setting that another option leaves free.
     """
-    from cases.errors import HexciteError
     from planner.families.settings import FAMILIES
     from planner.request import OWNERS
 
@@ -153,19 +149,19 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
         optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
         owners = optimised if given_option in SEARCHED else [OWNERS[given_option]]
         if family not in owners:
-            raise HexciteError(
+            raise hx.HexciteError(
                 f"--{name} does nothing with --family {family}; leave it out, or choose --family {', '.join(owners)}"
             )
         if given_option.startswith("free_") and (fixed := given_option.removeprefix("free_")) in given:
-            raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
+            raise hx.HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
-def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
+def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:
     """The JSON answer of a plan that was written."""
     return {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
 
 
-def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
+def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
     """Prints a plan for people."""
     from cases.sensors import payload_words
     from identification.limit import Status

@@ -1,13 +1,12 @@
 """`hexcite poses`: chooses poses for quasi-static identification and writes a plan folder."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import hexcite as hx
+from cases.files import PLAN, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
-
-if TYPE_CHECKING:
-    from planner.plans import Plan
 
 
 def poses(
@@ -32,20 +31,17 @@ def poses(
 
     They are visited in the fastest order.
     """
-    from cases.files import PLAN, check_folder, output_place
-    from cases.schema import load_case
     from cases.tables import find_case
     from identification.model import static_model
-    from planner.library import plan_poses
     from planner.poses.candidates import JOINT_CANDIDATES
 
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
     grid = loaded.poses.grid_size if loaded.poses is not None and loaded.chain is None else JOINT_CANDIDATES
     steps = grid if candidates is None else candidates
     with console.progress("choosing poses", steps, json) as report:
-        plan = plan_poses(
+        plan = hx.plan_poses(
             loaded,
             at,
             progress=lambda rest: report(f"{rest} poses", 1),
@@ -65,7 +61,7 @@ def poses(
         _show(answer, plan)
 
 
-def _show(answer: dict[str, Any], plan: "Plan") -> None:
+def _show(answer: dict[str, Any], plan: "hx.Plan") -> None:
     from planner.request import METHODS
 
     print(f"{METHODS[answer['method']]}, criterion {answer['criterion']}, model {answer['model']}")

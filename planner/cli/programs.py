@@ -2,15 +2,13 @@
 
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import hexcite as hx
+from cases.files import RUN, check_file, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 from planner.precision import share_text
-
-if TYPE_CHECKING:
-    from identification.recording import Recording
-    from postprocessors.dialects import Program
 
 Accept = Annotated[
     list[str] | None,
@@ -40,10 +38,7 @@ def post(
     It is read back and proven before it is written.
     """
     from cases.controller import ControllerName
-    from cases.files import check_file, output_place
-    from cases.schema import load_case
-    from planner.plan_program import language_of, write
-    from planner.plans import Plan
+    from planner.plan_program import language_of
     from postprocessors.dialects import DIALECTS
 
     if plan is None:
@@ -51,12 +46,12 @@ def post(
         if not console.answered({"dialects": [d.name for d in DIALECTS.values()]}, json):
             console.print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    loaded = Plan.load(plan, None if case is None else load_case(case), stale)
+    loaded = hx.Plan.load(plan, None if case is None else hx.load_case(case), stale)
     language = language_of(loaded, dialect, output)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
     with console.status(f"writing and proving {file.name}", json):
-        program = write(
+        program = hx.write(
             loaded,
             language.name,
             speed=speed,
@@ -74,7 +69,7 @@ def post(
         print(remark)
 
 
-def answer_of_program(program: "Program") -> dict[str, Any]:
+def answer_of_program(program: "hx.Program") -> dict[str, Any]:
     """The JSON answer of a program that was written."""
     proof, (stretch, remarks) = program.proof, program.forecast
     return {
@@ -98,13 +93,11 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
-    from cases.schema import load_case
-    from planner.plan_program import check as checked
     from planner.plan_program import naming_another
 
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     with console.status(f"proving {program.name}", json):
-        read = checked(program, loaded, dialect)
+        read = hx.check(program, loaded, dialect)
         answer = answer_of_proof(read)
     if not console.answered(answer, json):
         show_check(answer, read)
@@ -112,7 +105,7 @@ def check(
         read.proof.require()
 
 
-def answer_of_proof(program: "Program") -> dict[str, Any]:
+def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
     """The JSON answer of a proof, whether it succeeded or not."""
     from planner.plan_program import written_for_another
 
@@ -130,7 +123,7 @@ def answer_of_proof(program: "Program") -> dict[str, Any]:
     }
 
 
-def show_check(answer: dict[str, Any], program: "Program") -> None:
+def show_check(answer: dict[str, Any], program: "hx.Program") -> None:
     """Prints a proof for people."""
     console.print_table(
         "Limits of the program as read back", console.LIMIT_COLUMNS, console.limit_rows(program.proof.limits.checks)
@@ -168,27 +161,24 @@ def run(
 
     Sensors and encoders are simulated for the motion that the controller executed.
     """
-    from cases.files import RUN, check_folder, output_place
-    from cases.schema import load_case
     from cases.tables import find_case
     from planner.execution import require_controller
-    from planner.execution import run as executed
     from planner.request import require_seed
 
     require_seed(seed)
     require_controller(on)
     folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
     check_folder(folder, RUN, [program, find_case(case)], overwrite)
-    loaded = load_case(case)
+    loaded = hx.load_case(case)
     with console.status(f"running {program.name} on {on}", json):
-        recording = executed(program, loaded, on, seed=seed, payload=payload, disturbed=disturbed)
+        recording = hx.run(program, loaded, on, seed=seed, payload=payload, disturbed=disturbed)
         recording.save(folder, overwrite)
     answer = answer_of_run(recording, folder)
     if not console.answered(answer, json):
         show_run(answer)
 
 
-def answer_of_run(recording: "Recording", folder: Path) -> dict[str, Any]:
+def answer_of_run(recording: "hx.Recording", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
     about = recording.record
     answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
+import hexcite as hx
 from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, progress
 
 
@@ -23,11 +24,9 @@ def study(
     """
     from contextlib import ExitStack
 
-    from cases.schema import load_case
     from planner.study import load_spec
-    from planner.study.conduct import study as conducted
 
-    loaded, asked = load_case(case), load_spec(spec)
+    loaded, asked = hx.load_case(case), load_spec(spec)
     folder = output if output is not None else Path(f"{loaded.name}-{asked.name}-study")
     counts: list[Callable[[str, int], None]] = []
     with ExitStack() as bars:
@@ -40,7 +39,7 @@ def study(
             if not json:
                 print(f"Study {asked.name} of {loaded.name}: {number} of {cells} cells to do, in {folder}")
 
-        result = conducted(loaded, asked, folder, workers=workers, scheduler=scheduler, progress=show)
+        result = hx.study(loaded, asked, folder, workers=workers, scheduler=scheduler, progress=show)
     answer = {**result.to_json(), "report": str(result.write_page())}
     if not answered(answer, json):
         _show(answer, result.best, case)
