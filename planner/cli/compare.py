@@ -29,11 +29,13 @@ def compare(
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
 
+    from planner.reports.compare import compare_page
+
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with console.status("comparing", json):
         comparison = hx.compare(folders, None if case is None else hx.load_case(case), stale)
-        console.save_with_page(comparison, COMPARISON, place, overwrite)
+        console.save_with_page(comparison, COMPARISON, compare_page, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
     if not console.answered(answer, json):
         _show(answer, comparison)
@@ -91,6 +93,7 @@ def validate(
     from planner.comparison.methods import require_methods, unfinished
     from planner.comparison.trials import mounted_weights
     from planner.comparison.validation import disturbances_of
+    from planner.reports.validation import validation_page
 
     settings = hx.ValidationSettings(on, starts, seed, plans, workers)
     loaded = hx.load_case(case)
@@ -107,7 +110,7 @@ def validate(
     check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
         validation = hx.validate_recordings(loaded, recordings, names)
-        console.save_with_page(validation, VALIDATION, place, overwrite)
+        console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
     else:
         disturbances_of(loaded, settings, undisturbed)  # before anything is made
         with unfinished(place, loaded, settings, overwrite) as work:
@@ -115,7 +118,7 @@ def validate(
                 validation = hx.validate(
                     loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
                 )
-            console.save_with_page(validation, VALIDATION, place, overwrite)
+            console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):
         _show_validation(answer, validation)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-import hexcite as hx
 from cases.files import FolderKind, atomic_folder
 from planner.precision import bounds_text, share_text
 
@@ -156,8 +155,8 @@ def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:
-    """Writes a value with its page report.html.
+def save_with_page(value: Any, kind: FolderKind, page: Callable[[Any], str], folder: Path, overwrite: bool) -> None:
+    """Writes a value with its page report.html, as `page` makes it.
 
     Raises:
         FileProblem: the folder holds other files, or cannot be written.
@@ -165,4 +164,4 @@ def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) 
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        hx.report(value, part / "report.html")
+        (part / "report.html").write_text(page(value), encoding="utf-8")
