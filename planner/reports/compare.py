@@ -176,10 +176,8 @@ def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any
             text=[f"{plain(n)}: {deviations[n]:.3g}" for n in parameters],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
-    figure.x_axis(
-        range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
-        ticktext=[plain(n) for n in names], tickangle=-90,
-    )  # fmt: skip
+    ticks = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names], "tickangle": -90}
+    x = {"range": [-0.6, len(names) - 0.4], "showgrid": False, "zeroline": False, **ticks}
     largest = max((std[n] / best[n] for _, std, _ in series for n in std if n in best), default=1.0)
-    figure.y_axis(type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
+    figure.axes(x, {"type": "log", "tickvals": CLOSE if largest < CLOSE[-1] else FAR})
     return figure

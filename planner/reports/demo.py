@@ -119,8 +119,7 @@ def errors_chart(rows: Sequence[dict[str, Any]]) -> Chart:
         showlegend=False,
     )
     reach = max(5.0, 1.15 * max(abs(e) for e in errors))
-    figure.x_axis(tickangle=-45)
-    figure.y_axis(range=[-reach, reach])
+    figure.axes({"tickangle": -45}, {"range": [-reach, reach]})
     return figure
 
 

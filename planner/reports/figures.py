@@ -116,8 +116,7 @@ def limits_chart(report: LimitReport) -> Chart:
             textfont={"color": "#102a43" if label == "proven" else "#ffffff"},
         )
     figure.add_line({"x": 100}, GREY, 2, "solid")
-    figure.x_axis(range=[0, MOST_SHARE])
-    figure.y_axis(categoryorder="array", categoryarray=names)
+    figure.axes({"range": [0, MOST_SHARE]}, {"categoryorder": "array", "categoryarray": names})
     return figure
 
 
@@ -140,8 +139,8 @@ def identifiability_blocks(found: Identifiability) -> tuple[Block, ...]:
         figure.add(
             "heatmap", z=values.astype(np.float32), x=names, y=names, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar
         )
-        figure.y_axis(autorange="reversed", tickfont={"size": 10})
-        figure.x_axis(tickfont={"size": 10}, tickangle=-90)
+        small = {"tickfont": {"size": 10}}
+        figure.axes({**small, "tickangle": -90}, {**small, "autorange": "reversed"})
         charts.append(figure)
     rows = ((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
     return (*charts, table(("strongest correlations", "value"), rows))

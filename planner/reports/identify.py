@@ -206,8 +206,7 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
         )
     if cutoff is not None:
         figure.add_line({"x": cutoff}, GREY)
-    figure.x_axis(type="log")
-    figure.y_axis(type="log")
+    figure.axes({"type": "log"}, {"type": "log"})
     return figure
 
 
@@ -216,7 +215,7 @@ def _over_samples(figure: Chart, residuals: Residuals) -> Chart:
     if residuals.step is None:
         for trace in figure.data:
             trace.update(mode="lines+markers", marker={"size": 4})
-    figure.x_axis(title={"text": "standstill" if residuals.step is None else "time [s]"})
+    figure.axes({"title": {"text": "standstill" if residuals.step is None else "time [s]"}})
     return figure
 
 
@@ -237,6 +236,5 @@ def parameters_chart(parameters: Mapping[str, Value]) -> Chart:
             "scatter", x=[plain(n) for n in names], y=width, name=label, mode="markers", hovertext=text,
             marker={"size": 9, "color": colour}, hoverinfo="text+name",
         )  # fmt: skip
-    figure.x_axis(tickangle=-45)
-    figure.y_axis(type="log", dtick="D2")
+    figure.axes({"tickangle": -45}, {"type": "log", "dtick": "D2"})
     return figure

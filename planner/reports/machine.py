@@ -191,7 +191,7 @@ def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Bl
     figure = Chart("information", caption, y="std of one sample, scaled", height=360, barmode="group")
     figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
     figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
-    figure.x_axis(tickangle=-60)
+    figure.axes({"tickangle": -60})
     return (
         figure,
         _progress(states.t, motion.duration, matrices),
@@ -212,6 +212,5 @@ def _progress(times: Array, duration: float, matrices: Array) -> Chart:
     gathering, even = {"color": COLOURS[0], "width": 2}, {"color": GREY, "dash": "dash", "width": 1}
     figure.add("scatter", x=times[steps], y=100 * share, line=gathering, name="gathered", mode="lines")
     figure.add("scatter", x=[0.0, duration], y=[0.0, 100.0], line=even, name="at an even pace", mode="lines")
-    figure.x_axis(range=[0.0, duration])
-    figure.y_axis(range=[0, 105])
+    figure.axes({"range": [0.0, duration]}, {"range": [0, 105]})
     return figure

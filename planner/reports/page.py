@@ -10,7 +10,7 @@ import gzip
 import html
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import resources
 from itertools import starmap
@@ -104,13 +104,10 @@ class Chart:
         look = {"fillcolor": colour, "opacity": opacity, "line": {"width": 0}, "layer": "below"}
         self.layout["shapes"].append({"type": "rect", **place, **look})
 
-    def x_axis(self, **attributes: Any) -> None:
-        """Sets attributes of the x axis."""
-        self.layout["xaxis"].update(attributes)
-
-    def y_axis(self, **attributes: Any) -> None:
-        """Sets attributes of the y axis."""
-        self.layout["yaxis"].update(attributes)
+    def axes(self, x: Mapping[str, Any] = {}, y: Mapping[str, Any] = {}) -> None:
+        """Sets attributes of the axes."""
+        self.layout["xaxis"].update(x)
+        self.layout["yaxis"].update(y)
 
     def __html__(self) -> Markup:
         """The figure as it stands on a page."""

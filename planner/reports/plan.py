@@ -245,6 +245,5 @@ def _places(plan: Plan) -> Chart:
         at = places(plan.case, poses)
         marker = {"size": size, "color": colour}
         figure.add("scatter", x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
-    figure.x_axis(constrain="domain")
-    figure.y_axis(scaleanchor="x", constrain="domain")
+    figure.axes({"constrain": "domain"}, {"constrain": "domain", "scaleanchor": "x"})
     return figure

@@ -165,7 +165,7 @@ def _s0_chart(trials: Sequence[Trial]) -> Chart:
     caption = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
     figure = Chart("s0", caption, "load [kg]", "s0 [N]", height=340, showlegend=True)
     _add_over_load(figure, trials, [trial.s0 for trial in trials])
-    figure.y_axis(type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
+    figure.axes(y={"type": "log", "tickvals": [v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)]})
     return figure
 
 
