@@ -17,20 +17,7 @@ import numpy as np
 from cases.basis import KEPT, case_of, recording_basis, require_unchanged
 from cases.errors import FileProblem, RecordingError
 from cases.files import RUN, another_kind, atomic_folder, check_folder, json_text, read_json
-from cases.recording_format import (
-    ACCELEROMETER,
-    BAR_FORCES,
-    CLOCK,
-    DRIVES,
-    JOINT_ANGLES,
-    JOINT_WAYS,
-    OVERRIDE,
-    ROTATION,
-    STRUTS,
-    TEMPERATURE,
-    TRIGGER,
-    WRENCH,
-)
+from cases.recording_format import ACCELEROMETER, CLOCK, OVERRIDE, ROLE_OF, ROTATION, TEMPERATURE, TRIGGER, Role
 from cases.schema import Case
 from cases.tables import own_units
 from cases.units import Array, Indices, as_html
@@ -121,9 +108,8 @@ class Recording(Stream):
 
 SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
-_DECIMALS = {CLOCK: 9} | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
-_DECIMALS |= dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
-FINE = 12  # decimals of all other columns
+_DECIMALS: dict[Role | None, int] = {Role.FORCES: 6, Role.MOMENTS: 6, Role.STRUTS: 8, Role.DRIVES: 8, Role.JOINTS: 8}
+CLOCK_DECIMALS, FINE = 9, 12  # decimals of the time, and of all other columns
 PERCENT = 0.01
 
 
@@ -204,7 +190,7 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
-    table = {} if recording.t is None else {CLOCK: recording.t}
+    table = {} if recording.t is None else {CLOCK: np.round(recording.t, CLOCK_DECIMALS)}
     groups = (
         (case.drive_columns, recording.struts),
         (ROTATION, recording.rotations),
@@ -215,9 +201,9 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
     )
     for names, values in groups:
         if values is not None:
-            columns = values.reshape(-1, len(names)) / own_units(names)
-            table |= dict(zip(names, columns.T, strict=True))
-    table = {name: np.round(column, _DECIMALS.get(name, FINE)) for name, column in table.items()}
+            columns = (values.reshape(-1, len(names)) / own_units(names)).T
+            for name, column in zip(names, columns, strict=True):
+                table[name] = np.round(column, _DECIMALS.get(ROLE_OF.get(name), FINE))
     if recording.trigger is not None:
         table[TRIGGER] = recording.trigger.astype(np.int8)
     pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))

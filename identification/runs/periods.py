@@ -140,8 +140,12 @@ def telling_harmonics(
         t: time of the recording, shape (n,) [s].
         struts: struts of the recording, shape (n, 6) [m].
     """
-    count = len(periods)
-    floor = _floor(motion, periods, t, struts)
+    # power of a harmonic of one period by white noise: from half of the Nyquist frequency on nothing moves
+    powers = []
+    for rows in periods:
+        spectrum = 2.0 / len(rows) * rfft(struts[rows] - motion.at(t[rows]), axis=0)
+        powers.append(np.median(np.sum(np.abs(spectrum[len(rows) // 4 : (len(rows) - 1) // 2]) ** 2, axis=1)))
+    count, floor = len(periods), float(np.mean(powers)) / MEDIAN_POWER
     if count > 1:
         noise = np.trace(noise_spectra(scatter, motion.harmonics, 2), axis1=1, axis2=2).real[1:]
         # Steps of encoders repeat with the motion; what does not repeat has been counted already.
@@ -150,12 +154,3 @@ def telling_harmonics(
         noise = np.full(motion.harmonics, floor)
     gain = (motion.power.sum(axis=1) - 2.0 * noise) * np.arange(1, motion.harmonics + 1) ** 4.0
     return max(FEWEST, int(np.argmax(np.cumsum(gain))) + 1)
-
-
-def _floor(motion: FourierSeries, periods: Sequence[Indices], t: Array, struts: Array) -> float:
-    """Power of a harmonic of one period by white noise [m^2]: from half of the Nyquist frequency on nothing moves."""
-    power = []
-    for rows in periods:
-        spectrum = 2.0 / len(rows) * rfft(struts[rows] - motion.at(t[rows]), axis=0)
-        power.append(np.median(np.sum(np.abs(spectrum[len(rows) // 4 : (len(rows) - 1) // 2]) ** 2, axis=1)))
-    return float(np.mean(power)) / MEDIAN_POWER
