@@ -32,60 +32,17 @@ START_LIMIT = 40.0  # [s] for each step of starting; they take tenths of a secon
 STATUS_LIMIT = 10.0  # [s] reading the state fails while it is being written; that passes when the writer goes on
 
 
-class Recorder:
-    """Fetches the logged cycles in a thread of its own; `halsampler` would print them with six digits only."""
-
-    def __init__(self, channels):
-        self._component = hal.component("hexcite")
-        self._component.newpin("record", hal.HAL_BIT, hal.HAL_OUT)
-        self._component.ready()
-        self._queue = hal.stream(self._component, hal.sampler_base, channels)
-        self._width = 1 + len(channels)
-        self._values = array.array("d")
-        self._finished = False
-        self._thread = threading.Thread(target=self._fetch, daemon=True)  # ends with the driver when that is killed
-        subprocess.run(["halcmd", "net", "record", "hexcite.record", "sampler.0.enable"], check=True)
-
-    def _fetch(self):
-        while True:
-            last = self._finished
-            while self._queue.readable:
-                row = self._queue.read()
-                self._values.append(self._queue.sampleno)
-                self._values.extend(row)
-            if last:
-                return
-            time.sleep(FETCH)
-
-    def start(self):
-        self._thread.start()
-        self._component["record"] = True
-
-    def stop(self):
-        if self._thread.is_alive():
-            time.sleep(REST)
-            self._component["record"] = False
-            time.sleep(REST)
-            self._finished = True
-            self._thread.join()
-
-    @property
-    def count(self):
-        """Number of cycles that were logged so far, those in the queue included."""
-        waiting = self._queue.depth
-        return waiting + len(self._values) // self._width
-
-    def numbers(self):
-        """First and last number of a cycle; missing cycles between them were lost."""
-        return (int(self._values[0]), int(self._values[-self._width])) if self._values else (0, -1)
-
-    def line(self):
-        """The last line in motion, by the log's first channel; 0 before the first one."""
-        return next((int(line) for line in self._values[1 :: self._width][::-1] if line), 0)
-
-    def save(self, file):
-        with open(file, "wb") as out:
-            self._values.tofile(out)
+def fetch(queue, values, finished):
+    """Fetches the logged cycles, in a thread of its own; `halsampler` would print them with six digits only."""
+    while True:
+        last = finished.is_set()
+        while queue.readable:
+            row = queue.read()
+            values.append(queue.sampleno)
+            values.extend(row)
+        if last:
+            return
+        time.sleep(FETCH)
 
 
 class Session:
@@ -178,30 +135,50 @@ def main():
     arguments = parser.parse_args()
     session = Session()
     settings = linuxcnc.ini(arguments.ini)
-    recorder = Recorder(settings.find("HEXCITE", "SAMPLER"))
+    channels = settings.find("HEXCITE", "SAMPLER")
+    component = hal.component("hexcite")
+    component.newpin("record", hal.HAL_BIT, hal.HAL_OUT)
+    component.ready()
+    queue = hal.stream(component, hal.sampler_base, channels)
+    subprocess.run(["halcmd", "net", "record", "hexcite.record", "sampler.0.enable"], check=True)
+    values, width, finished = array.array("d"), 1 + len(channels), threading.Event()
+    thread = threading.Thread(target=fetch, args=(queue, values, finished), daemon=True)  # ends with a killed driver
+
+    def count():
+        """Number of cycles that were logged so far, those in the queue included."""
+        waiting = queue.depth
+        return waiting + len(values) // width
+
     started = 0
     try:
         session.prepare(arguments.program, int(settings.find("KINS", "JOINTS")))
-        recorder.start()
-        started = recorder.count
+        thread.start()
+        component["record"] = True
+        started = count()
         outcome = session.run(arguments.time_limit)
     except RuntimeError as failure:
         outcome = "error"
         session.errors.append(str(failure))
-    ended = recorder.count
-    recorder.stop()
-    recorder.save("samples.f64")
-    first, last = recorder.numbers()
+    ended = count()
+    if thread.is_alive():
+        time.sleep(REST)
+        component["record"] = False
+        time.sleep(REST)
+        finished.set()
+        thread.join()
+    with open("samples.f64", "wb") as out:
+        values.tofile(out)
+    numbers = values[::width]
     status = {
         "outcome": outcome,
         "version": linuxcnc.version,
         "errors": session.errors,
         "messages": session.messages,
-        "line": recorder.line(),
+        "line": next((int(line) for line in values[1::width][::-1] if line), 0),  # the last one in motion
         "started": started,
         "ended": ended,
-        "samples": recorder.count,
-        "lost": last - first + 1 - recorder.count,
+        "samples": count(),
+        "lost": int(numbers[-1] - numbers[0]) + 1 - count() if numbers else 0,
     }
     with open("status.json", "w") as out:
         json.dump(status, out)
