@@ -17,7 +17,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array, Standstill
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
-from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, header_of
 from postprocessors.proving.guarantees import Guarantees
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
@@ -167,12 +167,12 @@ class BlockWriter(ABC):
         centre = ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
         return " ".join([*ends, *centre])
 
-    def text(self, program: NeutralProgram, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
+    def text(self, program: Blocks, title: Sequence[str], start: Sequence[str], end: Sequence[str]) -> bytes:
         """The whole program, plain ASCII: title, header, and the blocks between those that begin and end it."""
-        header = [comment for line in program.header for comment in self.comments(line)]
-        lines = [*title, *header, *start]
-        for k, block in enumerate(program.blocks):
-            lines += self.lines(block, next((b for b in program.blocks[k + 1 :] if not isinstance(b, str)), None))
+        header = header_of(program)
+        lines = [*title, *(comment for line in header for comment in self.comments(line)), *start]
+        for k, block in enumerate(program[len(header) :], start=len(header) + 1):
+            lines += self.lines(block, next((b for b in program[k:] if not isinstance(b, str)), None))
         return ("\n".join([*lines, *end]) + "\n").encode("ascii")
 
     def coordinates(self, pose: Array) -> list[str]:

@@ -4,8 +4,8 @@ Pieces are exact where a motion consists of such; else their deviation is comput
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from itertools import groupby
+from dataclasses import dataclass
+from itertools import groupby, takewhile
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,22 +48,23 @@ writes the feed that makes its controller's own time law, under the limits of th
 """
 
 
-@dataclass(frozen=True, slots=True)
-class NeutralProgram:
-    """A program."""
-
-    header: tuple[str, ...]  # comment lines with its origin and the limits of its proof
-    blocks: tuple[Block, ...]
+Blocks = tuple[Block, ...]
+"""A program; the texts before its first other block are its header: its origin and the limits of its proof."""
 
 
 CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # largest number of subdivisions of a piece
 
 
-def block_motions(program: NeutralProgram) -> Iterator[tuple[Trajectory, bool]]:
+def header_of(program: Blocks) -> tuple[str, ...]:
+    """The texts before the first other block."""
+    return tuple(map(str, takewhile(lambda block: isinstance(block, str), program)))
+
+
+def block_motions(program: Blocks) -> Iterator[tuple[Trajectory, bool]]:
     """Motion of each block that takes time, and whether the trigger is on; omits the first move, to home."""
     on = False
-    for block in program.blocks:
+    for block in program:
         if isinstance(block, Trigger):
             on = block.on
         elif not isinstance(block, str | ToHome):
@@ -171,19 +172,19 @@ def _distance(poses: Array, motion: Trajectory, t: Array) -> tuple[float, float]
     return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())
 
 
-def moves_as_polynomials(program: NeutralProgram, block: float) -> NeutralProgram:
+def moves_as_polynomials(program: Blocks, block: float) -> Blocks:
     """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces.
 
     Blocks last `block` at most [s].
     """
     blocks: list[Block] = []
-    for together, group in groupby(program.blocks, lambda b: isinstance(b, StraightMove)):
+    for together, group in groupby(program, lambda b: isinstance(b, StraightMove)):
         members = list(group)
         if together:
             moves = [b for b in members if isinstance(b, StraightMove)]
             members = [timed_path("moves", polynomials_of(moves), block, 1.0)]
         blocks += members
-    return replace(program, blocks=tuple(blocks))
+    return tuple(blocks)
 
 
 def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:

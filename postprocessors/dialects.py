@@ -16,7 +16,7 @@ from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
 from cases.units import as_html
 from identification.motion import Array
-from postprocessors.blocks import NeutralProgram
+from postprocessors.blocks import Blocks
 from postprocessors.proving.guarantees import AS_PLANNED, Forecast, Guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading
@@ -28,7 +28,7 @@ class Language:
 
     # program and case -> content of the file; raises CaseError where the case lacks the machine or the settings of this
     # dialect, HexciteError where the dialect cannot express a block
-    write: Callable[[NeutralProgram, Case], bytes]
+    write: Callable[[Blocks, Case], bytes]
     # content, name for messages, case -> its reading; shares no code with `write`; raises ProgramError with line and
     # column at anything that it does not understand, and where the end is missing, CaseError as `write`
     read: Callable[[bytes, str, Case], Reading]
@@ -37,11 +37,11 @@ class Language:
     # allowed deviation of its paths from the plan beside rounding, shape (6,) [m, rad]
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(1)
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
-    same: Callable[[NeutralProgram, Reading, Case], None] | None = None
+    same: Callable[[Blocks, Reading, Case], None] | None = None
     # forecast of the program's duration; by default that it is as planned
     forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: AS_PLANNED
     # program and case -> the program in the blocks that this dialect is set up to use
-    prepare: Callable[[NeutralProgram, Case], NeutralProgram] = lambda program, case: program
+    prepare: Callable[[Blocks, Case], Blocks] = lambda program, case: program
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill
 from postprocessors.block_writer import comment_lines
-from postprocessors.blocks import NeutralProgram, block_motions, knots
+from postprocessors.blocks import Blocks, block_motions, header_of, knots
 from postprocessors.reading import Reading, Still, Timed
 
 DECIMALS = 9  # decimals of rad, m and their derivatives
@@ -21,11 +21,11 @@ CLOSEST = 2e-3  # [s] least distance of points: rounding of closer ones makes je
 FIRST = 0.02  # [s] time of the first point: at 0 the controller would jump to it
 
 
-def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
+def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     """The message, plain ASCII, see `Language.write`; `controller.block_ms` is the distance of points."""
     chain, _ = case.need_chain("a joint trajectory")
     controller = case.need_controller("a joint trajectory")
-    lines = [f"# {line}" for text in program.header for line in comment_lines(text)]
+    lines = [f"# {line}" for text in header_of(program) for line in comment_lines(text)]
     lines += [f"joint_names: [{', '.join(chain.names)}]", "points:"]
     motion = _motion(program)
     points = motion.at(_instants(motion, controller.block))
@@ -37,7 +37,7 @@ def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
+def require_same(program: Blocks, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the message, as read back, is the program's motion, at its points and between them."""
     motion, clock = _motion(program), -FIRST
     for part in reading.stretches:
@@ -55,7 +55,7 @@ def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
         raise ProgramError(reading.file, 0, 0, f"lasts {clock:.6f} s of {motion.duration:.6f} s; report this")
 
 
-def _motion(program: NeutralProgram) -> Joined:
+def _motion(program: Blocks) -> Joined:
     """The whole motion: the message has no place for the trigger."""
     return Joined(tuple(motion for motion, _ in block_motions(program)))
 

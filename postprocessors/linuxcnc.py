@@ -15,7 +15,7 @@ from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, comment_lines, feed, number
-from postprocessors.blocks import NeutralProgram, TimedPath, timed_path
+from postprocessors.blocks import Blocks, TimedPath, timed_path
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, linuxcnc_guarantees
 from postprocessors.proving.guarantees import Guarantees
@@ -87,11 +87,10 @@ def _trapezoid_speed(duration: float, acceleration: float) -> float:
     return float((acceleration * duration - np.sqrt(root)) / 2)
 
 
-def prepare_linuxcnc(program: NeutralProgram, case: Case) -> NeutralProgram:
+def prepare_linuxcnc(program: Blocks, case: Case) -> Blocks:
     """Paths in blocks of whole cycles: LinuxCNC omits the rest (measured on 2.9), and would be too fast."""
     length = case.need_controller("a program").block
-    blocks = [_in_cycles(b, length) if isinstance(b, TimedPath) else b for b in program.blocks]
-    return replace(program, blocks=tuple(blocks))
+    return tuple(_in_cycles(block, length) if isinstance(block, TimedPath) else block for block in program)
 
 
 def _in_cycles(path: TimedPath, length: float) -> TimedPath:
@@ -121,10 +120,10 @@ def _share_of_cycles(duration: float) -> float:
     return float(cycles / np.ceil(cycles - EQUAL / SERVO_PERIOD))
 
 
-def write_linuxcnc(program: NeutralProgram, case: Case) -> bytes:
+def write_linuxcnc(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII, with feeds for the limits of the controller's set-up; see `Language.write`."""
     of_pose = case.need_motion("a program")[1].of_pose
-    timed = of_pose and any(isinstance(block, TimedPath) for block in program.blocks)
+    timed = of_pose and any(isinstance(block, TimedPath) for block in program)
     headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0
     writer = _LinuxCncWriter(case, linuxcnc_guarantees(Reading("", (), 0), case), headroom)
     # G92.1 cancels offsets of an operator; G54 itself must be zero, which a program cannot check.

@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.model import machine_of
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
-from postprocessors.blocks import NeutralProgram, ToHome, Trigger, block_motions
+from postprocessors.blocks import Blocks, ToHome, Trigger, block_motions, header_of
 from postprocessors.reading import Reading, Timed
 
 FORMAT = "hexcite setpoints 1"
@@ -32,7 +32,7 @@ TablePart = tuple[Trajectory | None, int, bool]
 """A stretch of whole cycles: its motion, None for a standstill, how many cycles, and whether the trigger is on."""
 
 
-def _parts(program: NeutralProgram, cycle: float) -> Iterator[TablePart]:
+def _parts(program: Blocks, cycle: float) -> Iterator[TablePart]:
     """Parts of a table: motions up to the next standstill, or switch of the trigger, as one; each standstill alone."""
     number = count(1)
 
@@ -46,9 +46,9 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[TablePart]:
         yield None if standing else Slowed(motion, motion.duration / (cycles * cycle)), cycles, on
 
 
-def _motion(program: NeutralProgram, cycle: float) -> tuple[list[Array], Array]:
+def _motion(program: Blocks, cycle: float) -> tuple[list[Array], Array]:
     """Pose, rates and accelerations at all rows, and whether the trigger is on in the cycle that each row begins."""
-    home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
+    home = next(b.pose for b in program if isinstance(b, ToHome))
     rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
     trigger: list[Array] = []
     for motion, cycles, on in _parts(program, cycle):
@@ -62,11 +62,11 @@ def _motion(program: NeutralProgram, cycle: float) -> tuple[list[Array], Array]:
         for column, value in zip(rows, values, strict=True):
             column.append(value)
         trigger.append(np.full(cycles, float(on)))
-    last = [b.on for b in program.blocks if isinstance(b, Trigger)][-1:]
+    last = [b.on for b in program if isinstance(b, Trigger)][-1:]
     return [np.vstack(column) for column in rows], np.concatenate([*trigger, [float(any(last))]])
 
 
-def _values(program: NeutralProgram, case: Case) -> Array:
+def _values(program: Blocks, case: Case) -> Array:
     """The table in the units of its columns."""
     cycle = case.need_settings(Setpoints, "a setpoint table").cycle
     motion, trigger = _motion(program, cycle)
@@ -90,7 +90,7 @@ def decimals_of(case: Case) -> list[int]:
     return [6, *(places for places in DECIMALS for _ in home), *(STRUT_DECIMALS if limits.of_pose else ()), 0]
 
 
-def _header(program: NeutralProgram, case: Case) -> list[str]:
+def _header(program: Blocks, case: Case) -> list[str]:
     cycle = case.need_settings(Setpoints, "a setpoint table").cycle_ms
     limits = case.need_motion("a setpoint table")[1]
     if limits.of_pose:
@@ -106,12 +106,12 @@ def _header(program: NeutralProgram, case: Case) -> list[str]:
         "units: as the columns say; t_s from the start",
         *words,
         "start: the machine must stand in the first row's pose",
-        *(f"note: {line}" for line in program.header),
+        *(f"note: {line}" for line in header_of(program)),
     ]
     return ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in lines]
 
 
-def write_csv(program: NeutralProgram, case: Case) -> bytes:
+def write_csv(program: Blocks, case: Case) -> bytes:
     """The table as CSV, plain ASCII; see `Language.write`."""
     values, decimals = _values(program, case), decimals_of(case)
     rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, decimals, strict=True)]) + 0.0  # no -0
@@ -120,7 +120,7 @@ def write_csv(program: NeutralProgram, case: Case) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def write_parquet(program: NeutralProgram, case: Case) -> bytes:
+def write_parquet(program: Blocks, case: Case) -> bytes:
     """The table as Parquet with all digits; header lines in the metadata. Otherwise as `write_csv`."""
     import pyarrow as pa
     from pyarrow import parquet
@@ -134,7 +134,7 @@ def write_parquet(program: NeutralProgram, case: Case) -> bytes:
     return sink.getvalue()
 
 
-def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
+def require_same(program: Blocks, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
     cycle = case.need_settings(Setpoints, "a setpoint table").cycle
     read = [s for s in reading.stretches if isinstance(s, Timed)]

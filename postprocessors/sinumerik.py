@@ -15,7 +15,7 @@ from identification.motion import Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, number
 from postprocessors.blocks import (
-    NeutralProgram,
+    Blocks,
     TimedPath,
     even_deviation,
     moves_as_polynomials,
@@ -44,7 +44,7 @@ class _SinumerikWriter(BlockWriter):
         super().__init__(words, axes, sinumerik_guarantees(Reading("", (), 0), case), case)
         self.place = f"case {case.name}"
 
-    def written(self, program: NeutralProgram) -> bytes:
+    def written(self, program: Blocks) -> bytes:
         s, start = self.settings, ["G17 G90 G94 G710 G40 G500"]
         title = [f"%_N_{s.program_name}_MPF", ";$PATH=/_N_MPF_DIR"]
         if isinstance(s, Sinumerik):
@@ -117,7 +117,7 @@ class _SinumerikWriter(BlockWriter):
         return [*lines, "COMPOF", "G94 G60"]
 
 
-def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
+def prepare_sinumerik(program: Blocks, case: Case) -> Blocks:
     """The program with point-to-point moves as the case states: at a feed, or as polynomials."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     if isinstance(settings, Sinumerik) and settings.moves == "poly":
@@ -125,6 +125,6 @@ def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
     return program
 
 
-def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
+def write_sinumerik(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII; see `Language.write`."""
     return _SinumerikWriter(case).written(program)

@@ -11,7 +11,7 @@ from cases.controller import TwinCat, TwinCatAxes
 from cases.schema import Case
 from identification.motion import Array
 from postprocessors.block_writer import BlockWriter, number
-from postprocessors.blocks import NeutralProgram, TimedPath
+from postprocessors.blocks import Blocks, TimedPath
 from postprocessors.proving.guarantees import twincat_guarantees
 from postprocessors.reading import Reading, axis_letters
 
@@ -28,7 +28,7 @@ class _TwinCatWriter(BlockWriter):
             letters = axis_letters(case, self.name, self.settings.program_name, endless=False)
         super().__init__(letters, letters, twincat_guarantees(Reading("", (), 0), case), case)
 
-    def written(self, program: NeutralProgram) -> bytes:
+    def written(self, program: Blocks) -> bytes:
         s = self.settings
         title, slope = [f"%{s.program_name}"], f"#SLOPE [TYPE={s.slope}]"
         if not isinstance(s, TwinCat):
@@ -65,6 +65,6 @@ class _TwinCatWriter(BlockWriter):
         return [*lines, after, "G94"]
 
 
-def write_twincat(program: NeutralProgram, case: Case) -> bytes:
+def write_twincat(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII; see `Language.write`."""
     return _TwinCatWriter(case).written(program)

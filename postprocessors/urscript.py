@@ -14,13 +14,13 @@ from cases.schema import Case
 from identification.motion import Array, Standstill
 from identification.trajectories.moves import StraightMove
 from postprocessors.block_writer import comment_lines, digits, number
-from postprocessors.blocks import NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import Blocks, ToHome, Trigger
 
 DECIMALS = 9  # decimals of angles [rad]
 INDENT = "  "  # to the interpreter, lines in the first column begin and end the program
 
 
-def write_urscript(program: NeutralProgram, case: Case) -> bytes:
+def write_urscript(program: Blocks, case: Case) -> bytes:
     """The program's text, plain ASCII, see `Language.write`: moves from rest to rest, dwells and switches alone."""
     settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
@@ -30,20 +30,19 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
             'state it as kind = "revolute" with position_deg'
         )
     speeds = float(limits.rate.min()), float(limits.acceleration.min())  # smallest limits of any joint
-    lines = [line for text in program.header for line in _comments(text)]
-    lines += _statements(program, chain.home, settings.trigger_output, speeds)
+    lines = _statements(program, chain.home, settings.trigger_output, speeds)
     body = "".join(f"{INDENT}{line}\n" for line in lines)
     return f"def {settings.program_name}():\n{body}end\n".encode("ascii")
 
 
-def _statements(program: NeutralProgram, at: Array, output: int, speeds: tuple[float, float]) -> Iterator[str]:
+def _statements(program: Blocks, at: Array, output: int, speeds: tuple[float, float]) -> Iterator[str]:
     """Statements of the blocks.
 
     Args:
         at: where the robot stands before the first [rad].
         speeds: speed and acceleration of which the first move may use its share [rad/s, rad/s^2].
     """
-    for block in program.blocks:
+    for block in program:
         match block:
             case str():
                 yield from _comments(block)

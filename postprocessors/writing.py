@@ -13,7 +13,7 @@ from identification.limit_proof import slowed_for_forces
 from identification.motion import Array, Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
+from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Dialect, Program
 from postprocessors.proving.proof import ProgramProof, prove_program, remarks
 from postprocessors.reading import Reading, Stretch, Timed, Untimed
@@ -48,8 +48,8 @@ def proven_program(
     """
     path = Path(file)
     language = dialect.load(path.suffix.lower())
-    program = language.prepare(excitation_program(trajectory, case, header, speed), case)
-    reading = language.read(language.write(program, case), str(path), case)
+    program = language.prepare(excitation_program(trajectory, case, speed), case)
+    reading = language.read(language.write((*header, *program), case), str(path), case)
     guarantees = language.guarantees(reading, case)
     proof = prove_program(reading, guarantees)
     proof.require_accepted(accepted)
@@ -57,8 +57,7 @@ def proven_program(
         _require_same(program, reading, language.tolerance(case))
     else:
         language.same(program, reading, case)
-    draft = replace(program, header=(*header, *_findings(proof)))
-    content = language.write(draft, case)
+    content = language.write((*header, *_findings(proof), *program), case)
     again = language.read(content, str(path), case)
     if not _same_stretches(again, reading):
         raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
@@ -89,12 +88,12 @@ def _same_stretches(one: Reading, other: Reading) -> bool:
     return [*map(values, one.stretches)] == [*map(values, other.stretches)]
 
 
-def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -> None:
+def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
     """Raises unless the motion of the text is that of the program, block by block, point by point, at every instant.
 
     Polynomials may deviate from other motions by `tolerance`, shape (6,) [m, rad].
     """
-    written = [b for b in program.blocks if isinstance(b, TimedPath | StraightMove | CircularMove)]
+    written = [b for b in program if isinstance(b, TimedPath | StraightMove | CircularMove)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in reading.stretches if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -156,9 +155,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     return (timed_path(name, trajectory, block, speed),)
 
 
-def excitation_program(
-    trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0
-) -> NeutralProgram:
+def excitation_program(trajectory: Trajectory, case: Case, speed: float = 1.0) -> Blocks:
     """The program: home, approach, settle, the excitation between trigger on and off, settle, back home.
 
     Where the motion contains measurements, the trigger is on in these alone: moves between them only take the machine
@@ -192,4 +189,4 @@ def excitation_program(
         before, after = (Standstill(pose, controller.settle_s) for pose in (first, last))
         blocks += [before, Trigger(True), *excitation, Trigger(False), after]
     straight("return", last, home)
-    return NeutralProgram(header, tuple(blocks))
+    return tuple(blocks)

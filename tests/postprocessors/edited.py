@@ -30,7 +30,7 @@ def proof(name: str, text: str) -> ProgramProof:
 
 def written(name: str, motion: Trajectory) -> str:
     language, case = dialect(name.split()[0]).load(), CASES[name]
-    return language.write(language.prepare(excitation_program(motion, case, ()), case), case).decode("ascii")
+    return language.write(language.prepare(excitation_program(motion, case), case), case).decode("ascii")
 
 
 @cache

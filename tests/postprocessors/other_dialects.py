@@ -8,7 +8,7 @@ import numpy as np
 
 from cases.schema import Case, load_case
 from identification.motion import Standstill
-from postprocessors.blocks import Block, NeutralProgram, TimedPath, ToHome, Trigger, timed_path
+from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
@@ -104,12 +104,12 @@ LINUXCNC = Typed("linuxcnc", HEAD, "M2\n", "G64 P1 Q0\nG93", "G94\nG61", "A")
 BOTH = [SINUMERIK, TWINCAT]
 
 
-def text_of(typed: Typed, program: NeutralProgram, case: Case = CASE) -> str:
+def text_of(typed: Typed, program: Blocks, case: Case = CASE) -> str:
     """What the dialect's writer makes of a program."""
     return typed.language.write(program, case).decode("ascii")
 
 
-def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
+def program_of(text: str, typed: Typed, case: Case = CASE) -> Blocks:
     """The neutral program that a text says; names of paths are those of its comments."""
     reading = typed.read(text, case)
     names = iter(re.findall(r"^(?:; |\(- )(.*): \d+ (?:POLY )?blocks", text, re.MULTILINE))
@@ -126,7 +126,7 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
             next(read)
         else:
             blocks.append(_block(next(read), names, guarantees, case))
-    return NeutralProgram((), tuple(blocks))
+    return tuple(blocks)
 
 
 def _each_path_once(events: Sequence[object]) -> list[object]:

@@ -11,7 +11,7 @@ from identification.limit_proof import prove
 from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger, timed_path
+from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -57,7 +57,7 @@ def proof(text: str, case: Case) -> ProgramProof:
     return prove_program(reading, linuxcnc_guarantees(reading, case))
 
 
-def linuxcnc_text(program: NeutralProgram) -> str:
+def linuxcnc_text(program: Blocks) -> str:
     """A program for the built-in hexapod."""
     return write_linuxcnc(program, load_case("hexapod")).decode("ascii")
 
@@ -70,7 +70,7 @@ def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: flo
     for _ in range(6):
         unknowns *= share / prove(family.motion(unknowns), case, 2000.0).worst_ratio
     path = timed_path("excitation", family.motion(unknowns), case.controller.block, 1.0)
-    program = NeutralProgram(("small",), (ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False)))
+    program = ("small", ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False))
     return write_linuxcnc(program, case).decode("ascii")
 
 
@@ -98,7 +98,7 @@ def paths(draw: st.DrawFn, start: Array = HOME) -> TimedPath:
 
 
 @st.composite
-def programs(draw: st.DrawFn) -> NeutralProgram:
+def programs(draw: st.DrawFn) -> Blocks:
     """Home, then timed paths, dwells and triggers in any order."""
     blocks: list[ToHome | TimedPath | Standstill | Trigger] = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
     pose = HOME
@@ -106,4 +106,4 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
         path = draw(paths(pose))
         pose = path.poses[-1]
         blocks += [replace(path), Standstill(pose, draw(st.floats(0.0, 3.0))), Trigger(draw(st.booleans()))]
-    return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))
+    return ("random", draw(st.text(max_size=80)), *blocks)

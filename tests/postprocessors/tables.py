@@ -53,7 +53,7 @@ def moves() -> Table:
     limits = [0.9 * v for v in (LIMITS.rate, LIMITS.acceleration, LIMITS.jerk)]
     far = HOME + np.r_[0.02, -0.015, 0.01, 0.02, -0.01, 0.03]
     there, back = StraightMove.fastest(HOME, far, *limits), StraightMove.fastest(far, HOME, *limits)
-    program = excitation_program(Joined((there, Standstill(far, 0.02), back)), CASE, ())
+    program = excitation_program(Joined((there, Standstill(far, 0.02), back)), CASE)
     return cells(write_parquet(program, CASE))
 
 
@@ -64,7 +64,7 @@ def path() -> Table:
     unknowns = np.random.default_rng(1).normal(size=family.unknowns * 6)
     for _ in range(6):
         unknowns *= 0.85 / prove(family.motion(unknowns), CASE, 2000.0).worst_ratio
-    return cells(write_parquet(excitation_program(family.motion(unknowns), CASE, ()), CASE))
+    return cells(write_parquet(excitation_program(family.motion(unknowns), CASE), CASE))
 
 
 TABLES = {"moves": moves, "path": path}

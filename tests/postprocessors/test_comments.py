@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from postprocessors.blocks import NeutralProgram, ToHome
+from postprocessors.blocks import Blocks, ToHome
 from postprocessors.reading.linuxcnc import LONGEST_LINE
 from tests.postprocessors.programs import HOME, linuxcnc_text, read_linuxcnc
 
@@ -27,14 +27,14 @@ ESCAPES = [
 COMMANDS = ["MSG, hello", "debug, x", " LOGOPEN,stolen.txt", "Print, x", "AXIS,stop", "LOGCLOSE"]
 
 
-def header_of(text: str) -> NeutralProgram:
-    return NeutralProgram((text,), MOVE)
+def header_of(text: str) -> Blocks:
+    return (text, *MOVE)
 
 
 @given(text=st.text(max_size=400))
 def test_any_header_becomes_comment_lines_of_printable_ascii_and_nothing_else(text: str):
     lines = linuxcnc_text(header_of(text)).split("\n")
-    program = linuxcnc_text(NeutralProgram((), MOVE)).split("\n")
+    program = linuxcnc_text(MOVE).split("\n")
     comments = lines[: len(lines) - len(program)]
     assert lines[len(comments) :] == program
     for line in comments:
@@ -59,7 +59,7 @@ def test_linuxcnc_takes_a_header_as_a_comment_and_not_as_a_command(text: str, rs
     """Comments that begin with MSG, LOGOPEN and the like are commands, blanks before the word notwithstanding."""
     text = linuxcnc_text(header_of(text))
     commands = [name for name, _ in rs274(text)]
-    program = [name for name, _ in rs274(linuxcnc_text(NeutralProgram((), MOVE)))]
+    program = [name for name, _ in rs274(linuxcnc_text(MOVE))]
     assert [c for c in commands if c != "COMMENT"] == [c for c in program if c != "COMMENT"]
-    extra = text.count("(") - linuxcnc_text(NeutralProgram((), MOVE)).count("(")
+    extra = text.count("(") - linuxcnc_text(MOVE).count("(")
     assert commands.count("COMMENT") == program.count("COMMENT") + extra

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.units import DEG, MM
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import NeutralProgram, TimedPath, ToHome
+from postprocessors.blocks import TimedPath, ToHome
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from tests.postprocessors.other_dialects import (
@@ -85,7 +85,7 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     limits = CASE.limits.motion
     fastest = StraightMove.fastest(HOME, end, limits.rate, limits.acceleration, limits.jerk)
     move = StraightMove(HOME, end, fastest.profile.slowed(1.0 / slower))
-    text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), move)))
+    text = text_of(typed, (ToHome(HOME, 0.05), move))
     reading = typed.read(text)
     guarantees = typed.language.guarantees(reading, CASE)
     run = predicted(reading.stretches[-1], guarantees)
@@ -112,9 +112,9 @@ def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed:
     from postprocessors.writing import excitation_program
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
-    program = excitation_program(motion, case, (), speed)
+    program = excitation_program(motion, case, speed)
     read = [s for s in typed.read(text_of(typed, program, case), case).stretches if isinstance(s, Timed)]
-    planned = [b.times[-1] for b in program.blocks if isinstance(b, TimedPath)]
+    planned = [b.times[-1] for b in program if isinstance(b, TimedPath)]
     assert [s.points.duration for s in read] == pytest.approx(planned, rel=1e-7)
     excitation = next(s for s in read if s.trigger)
     assert excitation.points.duration == pytest.approx(motion.duration / speed, rel=1e-7)

@@ -12,7 +12,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Standstill, TimedPoints
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
-from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.homing import predicted
 from postprocessors.reading import Timed, Untimed
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
@@ -64,7 +64,7 @@ def a_path(start: np.ndarray, seed: int, count: int) -> TimedPath:
 
 
 @st.composite
-def programs(draw: st.DrawFn) -> NeutralProgram:
+def programs(draw: st.DrawFn) -> Blocks:
     """Home, then moves, arcs, paths, dwells and triggers in any order."""
     limits = CASE.limits.motion
     share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
@@ -89,15 +89,15 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
         pose = last.poses[-1] if isinstance(last, TimedPath) else last.end
         pause = Standstill(pose, round(draw(st.floats(0.01, 3.0)), 6))
         blocks += [pause, Trigger(draw(st.booleans())), Standstill(pose, 0.1)]
-    return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))
+    return ("random", draw(st.text(max_size=80)), *blocks)
 
 
 @every
 @given(program=programs())
-def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: NeutralProgram):
+def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: Blocks):
     text = text_of(typed, program, case)
     reading = typed.read(text, case)
-    meant = [b for b in program.blocks[1:] if isinstance(b, StraightMove | CircularMove | TimedPath)]
+    meant = [b for b in program[1:] if isinstance(b, StraightMove | CircularMove | TimedPath)]
     read = [s for s in reading.stretches if isinstance(s, Timed | Untimed)][1:]
     assert len(read) == len(meant)
     for block, stretch in zip(meant, read, strict=True):
@@ -109,7 +109,7 @@ def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: 
         else:
             assert np.all(np.abs(stretch.end - block.end) <= HALF_A_STEP)
             assert (stretch.arc is not None) == isinstance(block, CircularMove)
-    others = [b for b in program.blocks if isinstance(b, Standstill | Trigger)]
+    others = [b for b in program if isinstance(b, Standstill | Trigger)]
     events = [e for e in reports(typed.read, text, case) if isinstance(e, Pause | Switch)]
     found = {
         Standstill: [b.duration for b in others if isinstance(b, Standstill)],
@@ -130,7 +130,7 @@ def durations(typed: Typed, text: str, case: Case) -> list[float]:
 
 @every
 @given(program=programs())
-def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, program: NeutralProgram):
+def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, program: Blocks):
     """But for ends of arcs, which follow from angles, and feeds that a trapezoid never reaches: it takes as long."""
     text = text_of(typed, program, case)
     again = text_of(typed, program_of(text, typed, case), case)
@@ -151,33 +151,32 @@ def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, 
 
 @variants
 @given(program=programs())
-def test_lines_and_characters_are_those_that_the_controller_takes(typed: Typed, case: Case, program: NeutralProgram):
+def test_lines_and_characters_are_those_that_the_controller_takes(typed: Typed, case: Case, program: Blocks):
     text = text_of(typed, program, case)
     assert text.isascii()
     assert '"' not in re.sub(r'#MSG \["[^"]*"\]', "", text)
     assert max(map(len, text.splitlines())) <= LONGEST_LINE
 
 
-def golden_program() -> NeutralProgram:
+def golden_program() -> Blocks:
     """Every kind of block, with numbers that are easily written wrong."""
     limits = CASE.limits.motion
     share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
     end = HOME + np.r_[np.array([0.0012345, -1, 2.5]) * MM, np.array([1 / 3, -20, 1e-7]) * DEG]
     turned = np.r_[end[:3], np.array([0, 5, -5]) * DEG]
     arc = fastest_circle(turned, Plane.ZX, turned[[2, 0]] + [0.03, 0.0], -1.0, *share)
-    return NeutralProgram(
-        ('a header (with parentheses), "quotes" and; a semicolon', "Größe; 20 % weniger"),
-        (
-            ToHome(HOME, 0.05),
-            Standstill(HOME, 0.3),
-            Trigger(True),
-            StraightMove.fastest(HOME, end, *share),
-            StraightMove.fastest(end, turned, *share),
-            arc,
-            a_path(arc.end, 1, 4),
-            Trigger(False),
-            Standstill(HOME, 1e-6),
-        ),
+    return (
+        'a header (with parentheses), "quotes" and; a semicolon',
+        "Größe; 20 % weniger",
+        ToHome(HOME, 0.05),
+        Standstill(HOME, 0.3),
+        Trigger(True),
+        StraightMove.fastest(HOME, end, *share),
+        StraightMove.fastest(end, turned, *share),
+        arc,
+        a_path(arc.end, 1, 4),
+        Trigger(False),
+        Standstill(HOME, 1e-6),
     )
 
 
@@ -205,7 +204,7 @@ def test_the_times_of_many_blocks_add_up_to_that_of_the_path():
     """9.570850467829537 s in 1190 equal blocks: rounded one by one they would be 0.6 us short."""
     times = np.linspace(0.0, 9.570850467829537, 1191)
     path = path_through("slow", times, HOME + np.sin(times / times[-1] * np.pi)[:, None] ** 4 * 1e-3)
-    text = text_of(TWINCAT, NeutralProgram((), (ToHome(HOME, 0.05), path)))
+    text = text_of(TWINCAT, (ToHome(HOME, 0.05), path))
     steps = [float(found) for found in re.findall(r"^G01 .* F([0-9.]+)$", text, re.MULTILINE)][1:]
     assert len(steps) == 1190
     assert sum(steps) == pytest.approx(times[-1], abs=1e-9)

@@ -15,7 +15,7 @@ from cases.units import DEG, MM
 from identification.motion import Joined, Standstill
 from identification.trajectories.curves import FourierMotion
 from identification.trajectories.moves import StraightMove, unit_profile
-from postprocessors.blocks import NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import Blocks, ToHome, Trigger
 from postprocessors.linuxcnc import prepare_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.changed_case import changed
@@ -26,32 +26,32 @@ UNITS = np.r_[np.full(3, MM), np.full(3, DEG)]
 WALK = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [0.0012345, -1, 2.5, 0, 0, 0], [0, -0.000001, 2.5, 1 / 3, -20, 1e-9]]
 
 
-def one_of_each() -> NeutralProgram:
+def one_of_each() -> Blocks:
     """Every kind of block, with numbers that are easily written wrong."""
     path = path_through("walk", np.array([0.0, 0.01, 2.5]), WALK)
     header = ("a header (with parentheses)", "Größe; 20 % weniger")
     blocks = (ToHome(HOME, 0.05), Standstill(HOME, 0.3), Trigger(True), path, Trigger(False), Standstill(HOME, 1e-7))
-    return NeutralProgram(header, blocks)
+    return (*header, *blocks)
 
 
-def excitation() -> NeutralProgram:
+def excitation() -> Blocks:
     """Two harmonics along y and about the z axis, at rest at the start; tenfold block time to be short."""
     slow = changed(load_case("hexapod"), controller__block_ms=100.0)
     a, b = np.zeros((2, 6)), np.zeros((2, 6))
     a[:, 1], b[:, 5] = (0.02, -0.02), (0.2, -0.1)
-    return prepare_linuxcnc(excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",)), slow)
+    return prepare_linuxcnc(("two harmonics", *excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow)), slow)
 
 
-def trapezoids() -> NeutralProgram:
+def trapezoids() -> Blocks:
     """Moves whose accelerations step: of the origin, of the angles alone, of all coordinates with a cruise."""
     places = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [120, 0, 60, 0, 0, 0], [120, 0, 60, 5, -12, 0], [0, 200, 0, 0, 0, 15]]
     times = [(0.1, 0.12), (0.15, 0.06), (0.1, 0.3)]
     laws = [unit_profile(0.0, hold, cruise) for hold, cruise in times]
     moves = tuple(StraightMove(a, b, law) for (a, b), law in zip(pairwise(places), laws, strict=True))
-    return excitation_program(Joined(moves), load_case("hexapod"), ("three trapezoids",))
+    return ("three trapezoids", *excitation_program(Joined(moves), load_case("hexapod")))
 
 
-PROGRAMS: dict[str, Callable[[], NeutralProgram]] = {
+PROGRAMS: dict[str, Callable[[], Blocks]] = {
     "one_of_each.ngc": one_of_each,
     "excitation.ngc": excitation,
     "trapezoids.ngc": trapezoids,

@@ -56,7 +56,7 @@ def moves_of(text: str) -> list[Untimed]:
 @settings(max_examples=15)
 @given(motion=motions())
 def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
-    text = linuxcnc_text(excitation_program(motion, CASE, ()))
+    text = linuxcnc_text(excitation_program(motion, CASE))
     reading = read_linuxcnc(text, "p.ngc")
     found = moves_of(text)
     assert len(found) == len(motion.parts)
@@ -86,7 +86,7 @@ def test_linuxcnc_accepts_random_moves_and_turns_them_as_far(rs274: Callable):
     @settings(max_examples=12, deadline=None)
     @given(motion=motions())
     def accepted(motion: Joined) -> None:
-        text = linuxcnc_text(excitation_program(motion, CASE, ()))
+        text = linuxcnc_text(excitation_program(motion, CASE))
         commands = rs274(text)
         assert not isinstance(commands, str), commands
         arcs = [numbers for name, numbers in commands if name == "ARC_FEED"]
@@ -124,7 +124,7 @@ def test_a_spline_becomes_a_timed_path_of_its_own_duration(hexapod_case: Case):
     c = np.zeros((6, 6))
     c[0] = HOME
     c[3:, 0] = 0.02 * np.array([10.0, -15.0, 6.0])
-    text = linuxcnc_text(excitation_program(PolynomialMotion((Piece(c, 1.0),)), hexapod_case, ()))
+    text = linuxcnc_text(excitation_program(PolynomialMotion((Piece(c, 1.0),)), hexapod_case))
     (path,) = (s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Timed) and s.trigger)
     assert path.points.duration == pytest.approx(1.0)
     t = np.linspace(0.0, 1.0, 50)

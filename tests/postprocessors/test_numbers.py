@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from cases.units import DEG, MM
 from identification.motion import Standstill
-from postprocessors.blocks import NeutralProgram, ToHome
+from postprocessors.blocks import Blocks, ToHome
 from tests.postprocessors.programs import HOME, linuxcnc_text, path_through, programs
 
 PLAIN = re.compile(r"-?(0|[1-9]\d*)(\.\d*[1-9])?")
@@ -21,7 +21,7 @@ def words(text: str) -> list[tuple[str, str]]:
 
 @given(program=programs())
 def test_every_number_is_a_plain_decimal_without_exponent_comma_negative_zero_or_trailing_zeros(
-    program: NeutralProgram,
+    program: Blocks,
 ):
     for letter, number in words(linuxcnc_text(program)):
         assert letter in "GMXYZABCFPQ"
@@ -40,7 +40,7 @@ def test_a_pose_and_a_dwell_are_written_to_their_last_decimal(
 ):
     pose = HOME.copy()
     pose[axis] = mantissa * 10.0**exponent
-    text = linuxcnc_text(NeutralProgram((), (ToHome(pose, 0.05), Standstill(pose, seconds))))
+    text = linuxcnc_text((ToHome(pose, 0.05), Standstill(pose, seconds)))
     number = float(dict(words(text))["XYZABC"[axis]])
     unit, decimals = (MM, 5) if axis < 3 else (DEG, 6)
     assert abs(number - pose[axis] / unit) <= 0.5 * 10.0**-decimals * (1 + 1e-9) + abs(number) * 1e-15
@@ -50,4 +50,4 @@ def test_a_pose_and_a_dwell_are_written_to_their_last_decimal(
 def test_a_coordinate_that_rounds_to_nothing_is_zero_not_negative_zero():
     tiny = HOME + np.array([-1e-12, 1e-12, 0.0, -1e-12, 1e-12, 0.0])
     path = path_through("tiny", np.array([0.0, 0.1]), np.vstack([HOME, tiny]))
-    assert "G1 X0 Y0 Z900 A0 B0 C0 F600" in linuxcnc_text(NeutralProgram((), (path,))).splitlines()
+    assert "G1 X0 Y0 Z900 A0 B0 C0 F600" in linuxcnc_text((path,)).splitlines()

@@ -11,7 +11,6 @@ from identification.trajectories.curves import Piece, PolynomialMotion, polynomi
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import (
-    NeutralProgram,
     TimedPath,
     ToHome,
     even_deviation,
@@ -111,7 +110,7 @@ def test_shorter_blocks_leave_the_controllers_law_of_time_less_to_decide():
 @pytest.mark.parametrize("degree", [4, 5])
 def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
     motion = spline(degree)
-    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), timed_path("spline", motion, 0.01, 1.0))))
+    text = text_of(SINUMERIK, (ToHome(HOME, 0.05), timed_path("spline", motion, 0.01, 1.0)))
     read = next(s for s in SINUMERIK.read(text).stretches if isinstance(s, Timed))
     t = np.linspace(0.0, 1.0, 1001)
     found, exact = read.points.at(t), motion.at(t)
@@ -123,7 +122,7 @@ def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
 
 def test_too_few_axes_or_too_tight_a_tolerance_name_the_key():
     path = TimedPath("walk", np.array([0.0, 1.0]), np.vstack([HOME, HOME + 0.01]), spline(7))
-    program = NeutralProgram((), (ToHome(HOME, 0.05), path))
+    program = (ToHome(HOME, 0.05), path)
     for key, value, words in (
         ("poly_axes", 5, r"controller\.sinumerik\.poly_axes: 5 cannot carry six coordinates; set path = 'lines'"),
         ("poly_tolerance_mm", 1e-15, r"controller\.sinumerik\.poly_tolerance_mm: is not reached: .*; loosen it"),
@@ -134,7 +133,7 @@ def test_too_few_axes_or_too_tight_a_tolerance_name_the_key():
 
 def test_post_says_how_far_the_controllers_law_may_stray_from_the_plan():
     """Read from the text alone, and as the writer has stated it in the program's comments."""
-    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), timed_path("spline", spline(5), 0.01, 1.0))))
+    text = text_of(SINUMERIK, (ToHome(HOME, 0.05), timed_path("spline", spline(5), 0.01, 1.0)))
     (remark,) = SINUMERIK.language.forecast(SINUMERIK.read(text), CASE)[1]
     off = path_speed_deviation(pieces(spline(5), 5, 1e-3 * CASE.controller.sinumerik.poly_block_ms, TIGHT), spline(5))
     assert f"strays up to {off[0] * 1e3:.2g} mm" in remark
@@ -168,6 +167,6 @@ def test_moves_are_written_as_polynomials_where_the_case_says_so():
     t = np.linspace(0.0, first.duration, 500)
     assert np.abs(first.at(t).pose - Joined(moves).at(t).pose).max() < 1e-8
     assert second.duration == pytest.approx(moves[0].duration, rel=1e-7)
-    assert "POLY" not in text_of(SINUMERIK, excitation_program(Joined(moves), CASE, ()))
+    assert "POLY" not in text_of(SINUMERIK, excitation_program(Joined(moves), CASE))
     with pytest.raises(ValueError, match="moves = 'poly' needs path = 'poly'"):
         changed(case, controller__sinumerik__path="lines")

@@ -6,7 +6,7 @@ from hypothesis import given
 from cases.schema import Case, load_case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Standstill
-from postprocessors.blocks import NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Blocks, TimedPath, ToHome, Trigger
 from postprocessors.reading import Still, Timed, Untimed
 from postprocessors.reading.linuxcnc import LONGEST_LINE
 from postprocessors.writing import excitation_program
@@ -18,9 +18,9 @@ CASE = load_case("hexapod")
 
 
 @given(program=programs())
-def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(program: NeutralProgram):
+def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(program: Blocks):
     read = [s for s in read_linuxcnc(linuxcnc_text(program), "p.ngc").stretches if isinstance(s, Timed)]
-    paths = [block for block in program.blocks if isinstance(block, TimedPath)]
+    paths = [block for block in program if isinstance(block, TimedPath)]
     assert len(read) == len(paths)
     for path, stretch in zip(paths, read, strict=True):
         assert np.all(np.abs(stretch.points.poses - path.poses) <= HALF_A_STEP)
@@ -30,13 +30,11 @@ def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(progr
 
 
 @given(program=programs())
-def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
+def test_dwells_and_trigger_read_back_in_their_order(program: Blocks):
     events = reports(read_linuxcnc, linuxcnc_text(program), "p.ngc")
-    others = [b for b in program.blocks if isinstance(b, Standstill | Trigger)]
-    before_motion = [isinstance(after, TimedPath) for after in (*program.blocks[1:], None)]
-    at_once = [
-        not (b.on and moves) for b, moves in zip(program.blocks, before_motion, strict=True) if isinstance(b, Trigger)
-    ]
+    others = [b for b in program if isinstance(b, Standstill | Trigger)]
+    before_motion = [isinstance(after, TimedPath) for after in (*program[1:], None)]
+    at_once = [not (b.on and moves) for b, moves in zip(program, before_motion, strict=True) if isinstance(b, Trigger)]
     read = [e for e in events if isinstance(e, Pause | Switch)]
     assert len(read) == len(others)
     for block, event in zip(others, read, strict=True):
@@ -47,9 +45,9 @@ def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
 
 
 @given(program=programs())
-def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: NeutralProgram):
+def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Blocks):
     first = read_linuxcnc(linuxcnc_text(program), "p.ngc").stretches[0]
-    home = program.blocks[0]
+    home = next(block for block in program if not isinstance(block, str))
     assert isinstance(first, Untimed)
     assert isinstance(home, ToHome)
     assert np.all(np.abs(first.end - HOME) <= HALF_A_STEP)
@@ -57,7 +55,7 @@ def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Neu
 
 
 @given(program=programs())
-def test_lines_keep_the_length_that_the_controller_reads(program: NeutralProgram):
+def test_lines_keep_the_length_that_the_controller_reads(program: Blocks):
     assert max(map(len, linuxcnc_text(program).splitlines())) <= LONGEST_LINE
 
 
@@ -65,7 +63,7 @@ def test_an_excitation_begins_and_ends_at_home_and_has_the_trigger_on_just_while
     from planner.families.fourier import FourierFamily
 
     motion = FourierFamily(2, 3.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 9)
-    text = linuxcnc_text(excitation_program(motion, hexapod_case, ()))
+    text = linuxcnc_text(excitation_program(motion, hexapod_case))
     read = read_linuxcnc(text, "p.ngc").stretches
     approach, excitation, back = (s for s in read if isinstance(s, Timed))
     assert [approach.trigger, excitation.trigger, back.trigger] == [False, True, False]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.blocks import NeutralProgram
+from postprocessors.blocks import Blocks
 from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, read_linuxcnc, small_excitation, typed
 from tests.postprocessors.reported import Move, Pause, Switch, reports
 
@@ -74,9 +74,7 @@ def require_same(text: str, commands: list[tuple[str, list[float]]] | str) -> No
 
 @SAME_FOLDER
 @given(program=programs())
-def test_every_program_that_is_written_is_accepted_and_means_what_the_reader_says(
-    program: NeutralProgram, rs274: Callable
-):
+def test_every_program_that_is_written_is_accepted_and_means_what_the_reader_says(program: Blocks, rs274: Callable):
     text = linuxcnc_text(program)
     require_same(text, rs274(text))
 

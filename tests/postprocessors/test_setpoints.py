@@ -14,7 +14,7 @@ from cases.schema import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.moves import StraightMove
-from postprocessors.blocks import NeutralProgram, ToHome, Trigger
+from postprocessors.blocks import Blocks, ToHome, Trigger
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -38,24 +38,21 @@ def proof(content: bytes, case=CASE) -> ProgramProof:
     return prove_program(reading, LANGUAGE.guarantees(reading, case))
 
 
-def moves(case=CASE) -> NeutralProgram:
+def moves(case=CASE) -> Blocks:
     """There and back at the limits of the case, the way back with the trigger off."""
     box = case.limits.motion
     limits = box.rate, box.acceleration, box.jerk
     far = HOME + np.r_[np.array([20.0, -15.0, 3.0]) * MM, np.array([1.0, 0.5, -2.0]) * DEG]
     there, back = StraightMove.fastest(HOME, far, *limits), StraightMove.fastest(far, HOME, *limits)
     ends = (Standstill(far, 0.0053), Trigger(False))
-    return NeutralProgram(
-        ("a note", "Größe"),
-        (ToHome(HOME, 0.05), Standstill(HOME, 0.01), Trigger(True), there, *ends, back),
-    )
+    return ("a note", "Größe", ToHome(HOME, 0.05), Standstill(HOME, 0.01), Trigger(True), there, *ends, back)
 
 
-def harmonic() -> NeutralProgram:
+def harmonic() -> Blocks:
     from planner.families.fourier import FourierFamily
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
-    return excitation_program(motion, CASE, ())
+    return excitation_program(motion, CASE)
 
 
 @both
@@ -74,7 +71,7 @@ def test_time_is_exact_up_to_one_cycle_a_motion(write, case):
     program = moves()
     read = LANGUAGE.read(write(program, case), "t", case).stretches
     cycle = case.controller.setpoints.cycle
-    planned = [b.duration for b in program.blocks if isinstance(b, StraightMove | Standstill)]
+    planned = [b.duration for b in program if isinstance(b, StraightMove | Standstill)]
     found = [s.points.duration if isinstance(s, Timed) else s.duration for s in read]
     for wanted, got in zip(planned, found, strict=True):
         assert wanted - 1e-9 <= got < wanted + cycle
@@ -87,7 +84,7 @@ def test_a_plan_reads_back_as_itself(write):
     program = harmonic()
     read = LANGUAGE.read(write(program, CASE), "t", CASE).stretches
     excitation = next(s for s in read if s.trigger and not isinstance(s, Still))
-    source = next(b.motion for b in program.blocks if getattr(b, "name", "") == "excitation")
+    source = next(b.motion for b in program if getattr(b, "name", "") == "excitation")
     t = np.linspace(0.0, 1.0, 501)
     found, exact = excitation.points.at(t), source.at(t)
     assert excitation.points.duration == pytest.approx(source.duration, abs=1e-9)
@@ -203,7 +200,7 @@ def test_a_case_without_the_table_is_told_so():
 
 
 def test_a_table_without_any_motion_is_a_standstill():
-    program = NeutralProgram((), (ToHome(HOME, 0.05), Standstill(HOME, 0.01)))
+    program = (ToHome(HOME, 0.05), Standstill(HOME, 0.01))
     assert [type(s) for s in LANGUAGE.read(write_csv(program, CASE), "t", CASE).stretches] == [Still]
     with pytest.raises(ProgramError, match="contains no motion"):
         proof(write_csv(program, CASE))

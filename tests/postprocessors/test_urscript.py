@@ -169,5 +169,5 @@ def test_a_joint_that_turns_without_end_is_refused() -> None:
     last = chain.joints[-1].model_copy(update={"kind": "continuous", "position_deg": None})
     machine = CASE.machine.model_copy(update={"chain": chain.model_copy(update={"joints": (*chain.joints[:-1], last)})})
     with pytest.raises(HexciteError, match=f"joint {last.name} .*without end.*position_deg") as caught:
-        LANGUAGE.write(excitation_program(walk(CASE), CASE, ()), CASE.model_copy(update={"machine": machine}))
+        LANGUAGE.write(excitation_program(walk(CASE), CASE), CASE.model_copy(update={"machine": machine}))
     one_line(caught.value)

@@ -79,7 +79,7 @@ def test_a_slow_start_keeps_the_limits_with_room_to_spare(motion: FourierMotion,
 @pytest.mark.parametrize("change", ["pose", "time", "missing"])
 def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: FourierMotion, hexapod_case: Case):
     def wrong(program, case):
-        blocks = list(program.blocks)
+        blocks = list(program)
         k = next(k for k, b in enumerate(blocks) if isinstance(b, TimedPath) and b.name == "excitation")
         path = blocks[k]
         poses, times = path.poses.copy(), path.times.copy()
@@ -90,7 +90,7 @@ def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: F
         else:
             poses, times = poses[[*range(0, len(poses) - 1, 2), -1]], times[[*range(0, len(times) - 1, 2), -1]]
         blocks[k] = TimedPath(path.name, times, poses, path.motion)
-        return LINUXCNC.load().write(replace(program, blocks=tuple(blocks)), case)
+        return LINUXCNC.load().write(tuple(blocks), case)
 
     broken = replace(LINUXCNC, load=lambda suffix: replace(LINUXCNC.load(), write=wrong))
     with pytest.raises(ProgramError, match=r"'excitation' .*differently"):
@@ -120,8 +120,8 @@ def test_ways_from_and_to_home_are_as_slow_as_the_sensors_need(motion: FourierMo
     assert least < 0.99 * most
     weaker = 0.5 * (least + most) * hexapod_case.sensors.range_N
     case = hexapod_case.model_copy(update={"sensors": hexapod_case.sensors.model_copy(update={"range_N": weaker})})
-    program = excitation_program(motion, case, ())
-    approach, *_, back = (block for block in program.blocks if isinstance(block, TimedPath))
+    program = excitation_program(motion, case)
+    approach, *_, back = (block for block in program if isinstance(block, TimedPath))
     assert (approach.name, back.name) == ("approach", "return")
     assert force(case, fast) > 1.0 >= force(case, approach.motion)
     assert force(case, back.motion) <= 1.0
