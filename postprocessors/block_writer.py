@@ -110,6 +110,13 @@ class BlockWriter(ABC):
     def path(self, path: TimedPath) -> list[str]:
         """Blocks of a path of poses."""
 
+    def dense(self, path: TimedPath, before: Sequence[str], after: Sequence[str]) -> list[str]:
+        """A path as straight blocks in inverse time, with F on every line, between the lines that begin and end it."""
+        lines = [*self.comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), *before]
+        for pose, feed in zip(path.poses[1:], MINUTE / np.diff(path.times), strict=True):
+            lines.append(f"G1 {self.pose(pose)} F{number(feed, FEED_DECIMALS)}")
+        return [*lines, *after]
+
     def home_feed(self, block: ToHome) -> str:
         """F of the first move; in a machine's own axes one that is safe in mm and in degrees, whichever F counts."""
         if not self.own_axes:

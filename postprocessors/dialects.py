@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
-
 from cases.controller import ControllerName
 from cases.errors import HexciteError, ProgramError
 from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
 from cases.units import as_html
-from identification.motion import Array
 from postprocessors.blocks import Blocks
 from postprocessors.proving.guarantees import AS_PLANNED, Forecast, Guarantees
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -34,8 +31,6 @@ class Language:
     read: Callable[[bytes, str, Case], Reading]
     # guarantees of the controller when it runs a program that was read
     guarantees: Callable[[Reading, Case], Guarantees]
-    # allowed deviation of its paths from the plan beside rounding, shape (6,) [m, rad]
-    tolerance: Callable[[Case], Array] = lambda case: np.zeros(1)
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[Blocks, Reading, Case], None] | None = None
     # forecast of the program's duration; by default that it is as planned
@@ -66,28 +61,15 @@ def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
     from postprocessors.reading.linuxcnc import read_linuxcnc
 
-    return Language(
-        write_linuxcnc,
-        read_linuxcnc,
-        linuxcnc_guarantees,
-        forecast=linuxcnc_forecast,
-        prepare=prepare_linuxcnc,
-    )
+    return Language(write_linuxcnc, read_linuxcnc, linuxcnc_guarantees, None, linuxcnc_forecast, prepare_linuxcnc)
 
 
 def _sinumerik(suffix: str = "") -> Language:
-    from postprocessors.proving.guarantees import sinumerik_forecast, sinumerik_guarantees, sinumerik_tolerance
+    from postprocessors.proving.guarantees import sinumerik_forecast, sinumerik_guarantees
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 
-    return Language(
-        write_sinumerik,
-        read_sinumerik,
-        sinumerik_guarantees,
-        tolerance=sinumerik_tolerance,
-        forecast=sinumerik_forecast,
-        prepare=prepare_sinumerik,
-    )
+    return Language(write_sinumerik, read_sinumerik, sinumerik_guarantees, None, sinumerik_forecast, prepare_sinumerik)
 
 
 def _twincat(suffix: str = "") -> Language:

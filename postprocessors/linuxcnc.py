@@ -10,11 +10,10 @@ import numpy as np
 
 from cases.controller import LinuxCnc
 from cases.schema import Case
-from cases.units import MINUTE
 from identification.motion import Slowed
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
-from postprocessors.block_writer import FEED_DECIMALS, BlockWriter, comment_lines, feed, number
+from postprocessors.block_writer import BlockWriter, comment_lines, feed
 from postprocessors.blocks import Blocks, TimedPath, timed_path
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG, linuxcnc_guarantees
@@ -72,13 +71,8 @@ class _LinuxCncWriter(BlockWriter):
 
     def path(self, path: TimedPath) -> list[str]:
         """Dense blocks in inverse time."""
-        comment = f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"
-        lines = [*self.comments(comment), "G64 P1 Q0", "G93"]
-        feeds = MINUTE / np.diff(path.times)
-        for pose, value in zip(path.poses[1:], feeds, strict=True):
-            lines.append(f"G1 {self.pose(pose)} F{number(value, FEED_DECIMALS)}")  # G93 wants F on every line
         # Back to feed per minute; G61 makes whatever follows wait until the path has come to rest.
-        return [*lines, "G94", "G61"]
+        return self.dense(path, ["G64 P1 Q0", "G93"], ["G94", "G61"])
 
 
 def _trapezoid_speed(duration: float, acceleration: float) -> float:

@@ -63,7 +63,9 @@ class _SinumerikWriter(BlockWriter):
         s, motion = self.settings, path.motion
         assert isinstance(s, Sinumerik)  # of a hexapod: paths in a machine's own axes are refused before
         if s.path == "lines":
-            return self.compressed(path, s)
+            # for the compressor, which accepts only G1, coordinates and F
+            tolerances = f"CTOL={s.contour_tolerance_mm:g} OTOL={s.orientation_tolerance_deg:g}"
+            return self.dense(path, [f"G642 G93 COMPCAD {tolerances}"], ["COMPOF", "G94 G60"])
         if s.poly_axes < AXES_OF_A_POSE:
             raise self.wrong("poly_axes", f"{s.poly_axes} cannot carry six coordinates; set path = 'lines'")
         try:
@@ -106,15 +108,6 @@ class _SinumerikWriter(BlockWriter):
                 words.append(f"PO[{axis}]=({','.join(items)})")
             lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / piece.duration, FEED_DECIMALS)}")
         return lines
-
-    def compressed(self, path: TimedPath, settings: Sinumerik) -> list[str]:
-        """Blocks for the compressor, which accepts only G1, coordinates and F."""
-        comment = f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"
-        tolerances = f"CTOL={settings.contour_tolerance_mm:g} OTOL={settings.orientation_tolerance_deg:g}"
-        lines = [*self.comments(comment), f"G642 G93 COMPCAD {tolerances}"]
-        for pose, step in zip(path.poses[1:], np.diff(path.times), strict=True):
-            lines.append(f"G1 {self.pose(pose)} F{number(MINUTE / step, FEED_DECIMALS)}")
-        return [*lines, "COMPOF", "G94 G60"]
 
 
 def prepare_sinumerik(program: Blocks, case: Case) -> Blocks:

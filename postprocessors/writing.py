@@ -54,7 +54,7 @@ def proven_program(
     proof = prove_program(reading, guarantees)
     proof.require_accepted(accepted)
     if language.same is None:
-        _require_same(program, reading, language.tolerance(case))
+        _require_same(program, reading, guarantees.tolerance)
     else:
         language.same(program, reading, case)
     content = language.write((*header, *_findings(proof), *program), case)
@@ -105,14 +105,13 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
                 same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
             case StraightMove() | CircularMove():
                 name = "a move"
-                same = isinstance(stretch, Untimed) and _same_move(block, stretch)
+                same = (
+                    isinstance(stretch, Untimed)
+                    and (stretch.arc is not None) == isinstance(block, CircularMove)
+                    and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
+                )
         if not same:
             raise ProgramError(reading.file, stretch.line, 0, f"{name} reads back differently; report this")
-
-
-def _same_move(block: StraightMove | CircularMove, stretch: Untimed) -> bool:
-    near = bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
-    return near and (stretch.arc is not None) == isinstance(block, CircularMove)
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
@@ -141,9 +140,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     """
     if isinstance(trajectory, Joined):
         return tuple(b for part in trajectory.parts for b in motion_blocks(name, part, block, speed))
-    if isinstance(trajectory, StraightMove):
-        return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
-    if isinstance(trajectory, CircularMove):
+    if isinstance(trajectory, StraightMove | CircularMove):
         return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
     if isinstance(trajectory, Standstill):
         return (trajectory,)  # the same duration at any speed

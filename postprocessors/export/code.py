@@ -57,10 +57,8 @@ def c_parts(result: Result, name: str, linkage: str) -> tuple[str, str]:
 
 
 def _c_function(function: ca.Function, name: str, parameters: list[str]) -> dict[str, object]:
-    def element(argument: str, k: int) -> str:
-        return f"u->{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
-
-    code = statements(function, INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element)
+    form = "const double {} = {};", "{} = {};"
+    code = statements(function, INFIX | _MATH, lambda k, _: f"t{k}", form, [f"u->{name}" for name in parameters])
     arguments = [
         f"const {name}_parameters *u" if n == "u" else f"const double {n}[{function.numel_in(k)}]"
         for k, n in enumerate(function.name_in())
@@ -98,16 +96,14 @@ def structured_text(result: Result, name: str) -> str:
 
 
 def _st_function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:
-    def element(argument: str, k: int) -> str:
-        return f"u.{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
-
     operations = INFIX | {
         ca.OP_SQRT: "SQRT({0})",
         ca.OP_SIN: "SIN({0})",
         ca.OP_COS: "COS({0})",
         ca.OP_ATAN2: f"F_{camel}Atan2({{0}}, {{1}})",
     }
-    code = statements(function, operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element)
+    form = "{} := {};", "{} := {};"
+    code = statements(function, operations, lambda _, slot: f"t[{slot}]", form, [f"u.{name}" for name in parameters])
     arguments = [
         f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
         for k, n in enumerate(function.name_in())
@@ -140,9 +136,8 @@ def statements(
     function: ca.Function,
     operations: Mapping[int, str],
     temporary: Callable[[int, int], str],
-    assign: str,
-    store: str,
-    element: Callable[[str, int], str],
+    form: tuple[str, str],
+    members: list[str],
 ) -> Iterator[str]:
     """The statements that evaluate `function`, in order.
 
@@ -152,9 +147,8 @@ def statements(
         function: an SX function with dense inputs and outputs.
         operations: format string of each operation of CasADi.
         temporary: an intermediate value, from its number (each is assigned once) and its slot (reused when free).
-        assign: an assignment to an intermediate value, from its name and an expression.
-        store: an assignment to an element of an output, from its name and an expression.
-        element: element k of the argument called name.
+        form: assignments to an intermediate value and to an element of an output, from its name and an expression.
+        members: elements of the argument u, which is a structure.
 
     Raises:
         ValueError: a sparse output, or an operation that has no spelling.
@@ -169,16 +163,16 @@ def statements(
         if code == ca.OP_CONST:
             values[written[0]] = operand(function.instruction_constant(k))
         elif code == ca.OP_INPUT:
-            values[written[0]] = element(function.name_in(read[0]), read[1])
+            argument, element = function.name_in(read[0]), read[1]
+            values[written[0]] = members[element] if argument == "u" else f"{argument}[{element}]"
         elif code == ca.OP_OUTPUT:
-            place = element(function.name_out(written[0]), written[1])
-            yield store.format(place, values[read[0]])
+            yield form[1].format(f"{function.name_out(written[0])}[{written[1]}]", values[read[0]])
         else:
             if code not in operations:
                 raise ValueError(f"{function.name()}: instruction {k} has operation {code}, which has no spelling")
             expression = operations[code].format(*(values[slot] for slot in read))
             values[written[0]] = temporary(k, written[0])
-            yield assign.format(values[written[0]], expression)
+            yield form[0].format(values[written[0]], expression)
 
 
 def measurement(model: Model) -> ca.Function:

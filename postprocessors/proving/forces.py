@@ -120,16 +120,15 @@ def _forces(loads: Loads, motion: Motion) -> Array:
 
 def _checks(loads: Loads, most: Array, times: Array) -> tuple[LimitCheck, ...]:
     """The worst force, and the worst moment where moments have a range."""
-    kinds = [kind for kind in (~loads.moments, loads.moments) if kind.any()]
-    return tuple(_check(loads, np.where(kind, most, 0.0), times) for kind in kinds)
-
-
-def _check(loads: Loads, most: Array, times: Array) -> LimitCheck:
-    row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / loads.limit)), most.shape))
-    name, limit, worst = loads.labels[channel], float(loads.limit[channel]), float(most[row, channel])
-    kind = LimitKind.SENSOR_MOMENT if loads.moments[channel] else LimitKind.SENSOR_FORCE
-    ratio, time = worst / limit, float(times[row])
-    return LimitCheck(Limit(kind), f"{name}, at most", worst, limit, kind.unit, ratio, time, Status.PROVEN)
+    checks = []
+    for own, kind in ((~loads.moments, LimitKind.SENSOR_FORCE), (loads.moments, LimitKind.SENSOR_MOMENT)):
+        if own.any():
+            shares = np.where(own, most / loads.limit, 0.0)
+            row, k = np.unravel_index(int(np.argmax(shares)), shares.shape)
+            worst, limit, ratio = float(most[row, k]), float(loads.limit[k]), float(shares[row, k])
+            place, time = f"{loads.labels[k]}, at most", float(times[row])
+            checks.append(LimitCheck(Limit(kind), place, worst, limit, kind.unit, ratio, time, Status.PROVEN))
+    return tuple(checks)
 
 
 def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: Box) -> tuple[float, float]:

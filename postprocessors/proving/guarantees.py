@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,9 +42,9 @@ class Guarantees:
     controller: str  # name of the controller, for messages
     shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
     longest_block: float  # a timed block must not be longer: beyond it the time law is unknown [s]
-    enforced: frozenset[LimitKind]  # families of limits that it enforces, whatever the program states
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
-    jerk_time: float  # time within which its accelerations step where its law has no jerk limit; 0 where it has one [s]
+    enforced: frozenset[LimitKind] = frozenset()  # families of limits that it enforces, whatever the program states
+    jerk_time: float = 0.0  # time within which accelerations step where its law has no jerk limit; 0 where it has [s]
     # whether it passes timed points at their times along the assumed curve between them; then all limits of such paths
     # are proven from the text, else only their geometry and rates are
     follows_paths: bool = False
@@ -54,6 +54,8 @@ class Guarantees:
     whole_cycles: bool = False  # whether it omits what a timed block lasts beyond whole cycles
     block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
     arc_shares: tuple[float, float] = ARC_SHARES  # shares of its acceleration limit, along an arc and across it
+    # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
+    tolerance: Array = field(default_factory=lambda: np.zeros(1))
 
     def arc_law(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
         """Time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
@@ -125,8 +127,8 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
         law=_seven_segments,
-        jerk_time=0.0,
         block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
+        tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )
 
 
@@ -134,12 +136,6 @@ def _polynomials(reading: Reading) -> list[PolynomialMotion]:
     """Paths of POLY blocks."""
     paths = [part.points for part in reading.stretches if isinstance(part, Timed)]
     return [path for path in paths if isinstance(path, PolynomialMotion)]
-
-
-def sinumerik_tolerance(case: Case) -> Array:
-    """Allowed deviation of POLY blocks from a motion that is not a polynomial, shape (6,) [m, rad]."""
-    settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
-    return np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1)
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
@@ -164,7 +160,6 @@ def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
         controller="the robot",
         shortest_block=0.0,
         longest_block=0.0,
-        enforced=frozenset(),
         law=_trapezoid,
         jerk_time=case.need_controller("a URScript program").cycle,
     )
@@ -177,9 +172,7 @@ def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
         controller="joint_trajectory_controller",
         shortest_block=SHORTEST_POINTS,
         longest_block=math.inf,
-        enforced=frozenset(),
         law=_seven_segments,
-        jerk_time=0.0,
         follows_paths=True,
     )
 

@@ -6,9 +6,8 @@ Their common functions for lines, words and axes are at the end.
 
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
@@ -233,13 +232,11 @@ class Grouping:
 
     def _finish_path(self) -> None:
         if self.timed:
-            lines, times, ends, polynomials = zip(*self.timed, strict=True)
-            self.stretches.append(Timed(lines, self._path(lines, times, ends, polynomials), self.trigger))
-            self.pose, self.timed = ends[-1], []
+            self.stretches.append(Timed(tuple(line for line, *_ in self.timed), self._path(), self.trigger))
+            self.pose, self.timed = self.timed[-1][2], []
 
-    def _path(
-        self, lines: Sequence[int], times: Sequence[float], ends: Sequence[Array], polynomials: Sequence[Array | None]
-    ) -> TimedPoints | PolynomialMotion:
+    def _path(self) -> TimedPoints | PolynomialMotion:
+        lines, times, ends, polynomials = zip(*self.timed, strict=True)
         pieces = [
             Piece(own / time ** np.arange(len(own))[:, None], time)
             for own, time in zip(polynomials, times, strict=True)
@@ -253,7 +250,8 @@ class Grouping:
         return PolynomialMotion(tuple(pieces))
 
 
-Item = TypeVar("Item")
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+"""Pattern of a plain decimal number."""
 
 _INK = re.compile(r"\S")
 
@@ -274,20 +272,15 @@ def program_lines(content: bytes, file: str, longest: int, most: float = math.in
     for number, line in enumerate(lines, start=1):
         if not line.isascii() or not line.replace("\t", " ").isprintable():
             column = next(k for k, c in enumerate(line) if c != "\t" and not " " <= c <= "~")
-            raise ProgramError(
-                file, number, column + 1, f"character {line[column]!r} is not plain ASCII; remove or replace it"
-            )
+            problem = f"character {line[column]!r} is not plain ASCII; remove or replace it"
+            raise ProgramError(file, number, column + 1, problem)
         if len(line) > longest:
             raise ProgramError(file, number, 0, f"{len(line)} characters, the controller takes {longest}; split it")
         count += bool(line.strip())
         if count > most:
-            raise ProgramError(
-                file,
-                number,
-                0,
-                f"more than {most} blocks, which is what the controller's memory holds (most_blocks); make the program "
-                "shorter, its timed blocks longer, or the memory larger",
-            )
+            problem = f"more than {most} blocks, which is what the controller's memory holds (most_blocks)"
+            remedy = "make the program shorter, its timed blocks longer, or the memory larger"
+            raise ProgramError(file, number, 0, f"{problem}; {remedy}")
     return lines
 
 
@@ -295,11 +288,10 @@ def each_word(
     text: str,
     position: int,
     pattern: re.Pattern[str],
-    word_of: Callable[[re.Match[str], int], Item],
     place: tuple[str, int],
     remedy: Callable[[str], str],
-) -> Iterator[Item]:
-    """Words of a line from a position on, one by one; raises ProgramError for a part that is not a word.
+) -> Iterator[tuple[re.Match[str], int]]:
+    """Words of a line from a position on, one by one, with their columns; raises ProgramError for what is not a word.
 
     Args:
         place: file and line, for messages.
@@ -310,7 +302,7 @@ def each_word(
         if match is None:
             bad = text[ink.start() : ink.start() + 12].rstrip()
             raise ProgramError(*place, ink.start() + 1, f"cannot read {bad!r}; {remedy(bad)}")
-        yield word_of(match, ink.start() + 1)
+        yield match, ink.start() + 1
         position = match.end()
 
 

@@ -12,14 +12,14 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.reading import Grouping, Reading, TimedBlock, program_lines
+from postprocessors.reading import NUMBER, Grouping, Reading, TimedBlock, program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096
 _KEYS = ("positions", "velocities", "accelerations", "time_from_start")
 _LIST = re.compile(r"\[([^\[\]]*)\]$")
 _TIME = re.compile(r"  time_from_start: \{\s*sec:\s*(\d+)\s*,\s*nanosec:\s*(\d+)\s*\}$")
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(rf"{NUMBER}(?:[eE][+-]?\d+)?")
 
 
 _Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]

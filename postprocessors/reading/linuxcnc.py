@@ -14,13 +14,13 @@ import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import Reading, axis_letters, each_word, program_lines
+from postprocessors.reading import NUMBER, Reading, axis_letters, each_word, program_lines
 from postprocessors.reading.modal import ModalState, Word
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut by far less
 
-_WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
+_WORD = re.compile(rf"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER}))")
 # Two words of one modal group on a line are an error to the controller.
 _GROUPS = (
     ("G0", "G1", "G2", "G3", "G80"),
@@ -146,15 +146,12 @@ class _LinuxCncInterpreter(ModalState):
 
 def _words(text: str, line: int, file: str) -> list[Word]:
     """Words of a line; a comment has none."""
-
-    def word(match: re.Match[str], column: int) -> Word | None:
-        if match["comment"]:
-            return None
-        letter, number = match["letter"].upper(), float(match["number"])
-        return Word(f"{letter}{number:g}", column) if letter in "GM" else Word(letter, column, number)
-
-    remedy = "words are a letter and a plain decimal number"
-    return [w for w in each_word(text, 0, _WORD, word, (file, line), lambda bad: remedy) if w is not None]
+    words, remedy = [], "words are a letter and a plain decimal number"
+    for match, column in each_word(text, 0, _WORD, (file, line), lambda bad: remedy):
+        if not match["comment"]:
+            letter, number = match["letter"].upper(), float(match["number"])
+            words.append(Word(f"{letter}{number:g}", column) if letter in "GM" else Word(letter, column, number))
+    return words
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:

@@ -19,7 +19,7 @@ from cases.tables import own_units
 from cases.units import MM
 from identification.limit_proof import limited_machine
 from identification.motion import Array, Motion
-from postprocessors.reading import Grouping, Reading
+from postprocessors.reading import NUMBER, Grouping, Reading
 
 FORMAT = "hexcite setpoints 1"
 LARGEST = 1e7  # mm, degrees and their rates: no machine has such numbers
@@ -90,7 +90,7 @@ def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -
         try:
             values[row] = cells
         except ValueError:
-            bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)", cell))
+            bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(NUMBER, cell))
             column = sum(len(cell) + 1 for cell in cells[:bad]) + 1
             raise ProgramError(
                 file, first + row, column, f"{columns[bad]} = {cells[bad]!r} is not a number; correct it"

@@ -8,7 +8,7 @@ import numpy as np
 from cases.controller import Sinumerik
 from cases.errors import ProgramError
 from cases.units import MINUTE
-from postprocessors.reading import TimedBlock, each_word
+from postprocessors.reading import NUMBER, TimedBlock, each_word
 from postprocessors.reading.modal import LARGEST, ModalState, Word
 
 LONGEST_LINE = 512
@@ -79,7 +79,6 @@ REMEDY = {
 }
 
 
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _PROGRAM = re.compile(r"%_N_(?P<name>[A-Z0-9_]+)_(?:MPF|SPF)\s*$", re.IGNORECASE)
 _BLOCK_NUMBER = re.compile(r"\s*N(?P<number>\d+)", re.IGNORECASE)
 _ACTION = re.compile(
@@ -89,11 +88,11 @@ _ACTION = re.compile(
 _ASSIGNMENT = re.compile(r"(?P<name>\$?[A-Z_]+[A-Z0-9_]*)(?:\[(?P<index>[A-Z0-9_]+)\])?\s*=\s*(?P<value>[^=\s]+)$")
 _WORD = re.compile(
     rf"""\s*(?:
-      (?P<list>[A-Z]+\d*)\[\s*(?P<index>[A-Z0-9_]+)\s*\]\s*=\s*(?:\((?P<items>[^()]*)\)|(?P<item>{_NUMBER}))
-    | (?P<assigned>[A-Z]+\d*)\s*=\s*(?:(?P<value>{_NUMBER})|(?P<quoted>'[BH]?[0-9A-F]+')|(?P<call>[A-Z]+\([^()]*\)))
+      (?P<list>[A-Z]+\d*)\[\s*(?P<index>[A-Z0-9_]+)\s*\]\s*=\s*(?:\((?P<items>[^()]*)\)|(?P<item>{NUMBER}))
+    | (?P<assigned>[A-Z]+\d*)\s*=\s*(?:(?P<value>{NUMBER})|(?P<quoted>'[BH]?[0-9A-F]+')|(?P<call>[A-Z]+\([^()]*\)))
     | (?P<text>MSG)\s*\((?:"[^"]*")?\)
     | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?
-    | (?P<letter>[A-Z])(?P<number>{_NUMBER})
+    | (?P<letter>[A-Z])(?P<number>{NUMBER})
     )""",
     re.IGNORECASE | re.VERBOSE,
 )
@@ -113,10 +112,8 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
         column = action.start("action") + 1
         return [*words, _action(action["action"].upper(), action["condition"], line, column, file)]
 
-    def word(match: re.Match[str], column: int) -> Word:
-        return _word(match, column, line, file)
-
-    return [*words, *each_word(text, position, _WORD, word, (file, line), _remedy)]
+    found = each_word(text, position, _WORD, (file, line), _remedy)
+    return [*words, *(_word(match, column, line, file) for match, column in found)]
 
 
 def _without_comment(text: str) -> str:
@@ -171,7 +168,7 @@ def _remedy(bad: str) -> str:
 
 COEFFICIENTS = 4  # coefficients of a piece beside its end: a2 to a5
 
-_COEFFICIENT = re.compile(f"{_NUMBER}$")
+_COEFFICIENT = re.compile(f"{NUMBER}$")
 
 
 def polynomial(

@@ -3,7 +3,7 @@
 import re
 
 from cases.errors import ProgramError
-from postprocessors.reading import each_word
+from postprocessors.reading import NUMBER, each_word
 from postprocessors.reading.modal import Word
 
 LONGEST_LINE = 4096  # beyond it: error 20301
@@ -55,7 +55,6 @@ REMEDY = {
 }
 
 
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _PROGRAM = re.compile(r"\s*%\s*(?P<local>L\s+)?(?P<name>[^\s(;\"\],#$]+)\s*$")
 _BLOCK_NUMBER = re.compile(r"\s*N(?P<number>\d+)(?!\s*:)", re.IGNORECASE)
 _COMMAND = re.compile(
@@ -63,9 +62,9 @@ _COMMAND = re.compile(
     re.IGNORECASE,
 )
 _ITEM = re.compile(r"\"[^\"]*\"|[^,\s\"]+")
-_REST = re.compile(rf"(?:(?P<value>{_NUMBER})|(?P<words>(?:[A-Z]{_NUMBER}\s*)+))$", re.IGNORECASE)
+_REST = re.compile(rf"(?:(?P<value>{NUMBER})|(?P<words>(?:[A-Z]{NUMBER}\s*)+))$", re.IGNORECASE)
 _WORD = re.compile(
-    rf"\s*(?:(?P<letter>[A-Z])(?P<number>{_NUMBER})(?:\s*=\s*(?P<value>{_NUMBER}))?|(?P<bare>{_NUMBER}))", re.IGNORECASE
+    rf"\s*(?:(?P<letter>[A-Z])(?P<number>{NUMBER})(?:\s*=\s*(?P<value>{NUMBER}))?|(?P<bare>{NUMBER}))", re.IGNORECASE
 )
 _REMEDIES = {
     "$": "jumps and loops are not proven; write the blocks out",
@@ -92,13 +91,11 @@ def twincat_words(text: str, line: int, file: str) -> list[Word]:
     if text[position:].lstrip().startswith("#"):
         return [*words, _command(text, position, line, file)]
 
-    def word(match: re.Match[str], column: int) -> Word:
-        return _word(match, column, line, file)
-
     def remedy(bad: str) -> str:
         return _REMEDIES.get(bad[:1], "words are a letter and a plain number")
 
-    return [*words, *each_word(text, position, _WORD, word, (file, line), remedy)]
+    found = each_word(text, position, _WORD, (file, line), remedy)
+    return [*words, *(_word(match, column, line, file) for match, column in found)]
 
 
 def _without_comments(text: str) -> str:

@@ -11,14 +11,14 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import Grouping, Reading, program_lines
+from postprocessors.reading import NUMBER, Grouping, Reading, program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers
 LONGEST_LINE = 4096
 _BEGIN = re.compile(r"def ([A-Za-z]\w*)\(\):\s*$")
 _CALL = re.compile(r"(\w+)\((.*)\)\s*$")
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(rf"{NUMBER}(?:[eE][+-]?\d+)?")
 _PARTS = re.compile(r"\s*(?:(\w+)\s*=\s*)?(\[[^\[\]]*\]|[^,\[\]=]+?)\s*(?:,|$)")
 _REMEDY = {
     "servoj": "a loop of its own that lags behind and cannot be proven; use movej with a, v and r=0",

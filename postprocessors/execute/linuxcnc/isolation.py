@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -112,26 +112,18 @@ def _run(
             return None
         finally:
             if process.poll() is None and not start:
-                _end_orderly(process)
+                # LinuxCNC unloads its realtime part, which is not in the process group and may belong to root
+                _signal_group(process, signal.SIGTERM)
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(GRACE)
             _signal_group(process, signal.SIGKILL)
             process.wait()
             end_marked(mark)
 
 
-def _end_orderly(process: subprocess.Popen[bytes]) -> None:
-    """Lets LinuxCNC unload its realtime part, which is not in the process group and may belong to root."""
-    _signal_group(process, signal.SIGTERM)
-    try:
-        process.wait(GRACE)
-    except subprocess.TimeoutExpired:
-        return
-
-
 def _signal_group(process: subprocess.Popen[bytes], number: signal.Signals) -> None:
-    try:
+    with suppress(ProcessLookupError):
         os.killpg(process.pid, number)
-    except ProcessLookupError:
-        return
 
 
 def end_marked(mark: str) -> None:
@@ -151,10 +143,21 @@ def end_marked(mark: str) -> None:
 
 def _marked(mark: str) -> dict[int, str]:
     """Numbers and names of the processes that carry a session's mark."""
+    return _processes(lambda entry: mark.encode() in (entry / "environ").read_bytes().split(b"\0"))
+
+
+def running() -> dict[int, str]:
+    """Numbers and names of all processes but zombies, which stay in the list for ever in a container without an init
+    process."""
+    return _processes(lambda entry: not (entry / "stat").read_text().rpartition(") ")[2].startswith("Z"))
+
+
+def _processes(wanted: Callable[[Path], bool]) -> dict[int, str]:
+    """Numbers and names of the processes that are wanted, each by its folder in /proc."""
     processes = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone, or another user's
-            if mark.encode() in (entry / "environ").read_bytes().split(b"\0"):
+            if wanted(entry):
                 processes[int(entry.name)] = (entry / "comm").read_text().strip()
     return processes
 
@@ -176,15 +179,3 @@ def _alone() -> Iterator[None]:
         yield
     finally:
         os.close(lock)
-
-
-def running() -> dict[int, str]:
-    """Numbers and names of all processes but zombies, which stay in the list for ever in a container without an init
-    process."""
-    processes = {}
-    for entry in Path("/proc").glob("[0-9]*"):
-        with suppress(OSError):  # gone by now
-            name, _, rest = (entry / "stat").read_text().partition(" (")[2].rpartition(") ")
-            if not rest.startswith("Z"):
-                processes[int(entry.name)] = name
-    return processes

@@ -139,7 +139,18 @@ def one_session(
                 "run again, and check its installation if that does not help",
             )
         report = read_report(program, folder)
-        return read_log(folder, AxisLayout.of(case), report), report
+        layout = AxisLayout.of(case)
+        samples = np.fromfile(folder / SAMPLES_FILE).reshape(-1, 1 + len(layout.channels))
+    values = samples[:, 3:]
+    log = ControllerLog(
+        controller=f"LinuxCNC {report['version'].split('+')[0]}",
+        period=SERVO_PERIOD,
+        drives=values[:, : len(layout.axes)] * layout.joint_units,
+        poses=values[:, len(layout.axes) :] * layout.units,
+        trigger=samples[:, 2] != 0.0,
+        lines=samples[:, 1].astype(np.int64),
+    )
+    return log, report
 
 
 def _compile_clock(folder: Path) -> None:
@@ -206,18 +217,4 @@ def lost_cycles(report: dict[str, Any], speedup: float) -> str | None:
     return (
         f"{gaps} of {count + gaps} cycles were not logged; the computer is too busy, run again with a speed-up below "
         f"{speedup:g}"
-    )
-
-
-def read_log(folder: Path, layout: AxisLayout, report: dict[str, Any]) -> ControllerLog:
-    """The log of a session, in SI units."""
-    samples = np.fromfile(folder / SAMPLES_FILE).reshape(-1, 1 + len(layout.channels))
-    lines, trigger, values = samples[:, 1], samples[:, 2], samples[:, 3:]
-    return ControllerLog(
-        controller=f"LinuxCNC {report['version'].split('+')[0]}",
-        period=SERVO_PERIOD,
-        drives=values[:, : len(layout.axes)] * layout.joint_units,
-        poses=values[:, len(layout.axes) :] * layout.units,
-        trigger=trigger != 0.0,
-        lines=lines.astype(np.int64),
     )
