@@ -15,7 +15,7 @@ from cases.schema import Case
 from identification.criteria import Criterion
 from identification.limit_proof import PROOF_RATE, prove
 from identification.model import identification_model, machine_of
-from identification.motion import Array, Trajectory
+from identification.motion import Array
 from planner.families import Family
 from planner.families.ptp import controlled, with_steps
 from planner.families.settings import Spline
@@ -222,12 +222,6 @@ def seeds_of(seed: int, starts: int) -> list[int]:
     return [int(s.generate_state(1)[0]) for s in np.random.SeedSequence(seed).spawn(starts)]
 
 
-def _made_by_hand(motion: Trajectory, file: Path, case: Case) -> PlannedMotion:
-    if not motion.duration <= LONGEST:
-        raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
-    return PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
-
-
 def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
 
@@ -240,8 +234,13 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """
     require_plannable(request, case)
     start = perf_counter()
-    fixed = request.family.motion(case)
-    result = search(request, case, listener, run) if fixed is None else _made_by_hand(*fixed, case)
+    if (by_hand := request.family.motion(case)) is None:
+        result = search(request, case, listener, run)
+    else:
+        motion, file = by_hand
+        if not motion.duration <= LONGEST:
+            raise InfeasiblePlan(file, f"takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
+        result = PlannedMotion(motion, {"sequence": str(file)}, prove(motion, case))
     if request.may_be_smooth:
         request, result = _by_errors(replace(request, may_be_smooth=False), case, result, listener, run)
     seconds = perf_counter() - start

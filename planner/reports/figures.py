@@ -39,9 +39,9 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Block, ...]:
     home, box = case.need_motion("the report")
     rows = (
         ("position from home", "mm", "deg", motion.pose - home, box.pose, 1 / MM, 1 / DEG),
-        ("velocity", "mm/s", "deg/s", motion.rates, _both(box.rate), 1 / MM, 1 / DEG),
-        ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
-        ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
+        ("velocity", "mm/s", "deg/s", motion.rates, np.outer((-1, 1), box.rate), 1 / MM, 1 / DEG),
+        ("acceleration", "m/s²", "rad/s²", motion.accelerations, np.outer((-1, 1), box.acceleration), 1.0, 1.0),
+        ("jerk", "m/s³", "rad/s³", motion.jerks, np.outer((-1, 1), box.jerk), 1.0, 1.0),
     )
     charts: list[Block] = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
@@ -79,10 +79,6 @@ def colour(k: int) -> str:
 def colour_or_grey(k: int) -> str:
     """Colour of one of up to seven entries of a comparison, by its number, from 0."""
     return (*COLOURS, GREY)[k % 7]
-
-
-def _both(limit: Array) -> Array:
-    return np.array([-limit, limit])
 
 
 _ENFORCED = {Status.PROVEN: "proven", Status.ENFORCED: "enforced by the controller"}
