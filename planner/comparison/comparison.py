@@ -13,7 +13,7 @@ from cases.errors import HexciteError
 from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from cases.units import as_html
-from planner.comparison.entries import Conditions, Entry, Level, entry_of_plan, read_entry
+from planner.comparison.entries import LEVELS, Conditions, Entry, entry_of_plan, read_entry
 from planner.plans import Plan
 from planner.vibration import least_shaken
 
@@ -28,11 +28,11 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
 
     A result without its run belongs to the plan of that run; one with it has time and machine from it.
     """
-    entry_groups = [[e] for e in entries if e.level is Level.PLANNED]
-    for run in (e for e in entries if e.level is Level.EXECUTED):
-        _group_of_plan(run, [g for g in entry_groups if g[0].level is Level.PLANNED], entry_groups).append(run)
-    for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        runs = [(g, e) for g in entry_groups for e in g if e.level is Level.EXECUTED and _of_one_run(e, result)]
+    entry_groups = [[e] for e in entries if e.level == "planned"]
+    for run in (e for e in entries if e.level == "executed"):
+        _group_of_plan(run, [g for g in entry_groups if g[0].level == "planned"], entry_groups).append(run)
+    for result in (e for e in entries if e.level == "identified"):
+        runs = [(g, e) for g in entry_groups for e in g if e.level == "executed" and _of_one_run(e, result)]
         if runs:
             home, run = runs[0]
             known = result.conditions._replace(load=run.conditions.load, machine=run.conditions.machine)
@@ -135,12 +135,12 @@ class Comparison:
 def recommend(entries: Sequence[Sequence[Entry]]) -> Comparison:
     """Groups with the excitation of the smallest standard deviations, by the best evidence that all of them have."""
     compared = tuple(tuple(group) for group in entries)
-    common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in entries)]
+    common = [level for level in reversed(LEVELS) if all(any(e.level == level for e in g) for g in entries)]
     remarks = []
     if common:
-        level, selection = common[0].name.lower(), [e for g in entries for e in g if e.level is common[0]]
+        level, selection = str(common[0]), [e for g in entries for e in g if e.level == common[0]]
     else:
-        level, selection = "mixed", [max(g, key=lambda e: e.level) for g in entries]
+        level, selection = "mixed", [max(g, key=lambda e: LEVELS.index(e.level)) for g in entries]
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(selection)
     if len(alike) == 1:

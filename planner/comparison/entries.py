@@ -2,9 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from enum import IntEnum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -30,13 +29,9 @@ from planner.plans import Plan
 from planner.pose_criteria import pose_regressors
 from planner.vibration import Vibration, vibration
 
-
-class Level(IntEnum):
-    """Stage of an excitation."""
-
-    PLANNED = 1
-    EXECUTED = 2
-    IDENTIFIED = 3
+Level = Literal["planned", "executed", "identified"]
+"""Stage of an excitation."""
+LEVELS: tuple[Level, ...] = ("planned", "executed", "identified")
 
 
 class Conditions(NamedTuple):
@@ -74,7 +69,7 @@ class Entry:
         """One row of the answer."""
         return {
             "name": self.name,
-            "level": self.level.name.lower(),
+            "level": self.level,
             "model": self.model,
             "family": self.family,
             "duration_s": self.duration,
@@ -82,7 +77,7 @@ class Entry:
             "criteria": dict(self.criteria),
             "s0_N": self.s0,
             "parameters": {
-                n: {"value": v.value if self.level is Level.IDENTIFIED else None, "std": v.reported, "unit": v.unit}
+                n: {"value": v.value if self.level == "identified" else None, "std": v.reported, "unit": v.unit}
                 for n, v in self.parameters.items()
             },
             "execution": dict(self.notes),
@@ -139,7 +134,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     scale = float(np.sqrt(assumed / rate))  # the case may state another rate since
     deviations = _predicted({n: scale * float(s) for n, s in saved.predicted_std.items()}, model)
     return Entry(
-        name, Level.PLANNED, Conditions(saved.case, noise, float(load), plan=saved.fingerprint),
+        name, "planned", Conditions(saved.case, noise, float(load), plan=saved.fingerprint),
         model.number, saved.family, saved.duration, samples,
         _criteria(information, model), deviations, None, {}, saved.stale, vibrating,
     )  # fmt: skip
@@ -183,7 +178,7 @@ def _run(path: Path, user_case: Case | None, stale: bool) -> Entry:
     conditions = Conditions(case, noise.sensors, load, _machine(about), recordings, about.get("plan_hash"))
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
-        str(path), Level.EXECUTED, conditions, model.number, str(about.get("controller", "recorded")).split(" (")[0],
+        str(path), "executed", conditions, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         _predicted(expected, model), None,
         {n: float(about[n]) for n in figures if about.get(n) is not None},
@@ -228,7 +223,7 @@ def _result(path: Path, user_case: Case | None, stale: bool) -> Entry:
         except (np.linalg.LinAlgError, IdentificationError):
             pass
     return Entry(
-        str(path), Level.IDENTIFIED, conditions, model.number,
+        str(path), "identified", conditions, model.number,
         data.estimator, seconds, samples, criteria, saved.parameters, data.s0_N, {},
         tuple(dict.fromkeys((*saved.warnings, *saved.remarks))),
     )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 from cases.files import provenance
 from identification.estimation.fit import Value
 from planner.comparison.comparison import Comparison
-from planner.comparison.entries import Entry, Level
+from planner.comparison.entries import Entry
 from planner.precision import legible, parameter_words, std_text, value_text
 from planner.reports.figures import colour_or_grey
 from planner.reports.page import Chart, note, page, plain, section, table
@@ -21,7 +21,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows of kind, cost and information of each entry; criteria of the mean information in the reference scaling."""
     vibrations = [e.vibration for e in entries]
     rows = [
-        ["is", *(e.level.name.lower() for e in entries)],
+        ["is", *(e.level for e in entries)],
         ["family, controller, estimator", *(e.family for e in entries)],
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
@@ -48,7 +48,7 @@ def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str,
 
 def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
     """Heads of `parameter_rows`."""
-    labels = ((e.name, "std") if e.level is Level.IDENTIFIED else (f"std {e.name}",) for e in entries)
+    labels = ((e.name, "std") if e.level == "identified" else (f"std {e.name}",) for e in entries)
     return ("parameter", *(label for each in labels for label in each))
 
 
@@ -58,7 +58,7 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
     for name, scale, unit, values in _each_parameter(entries):
         row = [f"{parameter_words(name)} [{unit}]"]
         for entry, t in zip(entries, values, strict=True):
-            if entry.level is Level.IDENTIFIED:
+            if entry.level == "identified":
                 row.append("-" if t is None else value_text(t.value * scale, t.reported * scale))
             row.append("-" if t is None else std_text(t.reported * scale))
         rows.append(row)
@@ -83,7 +83,7 @@ def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
     """Rows of planned against executed figures, one a run."""
     rows = []
     for group in groups:
-        plan = next((e.name for e in group if e.level == 1), "-")
+        plan = next((e.name for e in group if e.level == "planned"), "-")
         for run in (e for e in group if e.notes):
             keys = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
             rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in keys)])
@@ -124,7 +124,7 @@ def compare_page(comparison: Comparison) -> str:
     return page(
         "Comparison of excitations",
         f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
-        (*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
+        (*hashes, *((e.name, e.level) for e in entries), *provenance([])["versions"].items()),
         comparison.warnings,
         *sections,
     )
@@ -136,12 +136,12 @@ def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
 
 
 def _std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
-    symbols = ("circle-open", "diamond", "circle")
+    symbols = {"planned": "circle-open", "executed": "diamond", "identified": "circle"}
     series = [
         (
             entry.name,
             {n: t.reported for n, t in entry.parameters.items()},
-            {"color": colour, "symbol": symbols[entry.level - 1]},
+            {"color": colour, "symbol": symbols[entry.level]},
         )
         for entry, colour in coloured(groups)
     ]

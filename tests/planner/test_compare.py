@@ -15,7 +15,7 @@ from playwright.sync_api import Browser
 from cases.schema import Case
 from identification.estimation.fit import Value
 from planner.comparison.comparison import groups, recommend, warnings_of
-from planner.comparison.entries import Conditions, Entry, Level, read_entry
+from planner.comparison.entries import Conditions, Entry, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.plan_program import plan_of_program
 from planner.reports.compare import coloured
@@ -30,7 +30,7 @@ Chain = dict[str, dict[str, Any]]
 def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
     told = {n: Value(1.0, std, std, "kg") for n in names}
     return Entry(
-        name, Level.IDENTIFIED, Conditions(case, recordings=frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
+        name, "identified", Conditions(case, recordings=frozenset({name})), 9, "", seconds, 1000, {}, told, 1.0, {}
     )  # fmt: skip
 
 
@@ -82,7 +82,7 @@ def test_what_one_does_not_determine_is_said_and_not_compared(hexapod_case: Case
 def test_a_chain_is_one_excitation(chain: Chain, shared: Path):
     """The run is known by the fingerprint of its plan, the result by the hash of its recording."""
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
-    assert [[e.level for e in g] for g in found] == [[Level.PLANNED, Level.EXECUTED, Level.IDENTIFIED]]
+    assert [[e.level for e in g] for g in found] == [["planned", "executed", "identified"]]
     plan, run, result = found[0]
     assert result.duration == run.duration == pytest.approx(plan.duration, abs=0.01)
     for letter in ("D", "condition"):  # three ways to the same information
@@ -159,11 +159,11 @@ def test_the_command_compares_and_writes_a_page(
 def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: Case):
     """Two controllers, and two evaluations of one of the runs: nothing is left out for having a sibling."""
     planned = Conditions(hexapod_case, plan="p")
-    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level=Level.PLANNED, conditions=planned)
+    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level="planned", conditions=planned)
     runs = [
         replace(
             entry(hexapod_case, n, 0.1, 12.0),
-            level=Level.EXECUTED,
+            level="executed",
             conditions=planned._replace(load=2.0, recordings=frozenset({n})),
         )
         for n in "rs"
