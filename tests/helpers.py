@@ -119,7 +119,7 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
     from planner.search.problem import state_limits
 
     states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])
-    return {g.kind: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.order == 0}
+    return {kind: np.abs(kernel.values(states)) for kind, order, kernel in state_limits(case) if order == 0}
 
 
 def tells(text: str, *facts: str) -> bool:

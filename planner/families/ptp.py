@@ -46,7 +46,7 @@ def moves_in(box: Box, duration: float) -> float:
     coordinates; where jerk is limited in the quickest, and in 0.3 s at least.
 
     Args:
-        box: limits that count, see `Controlled`.
+        box: limits that count, see `controlled`.
     """
     width = box.pose[1] - box.pose[0]
     each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))

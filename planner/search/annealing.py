@@ -54,16 +54,16 @@ def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.S
 
 # A jerk-limited move uses most of an acceleration where a phase of constant acceleration begins or ends.
 # Both ends count: the first waypoint of a walk is the end of no move.
-_PLACES = (((0, 0.0), (3, 0.5), (6, 1.0)), ((3, 0.5),), ((1, 0.5), (5, 0.5)))  # by the order of a `LimitGroup`
+_PLACES = (((0, 0.0), (3, 0.5), (6, 1.0)), ((3, 0.5),), ((1, 0.5), (5, 0.5)))  # by the order of `Limits`
 
 
 def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
     excess, pose = ca.SX(0), ca.SX(0)
-    for group in near_limits(case):
-        for place in _PLACES[group.order]:
+    for _, order, kernel in near_limits(case):
+        for place in _PLACES[order]:
             state = ca.vertcat(*state_of_move(ends[0], ends[1], ca.DM(times), place), 0)
-            share = ca.mmax(ca.fabs(ca.substitute(group.kernel.expression, group.kernel.variables, state)))
-            if group.order == 0:
+            share = ca.mmax(ca.fabs(ca.substitute(kernel.expression, kernel.variables, state)))
+            if order == 0:
                 pose = ca.fmax(pose, share)
             else:
                 excess = ca.fmax(excess, share - 1)

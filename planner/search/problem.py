@@ -5,8 +5,6 @@ in units of itself and satisfied where every component lies between -1 and 1. `i
 by other means.
 """
 
-from typing import NamedTuple
-
 import casadi as ca
 import numpy as np
 
@@ -19,7 +17,7 @@ from identification.motion import Trajectory
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from planner.families import Family
-from planner.families.rows import Rows, StateRows
+from planner.families.rows import StateRows
 from planner.families.states import Kernel, state_size
 from planner.noise import PoseErrors
 from planner.search.objective import FieldByStates
@@ -28,13 +26,9 @@ from planner.search.program import NonlinearProgram, regressor_kernel
 CHECK_RATE = 1000.0  # [1/s] rate at which a motion is checked between the constrained instants
 
 
-class LimitGroup(NamedTuple):
-    """Limits of one kind."""
-
-    kind: LimitKind
-    order: int  # order of the derivative with which they grow most: 0 poses, 1 velocities, 2 accelerations
-    kernel: Kernel  # state -> shares of the limits
-    most: float = np.inf  # largest share in the motion box; infinity where it was not computed
+Limits = tuple[tuple[LimitKind, int, Kernel], ...]
+"""Limits by kinds: the order of the derivative with which those of a kind grow most (0 poses, 1 velocities, 2
+accelerations), and state -> shares of these limits."""
 
 
 def largest_shares(program: NonlinearProgram, motion: Trajectory, case: Case) -> tuple[float, ...]:
@@ -62,24 +56,15 @@ def build_program(
         margin: share of each limit that stays unused.
         errors: errors of the pose, which the information counts.
     """
-    layout, limits = family.layout(case, margin), near_limits(case)
-    rows = tuple(
-        StateRows(
-            layout.critical,
-            group.kernel,
-            np.repeat(layout.peaks[group.order][:, :, None], group.kernel.size, axis=2) & (group.most > BINDS),
-            1.0 - margin,
-        )
-        for group in limits
-    )
-    first: tuple[Rows, ...] = ()
-    if (standing := layout.standing) is not None:
-        shape = standing.index.shape[0], standing.at(np.zeros(len(layout.lower))).shape[1]
-        first = tuple(
-            StateRows(standing, group.kernel, np.ones((*shape, group.kernel.size), dtype=bool), 1.0 - margin)
-            for group in limits
-            if group.order == 0
-        )
+    layout, limits, states = family.layout(case, margin), near_limits(case), _extreme_states(case)
+    first, rows = [], []
+    for _, order, kernel in limits:
+        binds = bool(np.abs(kernel.values(states)).max() > BINDS)
+        peaks = np.repeat(layout.peaks[order][:, :, None], kernel.size, axis=2)
+        rows.append(StateRows(layout.critical, kernel, peaks & binds, 1.0 - margin))
+        if order == 0 and (standing := layout.standing) is not None:
+            shape = *standing.at(np.zeros(len(layout.lower))).shape[:2], kernel.size
+            first.append(StateRows(standing, kernel, np.ones(shape, dtype=bool), 1.0 - margin))
     return NonlinearProgram(
         layout.states,
         regressor_kernel(model, scaling),
@@ -87,7 +72,7 @@ def build_program(
         layout.lower,
         layout.upper,
         errors=None if errors is None else FieldByStates(errors, family.duration),
-        limits=tuple(group.kernel for group in limits),
+        limits=tuple(kernel for _, _, kernel in limits),
     )
 
 
@@ -98,7 +83,7 @@ BINDS = 1.05  # share from which a limit is constrained from the start; others a
 SEED = 7
 
 
-def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, ...]:
+def state_limits(case: Case, loads: tuple[int, ...] = ()) -> Limits:
     """The non-linear limits of a case.
 
     Args:
@@ -112,10 +97,10 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, .
         *machine_of(case).shares(case, *motion),
         *((LimitKind.SENSOR_FORCE, 2, f) for f in _sensor_forces(case, loads, *motion)),
     ]
-    return tuple(LimitGroup(kind, order, Kernel(state, share)) for kind, order, share in groups)
+    return tuple((kind, order, Kernel(state, share)) for kind, order, share in groups)
 
 
-def near_limits(case: Case) -> tuple[LimitGroup, ...]:
+def near_limits(case: Case) -> Limits:
     """The non-linear limits that come close somewhere in the motion box, judged by seeded states of it.
 
     Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of several payloads those
@@ -125,11 +110,10 @@ def near_limits(case: Case) -> tuple[LimitGroup, ...]:
     loads: tuple[int, ...] = ()
     if case.sensors.range is not None and case.bodies:
         every = tuple(range(len(case.bodies)))
-        shares = [g.kernel.values(states) for g in state_limits(case, every) if g.kind is LimitKind.SENSOR_FORCE]
-        largest = np.array([np.abs(share).max(axis=1) for share in shares])
+        forces = [kernel for kind, _, kernel in state_limits(case, every) if kind is LimitKind.SENSOR_FORCE]
+        largest = np.array([np.abs(kernel.values(states)).max(axis=1) for kernel in forces])
         loads = tuple(int(n) for n in np.unique(largest.argmax(axis=0)[largest.max(axis=0) > NEAR]))
-    groups = (g._replace(most=float(np.abs(g.kernel.values(states)).max())) for g in state_limits(case, loads))
-    return tuple(g for g in groups if g.most > NEAR)
+    return tuple(limits for limits in state_limits(case, loads) if np.abs(limits[2].values(states)).max() > NEAR)
 
 
 def standing_limits(case: Case) -> ca.Function:

@@ -76,8 +76,8 @@ class Moves:
         scales = (family.half / limit / family.unit**order for order, limit in enumerate(family.limits, start=1))
         rows = [ca.DM(scale) * peak for scale, peak in zip(scales, peaks, strict=True)]
         critical = [ca.vertcat(*state_of_move(start, end, x[12:] * family.unit, at), 0) for at in CRITICAL_POINTS]
-        for group in state_limits(case)[:STRUTS]:
-            limit = ca.Function("limit", [group.kernel.variables], [group.kernel.expression])
+        for _, _, kernel in state_limits(case)[:STRUTS]:
+            limit = ca.Function("limit", [kernel.variables], [kernel.expression])
             rows += [limit(state) for state in critical]
         value, limits = ca.cse([-ca.dot(weights, triangle), ca.vertcat(*rows)])
         problem = {"x": x, "p": weights, "f": value, "g": limits}

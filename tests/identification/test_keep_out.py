@@ -151,8 +151,8 @@ def test_what_the_optimiser_takes_for_outside_is_outside(seed: int):
     ranges = {f"{axis}_mm": [1e3 * corner[k], 1e3 * corner[k] + 150.0] for k, axis in enumerate("xyz")}
     case = changed(CASE, workspace__keep_out=[{"name": "post", **ranges}], workspace__tool=[SPINDLE])
     pose = HOME + draw.uniform(-1.0, 1.0, 6) * np.r_[0.4, 0.4, 0.3, 0.3, 0.3, 0.3]
-    (group,) = (g for g in state_limits(case) if g.kind == "distance from")
-    shares = group.kernel.values(np.r_[pose, np.zeros(13)][None])[0]
+    (distance,) = (kernel for kind, _, kernel in state_limits(case) if kind == "distance from")
+    shares = distance.values(np.r_[pose, np.zeros(13)][None])[0]
     turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
     ends = np.array([[0.03, 0.0, 0.0], [0.03, -0.02, 0.25]]) @ turn.T
     places = pose[:3] + np.vstack([np.zeros(3), case.machine.platform.points @ turn.T, ends])

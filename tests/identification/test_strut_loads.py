@@ -105,12 +105,12 @@ def test_sensors_that_are_too_weak_are_named_and_the_search_knows_their_limit() 
     weak = of("drive", 900.0)
     report = prove(Standstill(HOME, 0.01), of("drive", 100.0), 100.0)
     assert "5 payloads" in next(c.name for c in report.violations if c.kind == "sensor force")
-    assert LimitKind.SENSOR_FORCE in [group.kind for group in near_limits(weak)]
-    assert LimitKind.SENSOR_FORCE not in [group.kind for group in near_limits(of("drive", 100_000.0))]
+    assert LimitKind.SENSOR_FORCE in [kind for kind, *_ in near_limits(weak)]
+    assert LimitKind.SENSOR_FORCE not in [kind for kind, *_ in near_limits(of("drive", 100_000.0))]
     motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 20))
     states = np.hstack([motion.pose, motion.rates, motion.accelerations])
-    (group,) = (g for g in state_limits(weak, (5,)) if g.kind is LimitKind.SENSOR_FORCE)
-    shares = group.kernel.values(np.hstack([states, np.zeros((20, state_size(6) - 18))]))
+    (force,) = (kernel for kind, _, kernel in state_limits(weak, (5,)) if kind is LimitKind.SENSOR_FORCE)
+    shares = force.values(np.hstack([states, np.zeros((20, state_size(6) - 18))]))
     assert np.abs(shares).max() == pytest.approx(load_shares(motion, weak)[5], rel=1e-9)
 
 

@@ -52,19 +52,19 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
     states = problem.rows[-1].states.at(start).reshape(-1, state_size(6))
     pose, rates, accelerations = states[:, :6], states[:, 6:12], states[:, 12:18]
     motion = Motion(np.arange(float(len(pose))), pose, rates, accelerations, np.zeros_like(pose))
-    groups = [group for group in state_limits(weak, (0, 5)) if group.kind is LimitKind.SENSOR_FORCE]
+    kernels = [kernel for kind, _, kernel in state_limits(weak, (0, 5)) if kind is LimitKind.SENSOR_FORCE]
     forces = Loads.of(weak).forces(motion, rotation_motion(motion), accelerations[:, :3]).reshape(len(pose), -1, 6)
-    for group, count in zip(groups, (0, 5), strict=True):
-        shares = group.kernel.values(states)
+    for kernel, count in zip(kernels, (0, 5), strict=True):
+        shares = kernel.values(states)
         assert np.allclose(shares, forces[:, count] / (SHARE * 1000.0), rtol=1e-9, atol=1e-9)
 
 
 def test_the_heaviest_load_is_limited_where_it_comes_close_and_none_where_it_does_not(weak: Case, hexapod_case: Case):
-    assert [group.kind for group in near_limits(weak)].count(LimitKind.SENSOR_FORCE) >= 1
+    assert [kind for kind, *_ in near_limits(weak)].count(LimitKind.SENSOR_FORCE) >= 1
     strong = changed(hexapod_case, sensors__range_N=100_000.0)
     boundless = hexapod_case.model_copy(update={"sensors": hexapod_case.sensors.model_copy(update={"range_N": None})})
     for case in (strong, boundless):
-        assert LimitKind.SENSOR_FORCE not in [group.kind for group in near_limits(case)]
+        assert LimitKind.SENSOR_FORCE not in [kind for kind, *_ in near_limits(case)]
 
 
 def explored_and_refined(case: Case, name: str) -> Start:
@@ -85,7 +85,7 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
     monkeypatch.setattr(
         problem_module,
         "near_limits",
-        lambda case: tuple(g for g in near_limits(case) if g.kind is not LimitKind.SENSOR_FORCE),
+        lambda case: tuple(g for g in near_limits(case) if g[0] is not LimitKind.SENSOR_FORCE),
     )
     shrunk = explored_and_refined(weak, name)
     assert shaped.record.logdet > shrunk.record.logdet + 0.5  # of ten parameters: each is known at least 2.5 % better

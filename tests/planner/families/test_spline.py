@@ -70,8 +70,8 @@ def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
     """Constrained at the knots alone, they would exceed their limit by much more: they peak between them."""
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     unknowns *= 0.9 / problem.worst(unknowns)
-    (velocity,) = (group for group in state_limits(hexapod_case) if group.kind == "strut velocity")
-    shares = np.abs(velocity.kernel.values(problem.rows[-1].states.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
+    (velocity,) = (kernel for kind, _, kernel in state_limits(hexapod_case) if kind == "strut velocity")
+    shares = np.abs(velocity.values(problem.rows[-1].states.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
     constrained = family.layout(hexapod_case, 0.0).peaks[1].ravel()
     motion = sample(family.motion(unknowns), 5_000.0)
     lengths = Hexapod.of(hexapod_case).strut_lengths(motion.pose)

@@ -90,9 +90,9 @@ def test_strut_limits_are_the_struts_of_the_motion(problem: NonlinearProgram, un
         "strut acceleration": (after - 2 * now + before) / h**2 / box.strut_acceleration_m_s2,
     }
     states = problem.rows[-1].states.at(0.1 * unknowns).reshape(-1, state_size(6))
-    for group in state_limits(hexapod_case):
-        if group.kind in expected:
-            assert group.kernel.values(states) == pytest.approx(expected.pop(group.kind), abs=1e-5)
+    for kind, _, kernel in state_limits(hexapod_case):
+        if kind in expected:
+            assert kernel.values(states) == pytest.approx(expected.pop(kind), abs=1e-5)
     assert not expected
 
 
@@ -107,9 +107,9 @@ def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
     table[:, :18] = np.hstack(
         [machine.home.vector + draw.uniform(*box.pose, (500, 6)), signs[0] * box.rate, signs[1] * box.acceleration]
     )
-    near = [group.kind for group in near_limits(case)]
-    for group in state_limits(case):
-        assert group.kind in near or np.abs(group.kernel.values(table)).max() <= 1.0, group.kind
+    near = [kind for kind, *_ in near_limits(case)]
+    for kind, _, kernel in state_limits(case):
+        assert kind in near or np.abs(kernel.values(table)).max() <= 1.0, kind
 
 
 def chosen(part: Rows) -> np.ndarray | None:
