@@ -40,7 +40,7 @@ def candidate_scaling(regressors: Array) -> Array:
     A column of zeros has the scale 1.
     """
     mean_square = np.mean(np.sum(regressors**2, axis=1), axis=0)
-    return np.asarray(np.where(mean_square > 0.0, 1.0 / np.sqrt(np.where(mean_square > 0.0, mean_square, 1.0)), 1.0))
+    return np.asarray(1.0 / np.sqrt(np.where(mean_square > 0.0, mean_square, 1.0)))
 
 
 def total_information(regressors: Array) -> Array:
@@ -52,11 +52,7 @@ def total_information(regressors: Array) -> Array:
 def require_full_rank(regressors: Array, model: Model) -> None:
     """Raises IdentificationError, naming the parameters, where poses, shape (n, 6, u), do not determine the model."""
     rows = regressors.reshape(-1, regressors.shape[2])
-    singular, directions = (
-        np.linalg.svd(rows, full_matrices=True)[1:]
-        if len(rows) < 60
-        else np.linalg.svd(np.linalg.qr(rows, mode="r"))[1:]
-    )
+    singular, directions = np.linalg.svd(np.linalg.qr(rows, mode="r"))[1:]
     zero = len(rows) * np.finfo(float).eps * singular[0]
     rank = int(np.sum(singular > zero))
     if rank < rows.shape[1]:
