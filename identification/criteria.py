@@ -118,16 +118,19 @@ Group = tuple[tuple[str, ...], tuple[dict[str, float], ...]]
 parameter, by name. As many directions are hidden as there are fewer sums than parameters."""
 
 
+ARRAYS = ("singular_values", "correlation", "r")  # tables of `Identifiability` in its file
+
+
 @dataclass(frozen=True, slots=True)
 class Identifiability:
     """What a regressor says about the parameters of its columns."""
 
     names: tuple[str, ...]  # names of the columns
+    rank: int  # singular values above the numerical zero
+    numerical_zero: float  # the paper's m n eps max|R_ii|
+    singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
     correlation: Array  # Pearson coefficients of the columns, shape (u, u); 0 for a column without variation
     r: Array  # R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements
-    zero: float  # the paper's numerical zero m n eps max|R_ii|
-    singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
-    rank: int  # singular values above the numerical zero
     groups: tuple[Group, ...]
 
     @property
@@ -145,31 +148,23 @@ class Identifiability:
 
     def to_json(self) -> dict[str, Any]:
         """Tables for JSON."""
+        groups = [{"parameters": n, "hidden": len(n) - len(sums), "combinations": sums} for n, sums in self.groups]
+        arrays = {name: getattr(self, name).tolist() for name in ARRAYS}
         return {
-            "names": list(self.names),
+            "names": self.names,
             "rank": self.rank,
-            "numerical_zero": self.zero,
-            "singular_values": self.singular_values.tolist(),
-            "correlation": self.correlation.tolist(),
-            "r": self.r.tolist(),
-            "groups": [
-                {"parameters": names, "hidden": len(names) - len(sums), "combinations": sums}
-                for names, sums in self.groups
-            ],
+            "numerical_zero": self.numerical_zero,
+            **arrays,
+            "groups": groups,
         }
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any]) -> "Identifiability":
         """The tables that `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
-        return cls(
-            names=tuple(str(name) for name in data["names"]),
-            correlation=np.array(data["correlation"], dtype=float),
-            r=np.array(data["r"], dtype=float),
-            zero=float(data["numerical_zero"]),
-            singular_values=np.array(data["singular_values"], dtype=float),
-            rank=int(data["rank"]),
-            groups=tuple((tuple(g["parameters"]), tuple(dict(c) for c in g["combinations"])) for g in data["groups"]),
-        )
+        names, zero = tuple(str(name) for name in data["names"]), float(data["numerical_zero"])
+        singular, correlation, r = (np.array(data[name], dtype=float) for name in ARRAYS)
+        groups = tuple((tuple(g["parameters"]), tuple(dict(c) for c in g["combinations"])) for g in data["groups"])
+        return cls(names, int(data["rank"]), zero, singular, correlation, r, groups)
 
 
 def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
@@ -189,15 +184,8 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
     factors = np.where(norms > 0.0, norms, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):  # columns without variation
         correlation = np.nan_to_num(np.atleast_2d(np.corrcoef(matrix, rowvar=False)))
-    return Identifiability(
-        names=tuple(names),
-        correlation=correlation,
-        r=r,
-        zero=zero,
-        singular_values=singular,
-        rank=rank,
-        groups=tuple(_groups(directions[rank:], factors, names)),
-    )
+    groups = tuple(_groups(directions[rank:], factors, names))
+    return Identifiability(tuple(names), rank, zero, singular, correlation, r, groups)
 
 
 def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:

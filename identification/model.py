@@ -4,7 +4,7 @@ A model is a list of blocks; planner, estimator and simulation share it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -240,6 +240,12 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
                 "what is put on it with hexcite payload, from a result without and one with it"
             )
         blocks = (OFFSETS,)
+    for name in terms:
+        if name not in ERROR_TERMS:
+            raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")
+    if terms:
+        body = (b for b in blocks if b not in ERROR_TERMS.values())
+        blocks = (*body, *(block for name, block in ERROR_TERMS.items() if name in terms))
     if case.sensor_frame.has_moments:
         blocks = tuple(WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
     struts = None
@@ -248,12 +254,6 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
         blocks = (*blocks, *struts.blocks(INERTIA in blocks))
     frame = case.sensor_frame.structure if struts is None else struts.structure_at_home
     model = Model(number, blocks, frame, case.gravity, machine=machine_if_any(case), struts=struts)
-    for name in terms:
-        if name not in ERROR_TERMS:
-            raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")
-    if terms:
-        body = tuple(b for b in model.blocks if b not in ERROR_TERMS.values())
-        model = replace(model, blocks=(*body, *(block for name, block in ERROR_TERMS.items() if name in terms)))
     rigid = struts is not None or not (model.machine is None or model.machine.elastic)
     if rigid and set(model.blocks) & set(ERROR_TERMS.values()):
         raise IdentificationError(

@@ -97,11 +97,7 @@ class Biases:
 
 
 def mass_finding(model: Model, fit: Fit, taken: Array) -> Finding:
-    """Finding about the share of the mass's standard deviation that comes from the uncertainty of known offsets.
-
-    Args:
-        taken: part of the fit's covariance that these offsets, and the accelerometer's biases, make.
-    """
+    """Finding about the mass's standard deviation: what known offsets and biases make of it, of covariance `taken`."""
     place = model.names.index("m")
     variance, own = max(fit.covariance[place, place], fit.covariance_robust[place, place]), taken[place, place]
     return note(
@@ -162,10 +158,7 @@ def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[Fin
 def drifted_since(change: Array, std: Array, case: Case, source: str) -> list[Finding]:
     """A note where a tare finds other offsets than a result.
 
-    Args:
-        change: new offsets less old ones, shape (6,) [N, or N and N m].
-        std: standard deviation of that, shape (6,).
-        source: the result.
+    By the change of the offsets, shape (6,) [N, or N and N m], and its standard deviation; `source` is the result.
     """
     sure = np.abs(change) / np.maximum(std, np.finfo(float).tiny)
     worst = int(np.argmax(sure))

@@ -299,5 +299,5 @@ def test_a_case_of_ones_own_is_looked_at_too(saved: Result, tmp_path: Path) -> N
 def test_damage_of_what_the_run_determined_is_named(saved: Result, tmp_path: Path) -> None:
     saved.save(tmp_path / "result")
     (tmp_path / "result" / "identifiability.json").write_text('{"names": ["m"]}')
-    with pytest.raises(FileProblem, match=r"identifiability\.json: .*'correlation'.*missing.*identify again"):
+    with pytest.raises(FileProblem, match=r"identifiability\.json: .*'numerical_zero'.*missing.*identify again"):
         Result.load(tmp_path / "result", CASE)
