@@ -137,9 +137,8 @@ WARM_UP = "let the sensor warm up, and run hexcite tare shortly before its readi
 def shifted_all_along(residuals: Array, variance: Array, case: Case) -> list[Finding]:
     """A warning where a channel reads more, or less, than a result expects in every part of a recording.
 
-    Args:
-        residuals: measured less expected, in the order of time, shape (n, 6) [N, or N and N m].
-        variance: variance of the result's offsets, shape (6,).
+    By residuals, measured less expected, in the order of time, shape (n, 6) [N, or N and N m], and the variance of the
+    result's offsets, shape (6,).
     """
     if len(residuals) < STRETCHES:
         return []

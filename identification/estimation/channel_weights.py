@@ -101,10 +101,7 @@ def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Ar
     The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
     what they would be had the pose not been part of the fit, so that the covariance of a few poses is not too small.
 
-    Args:
-        regressors: A_j, shape (n, 6, u).
-        residuals: residuals of a fit to these, shape (n, 6).
-        weights: diagonal of W for one sample, shape (6,).
+    From A_j, shape (n, 6, u), residuals of a fit to these, shape (n, 6), and the diagonal of W, shape (6,).
     """
     q, half = orthonormal(regressors, weights)
     left_out = np.linalg.pinv(np.eye(6) - q @ q.transpose(0, 2, 1), rcond=1e-9, hermitian=True)

@@ -186,20 +186,12 @@ def huber(regression: Regression) -> tuple[Fit, Array]:
     meat = (q * (psi / noise)[:, None] ** 2).T @ q * (rows / start.freedom)
     influence = (q * (psi / noise)[:, None]).reshape(samples, sensors, unknowns).sum(axis=1)
     recorded = noise[:6] * spread / np.sqrt(filtered.gain)  # of the forces before the filter
-    values = back @ v
+    values, covariance = back @ v, spread_of_u @ meat @ spread_of_u.T
+    robust = spread_of_u @ long_run_covariance(influence) @ spread_of_u.T
     s0 = float(shrunk * np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))  # Huber's proposal 2, for a scale near it
-    fit = Fit(
-        values=values,
-        covariance=spread_of_u @ meat @ spread_of_u.T,
-        covariance_robust=spread_of_u @ long_run_covariance(influence) @ spread_of_u.T,
-        s0=s0 * float(recorded[0]) if pooled else s0,
-        freedom=start.freedom,
-        residuals=regression.residuals(values),
-        weights=np.ones(6) if pooled else recorded**-2.0,
-        rank=start.rank,
-        condition=start.condition,
-        findings=settled("robust", converged, rounds),
-    )
+    s0, weights = (s0 * float(recorded[0]), np.ones(6)) if pooled else (s0, recorded**-2.0)
+    left, found = regression.residuals(values), settled("robust", converged, rounds)
+    fit = Fit(values, covariance, robust, s0, start.freedom, left, weights, start.rank, start.condition, found)
     return fit, _attention(residuals, noise).reshape(samples, sensors)
 
 

@@ -126,14 +126,9 @@ def compress(regression: Regression, weights: Array) -> tuple[Array, Array, floa
 
 def joint_triangle(regressors: Array, forces: Array, root: Array) -> Array:
     """R of the QR of all (A_j f_j), rows multiplied by `root`, shape (6,), piece by piece, shape (u + 1, u + 1)."""
-    tops = [
-        triangle(
-            (
-                np.concatenate([regressors[k : k + _PIECE], forces[k : k + _PIECE, :, None]], axis=2) * root[:, None]
-            ).reshape(-1, regressors.shape[2] + 1)
-        )
-        for k in range(0, len(forces), _PIECE)
-    ]
+    pieces = (slice(k, k + _PIECE) for k in range(0, len(forces), _PIECE))
+    weighted = (np.concatenate([regressors[p], forces[p, :, None]], axis=2) * root[:, None] for p in pieces)
+    tops = [triangle(rows.reshape(-1, rows.shape[2])) for rows in weighted]
     return tops[0] if len(tops) == 1 else triangle(np.vstack(tops))
 
 

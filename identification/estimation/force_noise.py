@@ -248,7 +248,7 @@ def with_kernel(fit: Fit, regression: Regression) -> Fit:
 
 
 def noise_covariance(model: Model, sensors: Sensors, values: Array) -> Array:
-    """Covariance of a force sample of the body with parameters u, of sensors that state noise of forces, (6, 6)."""
+    """Covariance of a force sample at u, by sensors that state noise of forces at least, shape (6, 6)."""
     force, acceleration = sensors.force_noise, sensors.acceleration_noise
     assert force is not None
     effects = acceleration_to_force(model, values) * (np.zeros(6) if acceleration is None else acceleration)
@@ -277,10 +277,7 @@ TELLING = 0.1  # share of the residuals' variance from which noise of accelerati
 def noise_components(fit: Fit, model: Model, filtered: Filtered, wrench: bool, weights: str) -> list[Finding]:
     """Takes the residuals of a run apart: noise that would leave such ones; nothing where they are too few.
 
-    Args:
-        fit: its values begin with u; its residuals are those of the forces behind the filter.
-        wrench: whether the channels are three forces and three moments.
-        weights: weights of the identification.
+    The values of the fit begin with u; `wrench`: whether the channels are three forces and three moments.
     """
     freedom = len(fit.residuals) * filtered.gain * filtered.stride - len(fit.values) / 6
     if freedom < LEAST_INDEPENDENT:

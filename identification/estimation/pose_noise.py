@@ -19,13 +19,7 @@ from scipy.special import gammaincinv, ndtri
 from cases.sensors import PoseField
 from cases.units import Array
 from identification.estimation.fit import Robust
-from identification.estimation.force_noise import (
-    LEAST_SAMPLES,
-    Turned,
-    autoregressive,
-    slow_noises,
-    toeplitz,
-)
+from identification.estimation.force_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 from identification.finding import Kind, note
 
 UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding

@@ -84,7 +84,6 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     Args:
         regression: regression of the model; columns beyond it (a delay) have no prior.
         weights: diagonal of W for one sample, shape (6,); s0 is estimated, only their ratios matter.
-        priors: priors, at most one for each name.
 
     Raises:
         IdentificationError: priors that cannot be used (see `as_measurements`), fewer forces than unknowns,
@@ -114,23 +113,11 @@ def with_priors(regression: Regression, model: Model, weights: Array, priors: Se
     residuals = regression.residuals(values)
     of_data = long_run_covariance(scores(regression.regressors, residuals, weights)) / noise**4
     of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
-    expected, slopes = at(values)
-    return Fit(
-        values=values,
-        covariance=covariance,
-        covariance_robust=covariance @ (of_data + of_priors) @ covariance,
-        s0=noise * float(np.sqrt(filtered.stride)),
-        freedom=freedom,
-        residuals=residuals,
-        weights=weights,
-        rank=rank,
-        condition=condition,
-        findings=tuple(
-            finding
-            for prior, value, slope in zip(priors, expected, slopes, strict=True)
-            for finding in _effect_findings(prior, *effect_of(prior, float(value), float(slope @ covariance @ slope)))
-        ),
-    )
+    robust, s0 = covariance @ (of_data + of_priors) @ covariance, noise * float(np.sqrt(filtered.stride))
+    findings: list[Finding] = []
+    for prior, value, slope in zip(priors, *at(values), strict=True):
+        findings += _effect_findings(prior, *effect_of(prior, float(value), float(slope @ covariance @ slope)))
+    return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition, tuple(findings))
 
 
 def _start(root: Array, right: Array, priors: Sequence[Prior], model: Model) -> Array:
@@ -150,11 +137,9 @@ def _start(root: Array, right: Array, priors: Sequence[Prior], model: Model) -> 
 
 
 def effect_of(prior: Prior, value: float, variance: float) -> tuple[float, float, float]:
-    """What a prior did to its parameter; information adds, so that no fit without it is needed.
+    """What a prior did to the estimate of its parameter from data and all priors, a value with its variance.
 
-    Args:
-        value: estimate of the parameter from data and all priors.
-        variance: variance of this estimate.
+    Information adds, so that no fit without it is needed.
 
     Returns:
         By how many of the standard deviations that the estimate would have without this prior the prior moved it; by
