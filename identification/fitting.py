@@ -133,30 +133,27 @@ def _converged(
         near: u of a part of the run, shape (u,), with its delay: one step is then enough.
     """
     forces, model, selection, weights = run.forces, run.model, method.selection(run.model), method.weights_for(sensors)
-
-    def regression_of(columns: Array) -> Regression:
-        names = [*model.names, *run.nuisances[:beside]]
-        return Regression(columns, forces, names, beside, run.filtered, ALIKE[weights])
-
+    names, alike = [*model.names, *run.nuisances[:beside]], ALIKE[weights]
     whitening, values, unknowns = None, near, len(model.names)
     if not run.nuisances:
         still = run.regressors(delay)
         if weights == "stated":
             whitening = _whitening_from(still, forces, selection, model, sensors)
-        return delay, None, regression_of(still), whitening
+        return delay, None, Regression(still, forces, names, beside, run.filtered, alike), whitening
     for _ in range(steps):
-        regression = None  # of a long run there is room for one
+        regression = columns = None  # of a long run there is room for one
         if values is None:
             # The effect of the delay follows from the best forces so far, whatever parameters make them.
             channels, matrices = forces.std(axis=0), run.regressors(delay)
-            scale = np.ones(6) if ALIKE[weights] is None else 1.0 / np.where(channels > 0.0, channels, 1.0)
+            scale = np.ones(6) if alike is None else 1.0 / np.where(channels > 0.0, channels, 1.0)
             top = joint_triangle(matrices @ selection.basis, forces - matrices @ selection.offset, scale)
             free = np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=forces.size * np.finfo(float).eps)[0]
             values = selection.offset + selection.basis @ free
             del matrices
         if weights == "stated":
             whitening = whitening_of(noise_covariance(model, sensors, values))
-        regression = regression_of(run.linearised(delay, values)[:, :, : unknowns + beside])
+        columns = run.linearised(delay, values)[:, :, : unknowns + beside]
+        regression = Regression(columns, forces, names, beside, run.filtered, alike)
         estimate = estimate_selected(regression.whitened(whitening), selection, gauss_markov_of).values
         values = estimate[:unknowns]
         if len(run.nuisances) > beside:

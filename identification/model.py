@@ -86,16 +86,9 @@ class Model:
             motion: twist in {B}, shape (6,) [m/s, rad/s].
             motion_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
         """
-        gravity = turn.T @ ca.DM(self.gravity)
-        state = State(
-            x=position[0],
-            y=position[1],
-            gibbs=gibbs(turn),
-            gravity=gravity,
-            specific=turn.T @ motion_rate[:3] - gravity,
-            omega=turn.T @ motion[3:],
-            alpha=turn.T @ motion_rate[3:],
-        )
+        gravity, omega, alpha = turn.T @ ca.DM(self.gravity), turn.T @ motion[3:], turn.T @ motion_rate[3:]
+        specific = turn.T @ motion_rate[:3] - gravity
+        state = State(position[0], position[1], gibbs(turn), gravity, specific, omega, alpha)
         if self.struts is not None:
             state = moving_struts(state, self.struts.hexapod, position, turn, motion, motion_rate, self.gravity)
         return self.at_state(state)

@@ -60,8 +60,6 @@ def payload_on_table(before: Result, after: Result) -> Payload:
     Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
     all of xC, yC, zC that have a share in it; the warnings name them.
 
-    Both models are of offsets only.
-
     Raises:
         IdentificationError: the difference in mass is not significant.
     """

@@ -81,13 +81,7 @@ class Estimate:
 
 
 def physical_values(model: Model, u: Array, covariance: Array, robust: Array) -> dict[str, Value]:
-    """Physical parameters by name.
-
-    Args:
-        u: linear parameters, shape (u,).
-        covariance: covariance of these by (28), shape (u, u).
-        robust: the autocorrelation-robust one.
-    """
+    """Physical parameters by name, of u, shape (u,), with its covariance by (28) and the robust one, shapes (u, u)."""
     form = physical_form(model)
     values, white = form.of(u, covariance)
     std, std_robust = (np.sqrt(np.diag(c).clip(0.0)) for c in (white, form.of(u, robust)[1]))

@@ -53,9 +53,7 @@ def read_entries(path: Path) -> tuple[Path, ResultEntries]:
 def require_agreement(file: str, entries: ResultEntries, model: Model, wrench: bool) -> None:
     """Computes anew what follows from other entries, so that no two entries disagree.
 
-    Args:
-        model: the model that the entries name.
-        wrench: whether the channels are three forces and three moments.
+    By the model that they name; `wrench`: whether the channels are three forces and three moments.
 
     Raises:
         FileProblem: an entry was changed by hand, or the parameters are those of another model.

@@ -64,11 +64,9 @@ def per_channel(regression: Regression) -> Fit:
         variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
         if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
             raise IdentificationError("a channel fits without any residual; its variance cannot be estimated: check it")
-        new = 1.0 / variance
-        settled = bool(np.all(np.abs(new / weights - 1.0) < WEIGHT_TOLERANCE))
-        weights = new
+        before, weights = weights, 1.0 / variance
         fit = gauss_markov(regression, weights)
-        if settled:
+        if np.all(np.abs(weights / before - 1.0) < WEIGHT_TOLERANCE):
             break
     return fit
 
@@ -200,20 +198,15 @@ def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: floa
     scale = column_scale(matrices.reshape(-1, unknowns))
     matrices = matrices * scale
     count, width = int(np.ceil(HALF * samples)), max(1, round(TOGETHER / step))
-    best: tuple[float, Array, Rows] | None = None
-    for share in STRETCHES:
-        length = round(share * samples)
-        if length * sensors < ENOUGH * unknowns:
-            continue
-        for begin in np.linspace(0, samples - length, STARTS).astype(int):
-            rows = np.zeros(samples, dtype=bool)
-            rows[begin : begin + length] = True
-            candidate = _concentrated(matrices, right, rows, count, width)
-            if best is None or candidate[0] < best[0]:
-                best = candidate
-    if best is None:
+    lengths = (round(share * samples) for share in STRETCHES)
+    long_enough = [n for n in lengths if n * sensors >= ENOUGH * unknowns]
+    if not long_enough:
         return None
-    return scale * best[1], best[2]
+    begins = [(int(begin), n) for n in long_enough for begin in np.linspace(0, samples - n, STARTS)]
+    place = np.arange(samples)
+    fits = (_concentrated(matrices, right, (place >= b) & (place < b + n), count, width) for b, n in begins)
+    _, values, rows = min(fits, key=lambda fit: fit[0])
+    return scale * values, rows
 
 
 def _concentrated(matrices: Array, right: Array, rows: Rows, count: int, width: int) -> tuple[float, Array, Rows]:

@@ -263,10 +263,7 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
 
 
 def require_alive(forces: Array) -> None:
-    """Raises IdentificationError where a channel of two samples or more reads one and the same value, shape (n, 6).
-
-    A cable came off, or an amplifier is at its end.
-    """
+    """Raises IdentificationError where a channel of two samples or more reads one and the same value, shape (n, 6)."""
     stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
     if len(stuck):
         raise IdentificationError(

@@ -173,7 +173,9 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     if reach == 0.0:
         return None
     noise, taken = found.noise[rows], independent(found.taken[rows])
-    memories = [_near(found), *slow_noises(found.length)]
+    series, mask, scale = found.series(found.noise), found.series(np.ones(samples)), samples / found.freedom
+    near = np.mean([autoregressive(channel, mask, scale) for channel in series.T], axis=0)
+    memories = [near, *slow_noises(found.length)]
     lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])
     begin = np.r_[BEGIN[0], np.full(len(memories) - 1, BEGIN[1]), BEGIN[2:]]
@@ -204,13 +206,6 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     )
     reported = None if residuals is None else PoseField(float(np.sqrt(share * np.mean(residuals**2))), length)
     return Robust(found.covariance(meat), (finding,), reported)
-
-
-def _near(data: Turned) -> Array:
-    """Autocovariance of an autoregressive model, mean of the channels, shape (length,)."""
-    series, mask = data.series(data.noise), data.series(np.ones(len(data.noise)))
-    scale = len(data.noise) / data.freedom
-    return np.asarray(np.mean([autoregressive(channel, mask, scale) for channel in series.T], axis=0))
 
 
 def _with_field(kernels: Array, squared: Array) -> Family:
