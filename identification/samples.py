@@ -13,7 +13,7 @@ from cases.errors import HexciteError
 from cases.sensors import Sensors
 from cases.units import Array, Flags
 from identification.estimation.channel_weights import independent_poses
-from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, inverse_root, joint_triangle
+from identification.estimation.fit import Filtered, Fit, Robust, inverse_root, joint_triangle
 from identification.estimation.force_noise import long_run_covariance, scores
 from identification.finding import Finding
 from identification.model import Model
@@ -164,7 +164,7 @@ class Standstills(PlainSamples):
     nuisances: ClassVar[tuple[str, ...]] = ()
     wide: ClassVar[None] = None  # nothing moves
     consecutive: ClassVar[bool] = False  # they may stand in any order
-    filtered: ClassVar[Filtered] = UNFILTERED
+    filtered: ClassVar[Filtered] = Filtered()
     noise_correlation: ClassVar[float] = 1.0  # nothing is said of neighbours
 
     @property

@@ -7,11 +7,10 @@ trimmed squares use the half that agrees best.
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from cases.errors import IdentificationError
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.estimation.fit import (
     Fit,
     Regression,
@@ -22,8 +21,6 @@ from identification.estimation.fit import (
     settled,
 )
 from identification.estimation.force_noise import whitening_of, with_kernel
-
-Rows = NDArray[np.bool_]
 
 EACH = (0, 1, 2, 3, 4, 5)  # `Regression.alike` where each channel has noise of its own
 WEIGHT_ROUNDS = 20
@@ -180,7 +177,7 @@ TOGETHER = 0.1  # [s] of neighbours that a sample is judged with
 ENOUGH = 5.0  # times as many forces as unknowns, to begin from
 
 
-def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> tuple[Array, Rows] | None:
+def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> tuple[Array, Flags] | None:
     """Best of many fits: u of the half of the samples that agree best, and which these are; None of too few samples.
 
     Least trimmed squares (Rousseeuw 1984, J. Am. Stat. Assoc. 79:871) resist up to half of the samples. As a contact is
@@ -209,7 +206,7 @@ def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: floa
     return scale * values, rows
 
 
-def _concentrated(matrices: Array, right: Array, rows: Rows, count: int, width: int) -> tuple[float, Array, Rows]:
+def _concentrated(matrices: Array, right: Array, rows: Flags, count: int, width: int) -> tuple[float, Array, Flags]:
     """Fits, and selects the samples that fit best, in turns: the trimmed sum, the values and the samples."""
     unknowns = matrices.shape[2]
     objective = np.inf

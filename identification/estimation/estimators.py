@@ -11,12 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, solve_triangular
 
 from cases.errors import IdentificationError
 from cases.sensors import Sensors
-from cases.units import Array
+from cases.units import Array, Indices
 from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.channel_weights import EACH, full_weights, per_channel
 from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
@@ -195,7 +194,7 @@ def huber(regression: Regression) -> tuple[Fit, Array]:
     return fit, _attention(residuals, noise).reshape(samples, sensors)
 
 
-def _noise(residuals: Array, kind: NDArray[np.int_], least: Array) -> Array:
+def _noise(residuals: Array, kind: Indices, least: Array) -> Array:
     """Normalised MAD about zero, which the offsets make the centre, one value a force, shape (6 n,)."""
     size = np.abs(residuals)
     mad = np.array([np.median(size[:, kind == k]) for k in kind])

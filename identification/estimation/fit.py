@@ -43,11 +43,8 @@ class Value(NamedTuple):
 class Filtered(NamedTuple):
     """Effect of a low-pass on white noise before the fit, and how many samples behind it are evaluated."""
 
-    gain: float  # variance of filtered noise over that of recorded noise, the sum of the squared kernel
-    stride: float  # recorded samples for each one that is evaluated
-
-
-UNFILTERED = Filtered(1.0, 1)
+    gain: float = 1.0  # variance of filtered noise over that of recorded noise, the sum of the squared kernel
+    stride: float = 1  # recorded samples for each one that is evaluated
 
 
 class Regression(NamedTuple):
@@ -59,7 +56,7 @@ class Regression(NamedTuple):
     # so many of the last columns are not parameters of the model: they are estimated too, and cost certainty, but rank
     # and condition are reported without them
     nuisance: int = 0
-    filtered: Filtered = UNFILTERED  # what was done to regressors and forces before
+    filtered: Filtered = Filtered()  # what was done to regressors and forces before
     # channels with the same number have the same noise, which follows from their residuals, shape (6,); None: W = 1
     alike: tuple[int, ...] | None = None
 

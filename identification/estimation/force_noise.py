@@ -29,12 +29,11 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from cases.sensors import Sensors
-from cases.units import Array
+from cases.units import Array, Indices
 from identification.estimation.fit import Filtered, Fit, Regression, orthonormal
 from identification.finding import Finding, Kind, note
 from identification.model import Model
 
-Places = NDArray[np.int64]
 Spectra = NDArray[np.complex128]
 
 
@@ -47,7 +46,7 @@ class Turned(NamedTuple):
     taken: Array  # C, the fit takes C_k times that away from channel k, shape (n, 6, u)
     noise: Array  # residuals, of variance 1 but for degrees of freedom, shape (n, 6)
     freedom: float  # degrees of freedom of a channel
-    places: Places  # places of the samples in a series of equal steps, from 0 upwards, shape (n,)
+    places: Indices  # places of the samples in a series of equal steps, from 0 upwards, shape (n,)
     share: float = 1.0  # share of the run's samples that these are; noise in all of them is known that much better
 
     @property
@@ -66,7 +65,7 @@ class Turned(NamedTuple):
         return np.asarray(self.half @ ((meat + meat.T) / 2.0) @ self.half.T)
 
 
-def turned(regressors: Array, residuals: Array, weights: Array, places: Places | None = None) -> Turned:
+def turned(regressors: Array, residuals: Array, weights: Array, places: Indices | None = None) -> Turned:
     """The residuals of a fit in turned channels.
 
     Args:

@@ -36,12 +36,8 @@ class Prior(NamedTuple):
     std: float
 
 
-Measurements = Callable[[Array], tuple[Array, Array]]
-"""u, shape (u,) -> h(u), shape (priors,) [SI], and dh/du, shape (priors, u)."""
-
-
-def as_measurements(priors: Sequence[Prior], model: Model) -> Measurements:
-    """Priors as further rows of (23): h(u) = value + error of standard deviation std.
+def as_measurements(priors: Sequence[Prior], model: Model) -> Callable[[Array], tuple[Array, Array]]:
+    """Priors as further rows of (23), h(u) = value + error of standard deviation std: u, shape (u,), to h and dh/du.
 
     Raises:
         IdentificationError: a name that the model does not have, with those that it has; two priors on one name; a
