@@ -229,9 +229,8 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
     if conditioning.periodic:
         return periodic_run(recording, case, model, conditioning)
     if recording.struts is None:
-        narrow = wrist_run(recording, case, model, method.biases)
         wide = wrist_run(recording, case, model, cutoff=delay_band(recording))
-        return replace(narrow, wide=wide)
+        return replace(wrist_run(recording, case, model, method.biases), wide=wide)
     run = moving_run(recording, case, model)
     return replace(run, smoothing=conditioning.flexible, flexible=conditioning.flexible)
 
