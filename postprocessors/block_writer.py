@@ -9,7 +9,6 @@ from math import floor, log10
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.chain import Box
 from cases.errors import HexciteError
@@ -34,14 +33,6 @@ def number(value: float, decimals: int) -> str:
     """Plain decimal notation, without exponent, trailing zeros or a negative zero."""
     text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "", "-") else text
-
-
-def coordinates(pose: Array, turns: NDArray[np.bool_]) -> list[str]:
-    """Coordinates [m, rad] in mm and degrees; `turns` says which are angles."""
-    return [
-        number(v / DEG, ANGLE_DECIMALS) if angle else number(v / MM, LENGTH_DECIMALS)
-        for v, angle in zip(pose, turns, strict=True)
-    ]
 
 
 def feed(speed: float, linear: bool) -> str:
@@ -128,7 +119,7 @@ class BlockWriter(ABC):
         """Whether F counts X, Y, Z, and F, for the way as written: where these hardly move, rounding matters."""
         turns = self.limits.turns
         start, end = (
-            np.array([float(word) for word in coordinates(pose, turns)]) * np.where(turns, DEG, MM)
+            np.array([float(word) for word in self.coordinates(pose)]) * np.where(turns, DEG, MM)
             for pose in (move.start, move.end)
         )
         written = replace(move, start=start, end=end) if np.any(start != end) else move
@@ -183,8 +174,11 @@ class BlockWriter(ABC):
         return ("\n".join([*lines, *end]) + "\n").encode("ascii")
 
     def coordinates(self, pose: Array) -> list[str]:
-        """Numbers of the coordinates."""
-        return coordinates(pose, self.limits.turns)
+        """Coordinates [m, rad] in mm and degrees."""
+        return [
+            number(v / DEG, ANGLE_DECIMALS) if angle else number(v / MM, LENGTH_DECIMALS)
+            for v, angle in zip(pose, self.limits.turns, strict=True)
+        ]
 
     def pose(self, pose: Array) -> str:
         """Coordinates as words."""

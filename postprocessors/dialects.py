@@ -214,12 +214,8 @@ class Program:
         """A few lines: dialect, duration and proof."""
         unit = "rows" if self.dialect.name == ControllerName.SETPOINTS else "blocks"
         size = f"{self.reading.blocks} {unit}, {self.proof.duration:.2f} s"
-        return "\n".join(
-            [
-                f"Program {self.path.name} for {self.case.name}: {self.dialect.name}, {size}",
-                f"limits: {self.proof.verdict}",
-            ]
-        )
+        name = f"Program {self.path.name} for {self.case.name}"
+        return f"{name}: {self.dialect.name}, {size}\nlimits: {self.proof.verdict}"
 
     _repr_html_ = as_html
 

@@ -88,12 +88,9 @@ def prepare_linuxcnc(program: Blocks, case: Case) -> Blocks:
 
 
 def _in_cycles(path: TimedPath, length: float) -> TimedPath:
-    """The same path with points at whole cycles, slowed down by as little as possible.
+    """The same path with points at whole cycles, slowed down as little as possible; blocks of splines last `length`.
 
     Each piece of a spline whose pieces last equally long begins at such a point.
-
-    Args:
-        length: duration of a block of a spline, at most [s].
     """
     if isinstance(path.motion, PolynomialMotion):
         lasting = [piece.duration for piece in path.motion.pieces]

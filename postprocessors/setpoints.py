@@ -66,22 +66,31 @@ def _motion(program: Blocks, cycle: float) -> tuple[list[Array], Array]:
     return [np.vstack(column) for column in rows], np.concatenate([*trigger, [float(any(last))]])
 
 
-def _values(program: Blocks, case: Case) -> Array:
-    """The table in the units of its columns."""
-    cycle = case.need_settings(Setpoints, "a setpoint table").cycle
-    motion, trigger = _motion(program, cycle)
+def _table(program: Blocks, case: Case) -> tuple[list[str], tuple[str, ...], Array]:
+    """Lines of the header, names of the columns, and the numbers in their units."""
+    settings = case.need_settings(Setpoints, "a setpoint table")
     limits = case.need_motion("a setpoint table")[1]
-    columns = [v / np.where(limits.turns, DEG, MM) for v in motion]
+    motion, trigger = _motion(program, settings.cycle)
+    values = [v / np.where(limits.turns, DEG, MM) for v in motion]
+    words = [f"joints: from the base, {', '.join(limits.labels)}; angles not wrapped"]
     if limits.of_pose:
         machine = machine_of(case)
-        columns += [v / MM for v in (machine.drives(motion[0]), *machine.further_drives(case, *motion)[0])]
-    return np.column_stack([np.arange(len(trigger)) * cycle, *columns, trigger])
-
-
-def _columns(case: Case) -> tuple[str, ...]:
-    """Names of the columns: time, coordinates with their derivatives, struts behind a pose, trigger."""
-    limits = case.need_motion("a setpoint table")[1]
-    return setpoint_columns(limits.columns, limits.of_pose)
+        values += [v / MM for v in (machine.drives(motion[0]), *machine.further_drives(case, *motion)[0])]
+        words = [
+            "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
+            "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
+        ]
+    lines = [
+        f"format: {FORMAT}",
+        f"cycle_ms: {settings.cycle_ms:g}",
+        "units: as the columns say; t_s from the start",
+        *words,
+        "start: the machine must stand in the first row's pose",
+        *(f"note: {line}" for line in header_of(program)),
+    ]
+    header = ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in lines]
+    columns = setpoint_columns(limits.columns, limits.of_pose)
+    return header, columns, np.column_stack([np.arange(len(trigger)) * settings.cycle, *values, trigger])
 
 
 def decimals_of(case: Case) -> list[int]:
@@ -90,33 +99,12 @@ def decimals_of(case: Case) -> list[int]:
     return [6, *(places for places in DECIMALS for _ in home), *(STRUT_DECIMALS if limits.of_pose else ()), 0]
 
 
-def _header(program: Blocks, case: Case) -> list[str]:
-    cycle = case.need_settings(Setpoints, "a setpoint table").cycle_ms
-    limits = case.need_motion("a setpoint table")[1]
-    if limits.of_pose:
-        words = [
-            "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
-            "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
-        ]
-    else:
-        words = [f"joints: from the base, {', '.join(limits.labels)}; angles not wrapped"]
-    lines = [
-        f"format: {FORMAT}",
-        f"cycle_ms: {cycle:g}",
-        "units: as the columns say; t_s from the start",
-        *words,
-        "start: the machine must stand in the first row's pose",
-        *(f"note: {line}" for line in header_of(program)),
-    ]
-    return ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in lines]
-
-
 def write_csv(program: Blocks, case: Case) -> bytes:
     """The table as CSV, plain ASCII; see `Language.write`."""
-    values, decimals = _values(program, case), decimals_of(case)
+    (header, columns, values), decimals = _table(program, case), decimals_of(case)
     rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, decimals, strict=True)]) + 0.0  # no -0
     row = ",".join(f"%.{d}f" for d in decimals)
-    lines = [*_header(program, case), ",".join(_columns(case)), *(row % tuple(v) for v in rounded)]
+    lines = [*header, ",".join(columns), *(row % tuple(v) for v in rounded)]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
@@ -125,10 +113,9 @@ def write_parquet(program: Blocks, case: Case) -> bytes:
     import pyarrow as pa
     from pyarrow import parquet
 
-    values = _values(program, case)
-    columns = [pa.array(np.ascontiguousarray(column)) for column in values.T]
-    table = pa.table(columns, names=list(_columns(case)))
-    table = table.replace_schema_metadata({METADATA: "\n".join(_header(program, case)).encode("ascii")})
+    header, columns, values = _table(program, case)
+    table = pa.table([pa.array(np.ascontiguousarray(column)) for column in values.T], names=list(columns))
+    table = table.replace_schema_metadata({METADATA: "\n".join(header).encode("ascii")})
     sink = io.BytesIO()
     parquet.write_table(table, sink)
     return sink.getvalue()

@@ -36,12 +36,7 @@ def write_urscript(program: Blocks, case: Case) -> bytes:
 
 
 def _statements(program: Blocks, at: Array, output: int, speeds: tuple[float, float]) -> Iterator[str]:
-    """Statements of the blocks.
-
-    Args:
-        at: where the robot stands before the first [rad].
-        speeds: speed and acceleration of which the first move may use its share [rad/s, rad/s^2].
-    """
+    """Statements of the blocks from where the robot stands; the first move uses its share of speed and acceleration."""
     for block in program:
         match block:
             case str():

@@ -106,19 +106,15 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
     Raises HexciteError where the trigger did not come on once at each pose, or the machine moved while it was on.
     """
     if len(run.trigger) != len(poses):
-        raise HexciteError(
-            program,
-            f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}",
-            "report this",
-        )
+        problem = f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}"
+        raise HexciteError(program, problem, "report this")
     for k, (start, end) in enumerate(run.trigger, 1):
         within = run.execution.struts(np.arange(start, end, 1e-3))
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
-            raise HexciteError(
-                program,
-                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
-                "run again",
+            problem = (
+                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}"
             )
+            raise HexciteError(program, problem, "run again")
     actual = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)

@@ -22,11 +22,8 @@ def require_exportable(result: Result, force: bool = False) -> None:
         raise FileProblem(result.source, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
     if result.warnings and not force:
         more = f" (and {len(result.warnings) - 1} more)" if len(result.warnings) > 1 else ""
-        raise FileProblem(
-            result.source,
-            f"carries a warning{more}: {result.warnings[0]}",
-            "identify from a better run, or export with --force, which writes the warning into the file",
-        )
+        remedy = "identify from a better run, or export with --force, which writes the warning into the file"
+        raise FileProblem(result.source, f"carries a warning{more}: {result.warnings[0]}", remedy)
 
 
 def result_hash(result: Result) -> str:
@@ -121,11 +118,8 @@ def default_name(case: Case) -> str:
 def checked_name(stem: str, file: Path) -> str:
     """The name of a model or function from its file's name; raises FileProblem where no exported language takes it."""
     if not _NAME.fullmatch(stem) or stem.endswith("_"):
-        raise FileProblem(
-            file,
-            f"{stem!r} becomes the name of the model, which is up to 31 small letters, digits and _, from a letter on",
-            "choose another file name with -o",
-        )
+        problem = "becomes the name of the model, which is up to 31 small letters, digits and _, from a letter on"
+        raise FileProblem(file, f"{stem!r} {problem}", "choose another file name with -o")
     return stem
 
 

@@ -99,11 +99,8 @@ def urscript_payload(result: Result) -> str:
     mass, centre, inertia = identified_load(result, "set_target_payload")
     elements = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     if max(map(abs, elements)) > LARGEST:
-        raise IdentificationError(
-            result.source,
-            f"an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
-            f"takes ({LARGEST:g}); is this the load of a robot?",
-        )
+        problem = f"an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot takes ({LARGEST:g})"
+        raise IdentificationError(result.source, f"{problem}; is this the load of a robot?")
     lines = [
         *(f"# {line}" for line in comment_lines(result)),
         "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
@@ -147,26 +144,21 @@ def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:
     """
     source, number = result.source, result.model.number
     if INERTIA not in result.model.blocks:
-        raise IdentificationError(
-            source, f"model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
-        )
+        problem = f"model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
+        raise IdentificationError(source, problem)
     struts = result.model.struts
     if struts is not None and struts.sensors.at == "drive":
-        raise IdentificationError(
-            source,
-            f"{command} describes a load, and sensors at the drives' end of the struts cannot tell it from the rods",
-            "export --to c, linuxcnc or st",
+        problem = (
+            f"{command} describes a load, and sensors at the drives' end of the struts cannot tell it from the rods"
         )
+        raise IdentificationError(source, problem, "export --to c, linuxcnc or st")
     value = {name: v.value for name, v in result.parameters.items()}
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     smallest, middle, largest = moments = np.linalg.eigvalsh(inertia)
     if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
-        raise IdentificationError(
-            source,
-            f"no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2; "
-            "identify from a run that turns the machine more",
-        )
+        problem = f"no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2"
+        raise IdentificationError(source, f"{problem}; identify from a run that turns the machine more")
     return value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -108,8 +108,7 @@ LONGEST_POINTS = 0.25
 """Largest distance of points of a path [s]: the curve between distant points may leave the assumed one."""
 
 
-def _seven_segments(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
-    return fastest_profile(1.0, velocity, acceleration, jerk)
+_SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
 
 
 def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
@@ -126,7 +125,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         shortest_block=settings.shortest_block_ms * MS,
         longest_block=math.inf if polynomial else LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
-        law=_seven_segments,
+        law=_SEVEN_SEGMENTS,
         block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
         tolerance=np.repeat(settings.poly_tolerance, 3) if isinstance(settings, Sinumerik) else np.zeros(1),
     )
@@ -148,47 +147,29 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         shortest_block=settings.shortest_block_ms * MS,
         longest_block=LONGEST_POINTS,
         enforced=frozenset(map(LimitKind, settings.controller_keeps)),
-        law=_seven_segments if smooth else _trapezoid,
+        law=_SEVEN_SEGMENTS if smooth else _trapezoid,
         jerk_time=0.0 if smooth else settings.shortest_block_ms * MS,
     )
 
 
 def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees of a robot: the text states speed and acceleration of each trapezoid; only its jerk is not proven."""
-    return Guarantees(
-        case,
-        controller="the robot",
-        shortest_block=0.0,
-        longest_block=0.0,
-        law=_trapezoid,
-        jerk_time=case.need_controller("a URScript program").cycle,
-    )
+    cycle = case.need_controller("a URScript program").cycle
+    return Guarantees(case, "the robot", 0.0, 0.0, _trapezoid, jerk_time=cycle)
 
 
 def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees for quintic pieces through stated positions, rates and accelerations: all proven, nothing enforced."""
-    return Guarantees(
-        case,
-        controller="joint_trajectory_controller",
-        shortest_block=SHORTEST_POINTS,
-        longest_block=math.inf,
-        law=_seven_segments,
-        follows_paths=True,
-    )
+    name = "joint_trajectory_controller"
+    return Guarantees(case, name, SHORTEST_POINTS, math.inf, _SEVEN_SEGMENTS, follows_paths=True)
 
 
 def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
     """Guarantees for a table, which states its time exactly: all limits are proven from the rows."""
     settings = case.need_settings(Setpoints, "a setpoint table")
+    enforced, cycle = frozenset(map(LimitKind, settings.controller_keeps)), settings.cycle
     return Guarantees(
-        case,
-        controller="setpoint generator",
-        shortest_block=settings.cycle,
-        longest_block=settings.cycle,
-        enforced=frozenset(map(LimitKind, settings.controller_keeps)),
-        law=_seven_segments,
-        jerk_time=settings.cycle,
-        follows_paths=True,
+        case, "setpoint generator", cycle, cycle, _SEVEN_SEGMENTS, enforced, jerk_time=cycle, follows_paths=True
     )
 
 

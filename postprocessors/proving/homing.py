@@ -17,7 +17,7 @@ from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.moves import CircularMove, StraightMove, limits_along
 from postprocessors.proving.forces import forces_anywhere
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.reading import Arc, Reading, Stretch, Timed, Untimed
+from postprocessors.reading import Reading, Stretch, Timed, Untimed
 
 if TYPE_CHECKING:
     from postprocessors.dialects import Program
@@ -30,26 +30,18 @@ def predicted(part: Untimed, guarantees: Guarantees) -> StraightMove | CircularM
     """
     if part.start is None or not part.moves:
         return None
-    way, limits = np.abs(part.end - part.start), guarantees.limits
+    limits, way = guarantees.limits, np.abs(part.end - part.start)
     if part.arc is not None:
-        return _arc(part, part.start, part.arc, guarantees)
-    feed = np.inf if part.feed is None else part.feed / part.length
+        way[list(part.arc[0].axes[:2])] = part.length  # either axis may carry all of it
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
+    feed = np.inf if part.share_rate is None else part.share_rate
+    if part.arc is not None:
+        plane, centre, angle = part.arc
+        law = guarantees.arc_law(min(feed, velocity), acceleration, jerk, abs(angle))
+        return CircularMove(part.start, part.end[3:], plane, centre, angle, law)
     if part.acceleration is not None:
         velocity, acceleration = feed, part.acceleration / part.length
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
-
-
-def _arc(part: Untimed, start: Array, arc: Arc, guarantees: Guarantees) -> CircularMove:
-    plane, centre, angle = arc
-    assert part.feed is not None
-    first, second, _ = plane.axes
-    length, limits = part.length, guarantees.limits
-    way = np.abs(part.end - start)
-    way[[first, second]] = length  # either axis may carry all of it
-    velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
-    law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(angle))
-    return CircularMove(start, part.end[3:], plane, centre, angle, law)
 
 
 def motions(reading: Reading, guarantees: Guarantees) -> Iterator[tuple[Stretch, Trajectory]]:

@@ -231,27 +231,14 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float) -> Iterabl
         for order in (1, 2)
     )
     jerks = np.maximum(da / cycle, 2 * dv / cycle**2)
-    kinds = LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION
-    yield from _worst(kinds, dv / cycle, limits.acceleration, limits, motion.times)
-    yield from _worst((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks, limits.jerk, limits, motion.times)
-
-
-def _worst(
-    kinds: tuple[LimitKind, LimitKind], values: Array, most: Array, limits: Box, times: Array
-) -> Iterable[LimitCheck]:
-    """The worst check of translations and of rotations; values and limits in SI, which is the unit of both kinds."""
-    for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
-        if not own.any():
-            continue
-        ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
-        row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-        yield LimitCheck(
-            Limit(kind),
-            f"{limits.labels[k]}, step between blocks",
-            float(values[row, k]),
-            float(most[k]),
-            kind.unit,
-            float(ratio[row, k]),
-            float(times[row]),
-            Status.PROVEN,
-        )
+    for kinds, values, most in (
+        ((LimitKind.ACCELERATION, LimitKind.ANGULAR_ACCELERATION), dv / cycle, limits.acceleration),
+        ((LimitKind.JERK, LimitKind.ANGULAR_JERK), jerks, limits.jerk),
+    ):
+        for kind, own in zip(kinds, (~limits.turns, limits.turns), strict=True):
+            if own.any():
+                ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
+                row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+                worst = float(values[row, k]), float(most[k]), kind.unit, float(ratio[row, k])
+                place, time = f"{limits.labels[k]}, step between blocks", float(motion.times[row])
+                yield LimitCheck(Limit(kind), place, *worst, time, Status.PROVEN)

@@ -52,14 +52,12 @@ class ProgramProof:
         families = [kind for kind in self._families(Status.ENFORCED) if kind not in self.relies_on]
         passed = self._exceeded
         within = [kind for kind in self.relies_on if kind not in passed]
-        return "; ".join(
-            [
-                "proven",
-                *([f"{self.controller} enforces: {', '.join(families)}"] if families else []),
-                *([f"nobody enforces: {', '.join(within)}"] if within else []),
-                *([f"EXCEEDED, as predicted, and nobody enforces: {', '.join(passed.values())}"] if passed else []),
-            ]
-        )
+        phrases = {
+            f"{self.controller} enforces": families,
+            "nobody enforces": within,
+            "EXCEEDED, as predicted, and nobody enforces": passed.values(),
+        }
+        return "; ".join(["proven", *(f"{phrase}: {', '.join(names)}" for phrase, names in phrases.items() if names)])
 
     @property
     def _exceeded(self) -> dict[LimitKind, str]:
@@ -81,33 +79,25 @@ class ProgramProof:
         self.require()
         names = {name.strip().lower().replace("-", " ") for name in accepted}
         if unknown := sorted(names - set(KINETIC)):
-            raise ProgramError(
-                self.file, 0, 0, f"--accept {unknown[0]!r} names no such limit; choose from {', '.join(KINETIC)}"
-            )
+            problem = f"--accept {unknown[0]!r} names no such limit; choose from {', '.join(KINETIC)}"
+            raise ProgramError(self.file, 0, 0, problem)
         open_ = [name for name in self.relies_on if name not in names]
         if open_:
             exceeded = [words for name, words in self._exceeded.items() if name in open_]
+            problem = f"{self.controller} does not enforce {', '.join(open_)} in this motion, and nothing else does"
             predicted = (
                 f"EXCEEDED, as predicted: {', '.join(exceeded)}" if exceeded else "none is predicted to be exceeded"
             )
-            options = f"--accept {','.join(name.replace(' ', '-') for name in open_)}"
-            raise ProgramError(
-                self.file,
-                0,
-                0,
-                f"{self.controller} does not enforce {', '.join(open_)} in this motion, and nothing else does; "
-                f"{predicted}; write it with {options} if the machine can bear it",
-            )
+            remedy = f"write it with --accept {','.join(name.replace(' ', '-') for name in open_)}"
+            raise ProgramError(self.file, 0, 0, f"{problem}; {predicted}; {remedy} if the machine can bear it")
 
     def require(self) -> None:
         """Raises ProgramError, naming line, value and limit, unless the proof holds."""
         if self.violations:
             first = self.violations[0]
             more = f" ({len(self.violations) - 1} more)" if len(self.violations) > 1 else ""
-            kind = first.kind
-            remedy = (
-                "slow down or change the move" if kind.kinetic or kind is LimitKind.FEED_TO_HOME else "change the move"
-            )
+            faster = first.kind.kinetic or first.kind is LimitKind.FEED_TO_HOME
+            remedy = "slow down or change the move" if faster else "change the move"
             raise ProgramError(self.file, first.line, 0, f"{first.sentence()}; {remedy}{more}")
 
 

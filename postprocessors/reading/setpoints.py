@@ -39,9 +39,8 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     first, header, values = table
     rows, _ = values.shape
     if rows > most:
-        raise ProgramError(
-            file, 0, 0, f"{rows} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
-        )
+        problem = f"{rows} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
+        raise ProgramError(file, 0, 0, problem)
     if rows < 2:
         raise ProgramError(file, 0, 0, "fewer than two rows; the file is truncated")
     bad = ~(np.abs(values) <= LARGEST)
@@ -64,9 +63,8 @@ def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
             header.setdefault(match["key"], match["value"])
         number += 1
     if number == len(lines) or lines[number].split(",") != list(columns):
-        raise ProgramError(
-            file, number + 1, 0, f"the columns are not {columns[0]},{columns[1]},..,{columns[-1]}; write all of them"
-        )
+        problem = f"the columns are not {columns[0]},{columns[1]},..,{columns[-1]}; write all of them"
+        raise ProgramError(file, number + 1, 0, problem)
     body = lines[number + 1 :]
     if body[-1:] != [""]:
         raise ProgramError(file, len(lines), 0, "the last line has no end; the file is truncated")
@@ -84,17 +82,15 @@ def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -
     for row, line in enumerate(body):
         cells = line.split(",")
         if len(cells) != len(columns):
-            raise ProgramError(
-                file, first + row, 0, f"{len(cells)} cells where {len(columns)} columns stand; correct it"
-            )
+            problem = f"{len(cells)} cells where {len(columns)} columns stand; correct it"
+            raise ProgramError(file, first + row, 0, problem)
         try:
             values[row] = cells
         except ValueError:
             bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(NUMBER, cell))
             column = sum(len(cell) + 1 for cell in cells[:bad]) + 1
-            raise ProgramError(
-                file, first + row, column, f"{columns[bad]} = {cells[bad]!r} is not a number; correct it"
-            ) from None
+            problem = f"{columns[bad]} = {cells[bad]!r} is not a number; correct it"
+            raise ProgramError(file, first + row, column, problem) from None
     return values
 
 

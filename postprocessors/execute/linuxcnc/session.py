@@ -10,7 +10,7 @@ import sys
 import tempfile
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -133,11 +133,8 @@ def one_session(
         arguments = ["-r", configuration.INI_FILE, PROGRAM_FILE, repr(time_limit)]
         clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
         if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
-            raise HexciteError(
-                program,
-                f"LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed",
-                "run again, and check its installation if that does not help",
-            )
+            problem = f"LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed"
+            raise HexciteError(program, problem, "run again, and check its installation if that does not help")
         report = read_report(program, folder)
         layout = AxisLayout.of(case)
         samples = np.fromfile(folder / SAMPLES_FILE).reshape(-1, 1 + len(layout.channels))
@@ -182,17 +179,11 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         last_line = " ".join(output[-1].split()) if output else "nothing"
-        raise HexciteError(
-            program,
-            f"LinuxCNC did not start, or broke down; it said last: {last_line}",
-            "check the installation by running one of its sample configurations",
-        ) from error
-    if report["outcome"] != "done":
-        _explain(program, report)
-    return report
-
-
-def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
+        problem = f"LinuxCNC did not start, or broke down; it said last: {last_line}"
+        remedy = "check the installation by running one of its sample configurations"
+        raise HexciteError(program, problem, remedy) from error
+    if report["outcome"] == "done":
+        return report
     message = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
     if match := re.search(r"\bline (\d+)", message):
         place = f"{program}, line {match[1]}"

@@ -121,11 +121,15 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     planned = sum(p.duration for p in paths)
     remarks = []
     if stretch > NOTICEABLE:
+        about = f"; longer blocks that do would leave the path by more than {1e3 * CUT:g} mm"
+        if longer := longer_blocks(paths, case, headroom):
+            about = f", or blocks of {1e3 * longer[0]:.0f} ms (controller.block_ms), which leave the path by "
+            about += f"{1e3 * longer[1]:.1f} mm"
         remarks.append(
             f"LinuxCNC will take {stretch:.2f} times as long for the timed path ({stretch * planned:.1f} s, not "
             f"{planned:.1f} s); what keeps its time: controller.linuxcnc.acceleration_headroom = "
             f"{sufficient_headroom(paths, case, headroom)}, or point-to-point moves (hexcite plan --family ptp)"
-            f"{_about(longer_blocks(paths, case, headroom))}"
+            f"{about}"
         )
     if own > NOTICEABLE and headroom > 1.0:
         remarks.append(
@@ -133,15 +137,6 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
             f"(acceleration_headroom is {headroom:g}); point-to-point moves keep their time and these limits"
         )
     return stretch, tuple(remarks)
-
-
-def _about(longer: tuple[float, float] | None) -> str:
-    if longer is None:
-        return f"; longer blocks that do would leave the path by more than {1e3 * CUT:g} mm"
-    return (
-        f", or blocks of {1e3 * longer[0]:.0f} ms (controller.block_ms), which leave the path by "
-        f"{1e3 * longer[1]:.1f} mm"
-    )
 
 
 ROUNDED = 1 / 8  # distance of a parabola from its corner over the change of velocity times the block
