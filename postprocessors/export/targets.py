@@ -123,14 +123,10 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
     Order and sense of the axes are those that turn them least from {P}.
     """
     moments, axes = np.linalg.eigh(inertia)
-    best = moments, axes
-    largest = -np.inf
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            turn = axes[:, order] * signs
-            if np.linalg.det(turn) > 0.0 and np.trace(turn) > largest:  # trace = 1 + 2 cos(angle)
-                largest, best = float(np.trace(turn)), (moments[list(order)], turn)
-    return best
+    ways = product(permutations(range(3)), product((1.0, -1.0), repeat=3))
+    turned = [(moments[list(order)], axes[:, order] * signs) for order, signs in ways]
+    rotations = [(values, turn) for values, turn in turned if np.linalg.det(turn) > 0.0]
+    return max(rotations, key=lambda found: float(np.trace(found[1])))  # trace = 1 + 2 cos(angle)
 
 
 def identified_load(result: Result, command: str) -> tuple[float, Array, Array]:

@@ -206,21 +206,15 @@ def polynomial(
             state.fail(word, f"PO[{word.selector}] is not one of the six axes {', '.join(axes)}, each once; correct it")
         selectors.add(word.selector)
         k = axes.index(word.selector)
-        end[k], higher = _piece(state, settings, word)
+        items = word.arguments or ()
+        bad = next((item for item in items if _COEFFICIENT.match(item) is None or abs(float(item)) > LARGEST), None)
+        if bad is not None:
+            state.fail(word, f"{bad!r} in PO[{word.selector}] is not a plain number of a machine's size; correct it")
+        end[k], *higher = map(float, items)
+        if len(higher) > (degree := settings.poly_degree) - 1:
+            state.fail(word, f"PO[{word.selector}] has degree {len(higher) + 1}, the controller takes {degree}")
         coefficients[2 : 2 + len(higher), k] = [a * length**i for i, a in enumerate(higher, start=2)]
     coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
     duration = MINUTE / float(seen["F"].value or math.nan)
     state.pose = end
     return state.line, duration, end * state.scale, coefficients * state.scale
-
-
-def _piece(state: ModalState, settings: Sinumerik, word: Word) -> tuple[float, list[float]]:
-    items = word.arguments or ()
-    bad = next((item for item in items if _COEFFICIENT.match(item) is None or abs(float(item)) > LARGEST), None)
-    if bad is not None:
-        state.fail(word, f"{bad!r} in PO[{word.selector}] is not a plain number of a machine's size; correct it")
-    end, *higher = (float(item) for item in items)
-    if len(higher) > settings.poly_degree - 1:
-        degree = settings.poly_degree
-        state.fail(word, f"PO[{word.selector}] has degree {len(higher) + 1}, the controller takes {degree}")
-    return end, higher

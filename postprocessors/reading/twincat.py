@@ -73,7 +73,11 @@ class _TwinCatInterpreter(ModalState):
         if name in ("N", "G4", "G60", "M2", "M30", ""):
             return
         if name in (_OF_OWN_AXES if self.own_axes else MODAL) and word.value is None:
-            self._mode(name, word)
+            if name == "G261":
+                self._open("CONTOUR", word)
+            elif name == "G260":
+                self._close("CONTOUR", word)
+            self.activate(name)
         elif name in (*self.axes, "F") or (name in ("I", "J", "K") and not self.own_axes):
             self.require_number(word)
         elif name == "%":
@@ -86,13 +90,6 @@ class _TwinCatInterpreter(ModalState):
             remedy = f"M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
             hint = f"not the trigger's M function; write {remedy}" if name[:1] == "M" else "not a word of an excitation"
             self.fail(word, f"{name} is {REMEDY.get(name, hint + '; remove it')}")
-
-    def _mode(self, name: str, word: Word) -> None:
-        if name == "G261":
-            self._open("CONTOUR", word)
-        elif name == "G260":
-            self._close("CONTOUR", word)
-        self.activate(name)
 
     def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
         self.require_alone(word, block)

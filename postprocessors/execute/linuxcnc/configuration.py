@@ -139,20 +139,10 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
         for kind, own in (("LINEAR", ~layout.turns), ("ANGULAR", layout.turns))
         if own.any()
     ]
-    return (
-        _templates()
-        .get_template("machine.ini.jinja")
-        .render(
-            name=case.name,
-            layout=layout,
-            period_ns=round(SERVO_PERIOD * 1e9),
-            home=home.tolist(),
-            paths=diagonals,
-            axes=axes,
-            joints=joints,
-            home_joints=(np.asarray(home_joints) / layout.joint_units).tolist(),
-        )
-    )
+    values = {"name": case.name, "layout": layout, "period_ns": round(SERVO_PERIOD * 1e9), "home": home.tolist()}
+    joints_at_home = (np.asarray(home_joints) / layout.joint_units).tolist()
+    template = _templates().get_template("machine.ini.jinja")
+    return template.render(values, paths=diagonals, axes=axes, joints=joints, home_joints=joints_at_home)
 
 
 def hal_text(case: Case) -> str:
