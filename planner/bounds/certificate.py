@@ -19,7 +19,7 @@ from itertools import pairwise, product
 import numpy as np
 
 from cases.units import Array
-from planner.bounds.branch import CONTROL, WIDEST, Bounds, Enclosure, enclose
+from planner.bounds.branch import CONTROL, WIDEST, Bounds, control_tables, enclosure_errors, rate_products
 from planner.bounds.features import (
     CONSTANT,
     CORNER_COORDINATES,
@@ -61,13 +61,13 @@ def first_cells(features: Features) -> tuple[Array, Array]:
 
 def box_bounds(features: Features, form: Array, low: Array, high: Array) -> Bounds:
     """Bounds of d over cells of angles and angular rates, shapes (n, 6) [rad, rad/s]; form: Q of the design."""
-    control = enclose(features, low, high)
-    values = _at_control_points(form, control)  # (n, 3^6, 256)
+    tables, products = control_tables(features, low[:, :3], high[:, :3]), rate_products(low[:, 3:], high[:, 3:])
+    values = _at_control_points(form, tables, products)  # (n, 3^6, 256)
     count = len(low)
     index = np.arange(count)
     control_point, corner = np.divmod(values.reshape(count, -1).argmax(axis=1), values.shape[2])
     largest = values[index, control_point, corner]
-    upper = (np.sqrt(np.maximum(largest, 0.0)) + _error(form, control)) ** 2
+    upper = (np.sqrt(np.maximum(largest, 0.0)) + _error(form, *enclosure_errors(low, high)[:2])) ** 2
     grid = values.reshape(count, *[3] * 6, -1)
     places = np.column_stack(np.unravel_index(control_point, [3] * 6))
     split = [
@@ -83,9 +83,8 @@ def box_bounds(features: Features, form: Array, low: Array, high: Array) -> Boun
     return upper, at_corners[index, best], np.clip(shares, -1.0, 1.0), np.array(split)
 
 
-def _at_control_points(form: Array, control: Enclosure) -> Array:
+def _at_control_points(form: Array, tables: Array, products: Array) -> Array:
     """The derivative at all control points: constant, linear and quadratic part in the signs of the corner."""
-    tables, products = control.tables, control.products
     forms = np.swapaxes(tables, -1, -2) @ (form @ tables)  # (n, 27, 15, 15)
     fixed = np.concatenate([np.ones((*products.shape[:2], 1)), products], axis=-1)  # (n, 27, 7)
     of_fixed = forms[:, :, _FIXED]
@@ -96,13 +95,13 @@ def _at_control_points(form: Array, control: Enclosure) -> Array:
     return np.asarray(values.reshape(len(tables), 27 * 27, -1))
 
 
-def _error(form: Array, control: Enclosure) -> Array:
+def _error(form: Array, of_gibbs_vector: Array, of_each_product: Array) -> Array:
     """Length in Q of the enclosure's errors of the Gibbs vector and of the products of the angular velocity, (n,)."""
     of_gibbs = float(np.sqrt(max(0.0, np.linalg.eigvalsh(form[GIBBS, GIBBS])[-1])))
     of_products = float(np.sqrt(np.maximum(np.diag(form)[PRODUCTS], 0.0)).sum())
     with np.errstate(invalid="ignore"):  # 0 * inf: a model without orientation has no such error
-        gibbs_error = np.nan_to_num(of_gibbs * control.gibbs_error, posinf=np.inf)
-    return np.asarray(gibbs_error + of_products * control.product_error)
+        gibbs_error = np.nan_to_num(of_gibbs * of_gibbs_vector, posinf=np.inf)
+    return np.asarray(gibbs_error + of_products * of_each_product)
 
 
 def _shares(features: Features, values: Array) -> Array:
@@ -153,19 +152,20 @@ class TightDerivative:
 
     def __call__(self, low: Array, high: Array) -> Bounds:
         """Bounds over cells, shapes (n, 12)."""
-        control = enclose(self.features, low[:, :6], high[:, :6])
+        tables = control_tables(self.features, low[:, :3], high[:, :3])
+        products = rate_products(low[:, 3:6], high[:, 3:6])
         middle, wide = (low[:, 6:] + high[:, 6:]) / 2, (high[:, 6:] - low[:, 6:]) / 2
-        forms = np.swapaxes(control.tables, -1, -2) @ (self.form @ control.tables)  # (n, 27, 15, 15)
+        forms = np.swapaxes(tables, -1, -2) @ (self.form @ tables)  # (n, 27, 15, 15)
         curvature = forms[:, :, _ACCELERATIONS, _ACCELERATIONS]
         # (1, x, y, products of rates) at the control points of the rates and the corners
         fixed = np.empty((len(low), 27, 8, 9))
-        fixed[..., 0], fixed[..., 1:3], fixed[..., 3:] = 1.0, _CORNERS[:, :2], control.products[:, :, None]
+        fixed[..., 0], fixed[..., 1:3], fixed[..., 3:] = 1.0, _CORNERS[:, :2], products[:, :, None]
         coupled = np.einsum("nrwk,nakv->narwv", fixed, forms[:, :, _NOT_ACCELERATIONS, _ACCELERATIONS], optimize=True)
         rest = np.einsum(
             "nrwk,nakl->narwl", fixed, forms[:, :, _NOT_ACCELERATIONS][..., _NOT_ACCELERATIONS], optimize=True
         )
         square = np.einsum("narwl,nrwl->narw", rest, fixed, optimize=True)  # y^T Q y without accelerations
-        at_middle, steep = self._at_middle(low, high, control, middle, curvature, coupled, square)
+        at_middle, steep = self._at_middle(low, high, middle, curvature, coupled, square)
         mixed = np.abs(curvature)
         mixed[..., range(6), range(6)] = 0.0
         bend = np.diagonal(curvature, axis1=-2, axis2=-1) - self.multipliers[SQUARES]
@@ -176,7 +176,7 @@ class TightDerivative:
         index = np.arange(len(low))
         place = values.reshape(len(low), -1).argmax(axis=1)
         angle, rate, corner = np.unravel_index(place, values.shape[1:])
-        error = self._missed(control, square, curvature, np.abs(middle) + wide)
+        error = self._missed(low, high, square, curvature, np.abs(middle) + wide)
         states = self._states(low, high, (angle, rate, corner), middle + step[index, angle, rate, corner])
         slack = (mixed[index, angle] * wide[:, :, None] * wide[:, None, :]).sum(axis=-1)
         grid = values.max(axis=-1).reshape(len(low), *[3] * 6)
@@ -188,7 +188,6 @@ class TightDerivative:
         self,
         low: Array,
         high: Array,
-        control: Enclosure,
         middle: Array,
         curvature: Array,
         coupled: Array,
@@ -200,7 +199,7 @@ class TightDerivative:
         slope = m[LINEAR] + self._places(low, high) @ m[MIXED].reshape(6, 6)  # of l in the accelerations, (n, 27, 8, 6)
         both = (rates + rates.T) / np.outer(half, half)
         both[range(3), range(3)] /= 2
-        of_rates = control.products @ both[np.triu_indices(3)]  # (n, 27)
+        of_rates = rate_products(low[:, 3:6], high[:, 3:6]) @ both[np.triu_indices(3)]  # (n, 27)
         products = (curvature @ middle[:, None, :, None])[..., 0]  # (n, 27, 6)
         own = (products * middle[:, None]).sum(axis=-1) - (squares * middle**2).sum(axis=-1)[:, None]
         value = square - of_rates[:, None, :, None] - m[CONSTANT] + own[:, :, None, None]
@@ -218,17 +217,15 @@ class TightDerivative:
         place[..., 3:] = ((angles - self.features.middle[3:6]) / self.features.half[3:6])[:, :, None]
         return place
 
-    def _missed(self, control: Enclosure, square: Array, curvature: Array, reach: Array) -> Array:
+    def _missed(self, low: Array, high: Array, square: Array, curvature: Array, reach: Array) -> Array:
         """Interpolation error: (|y| + e)^2 - |y|^2 in the norm of Q, and that of the angles in q_i a_j."""
         length = np.sqrt(np.maximum(square, 0.0).reshape(len(reach), -1).max(axis=1))
         diagonal = np.sqrt(np.maximum(np.diagonal(curvature, axis1=-2, axis2=-1), 0.0)).max(axis=1)
         length = length + (diagonal * reach).sum(axis=1)
-        error = _error(self.form, control)
-        angles = (
-            control.angle_error
-            / self.features.half[3:6]
-            @ np.abs(self.multipliers[MIXED].reshape(6, 6)[3:6]).sum(axis=1)
-        )
+        of_gibbs_vector, of_each_product, of_angles = enclosure_errors(low[:, :6], high[:, :6])
+        error = _error(self.form, of_gibbs_vector, of_each_product)
+        steepest = np.abs(self.multipliers[MIXED].reshape(6, 6)[3:6]).sum(axis=1)
+        angles = of_angles / self.features.half[3:6] @ steepest
         return np.asarray(2.0 * error * length + error**2 + angles)
 
     def _states(self, low: Array, high: Array, place: tuple[Array, Array, Array], accelerations: Array) -> Array:

@@ -8,7 +8,7 @@ from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.parameters import MODELS
 from identification.symbolic import over_samples
-from planner.bounds.branch import NODES, enclose
+from planner.bounds.branch import NODES, control_tables, enclosure_errors, rate_products
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
 
 CASE = load_case("hexapod")
@@ -52,10 +52,11 @@ def test_every_direction_is_largest_at_a_control_point(seed: int):
     middle = np.r_[draw.uniform(-0.5, 0.5, 3), draw.uniform(-2.0, 2.0, 3)]
     half = np.r_[draw.uniform(0.01, 0.7, 3), draw.uniform(0.0, 1.0, 3)]
     low, high = (middle - half)[None], (middle + half)[None]
-    control = enclose(features, low, high)
+    tables, at_rates = control_tables(features, low[:, :3], high[:, :3])[0], rate_products(low[:, 3:], high[:, 3:])[0]
+    of_gibbs_vector, of_each_product, _ = enclosure_errors(low, high)
     corner = draw.choice([-1.0, 1.0], 8)
-    fixed = np.concatenate([np.ones((27, 1)), np.tile(corner, (27, 1)), control.products[0]], axis=1)
-    points = np.einsum("aij,rj->ari", control.tables[0], fixed).reshape(-1, PRODUCTS.stop)
+    fixed = np.concatenate([np.ones((27, 1)), np.tile(corner, (27, 1)), at_rates], axis=1)
+    points = np.einsum("aij,rj->ari", tables, fixed).reshape(-1, PRODUCTS.stop)
     inside = draw.uniform(low, high, (400, 6))
     inside[:100] = np.where(draw.random((100, 6)) < 0.5, low, high)
     products = np.column_stack([inside[:, 3 + i] * inside[:, 3 + j] for i, j in PAIRS])
@@ -63,22 +64,20 @@ def test_every_direction_is_largest_at_a_control_point(seed: int):
     states = np.einsum("nij,nj->ni", features.tables(inside[:, :3]), s)
     for _ in range(60):
         direction = draw.normal(size=PRODUCTS.stop) / np.abs(points).max(axis=0)
-        missed = control.gibbs_error[0] * np.linalg.norm(direction[GIBBS])
-        missed += control.product_error[0] * np.abs(direction[PRODUCTS]).sum()
+        missed = of_gibbs_vector[0] * np.linalg.norm(direction[GIBBS])
+        missed += of_each_product[0] * np.abs(direction[PRODUCTS]).sum()
         assert (states @ direction).max() <= (points @ direction).max() + missed + 1e-9
 
 
 @pytest.mark.parametrize("half", [0.02, 0.1, 0.35])
 def test_what_is_missed_is_small_and_shrinks_with_the_cube_of_the_cell(half: float):
-    features = features_of(9)
     low, high = np.full((1, 6), -half), np.full((1, 6), half)
-    control = enclose(features, low, high)
-    assert 0.0 < control.gibbs_error[0] < 0.5 * half**3
-    halved = enclose(features, low / 2, high / 2)
-    assert control.gibbs_error[0] / halved.gibbs_error[0] == pytest.approx(8.0, rel=0.25)
+    whole, halved = enclosure_errors(low, high)[0][0], enclosure_errors(low / 2, high / 2)[0][0]
+    assert 0.0 < whole < 0.5 * half**3
+    assert whole / halved == pytest.approx(8.0, rel=0.25)
     assert len(NODES) == 27
 
 
 def test_an_angle_that_the_gibbs_vector_cannot_describe_has_no_bound():
     low, high = np.full((1, 6), 0.0), np.array([[2.0, 2.0, 2.0, 0.1, 0.1, 0.1]])
-    assert np.isinf(enclose(features_of(9), low, high).gibbs_error[0])
+    assert np.isinf(enclosure_errors(low, high)[0][0])
