@@ -111,7 +111,8 @@ def test_a_program_of_any_plan_comes_back(family: FamilySettings, dialect: str, 
         again = hx.Program.load(file, CASE)
     assert again.content == program.content
     assert (again.dialect, again.case) == (program.dialect, program.case)
-    same_law = dataclasses.replace(again.guarantees, law=program.guarantees.law)  # a function, which knows no equality
-    assert same_law == program.guarantees
+    for field in dataclasses.fields(program.guarantees):
+        if field.name != "law":  # a function, which knows no equality
+            assert np.all(getattr(again.guarantees, field.name) == getattr(program.guarantees, field.name)), field.name
     assert again.forecast == program.forecast
     assert dataclasses.replace(again.proof, file="") == dataclasses.replace(program.proof, file="")
