@@ -48,12 +48,12 @@ def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, ac
         (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
     )
     return [
-        Share(LimitKind.STRUT_LENGTH, 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
-        Share(LimitKind.STRUT_VELOCITY, 1, velocity / box.strut_velocity_m_s),
-        Share(LimitKind.STRUT_ACCELERATION, 2, acceleration / box.strut_acceleration_m_s2),
-        Share(LimitKind.JOINT_ANGLE, 0, joints),
-        Share(LimitKind.SINGULARITY, 0, 1 - ca.det(jacobian) / at_home),
-        *(Share(LimitKind.DISTANCE_FROM_BOX, 0, share) for share in _keep_out(case, hexapod, pose)),
+        (LimitKind.STRUT_LENGTH, 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
+        (LimitKind.STRUT_VELOCITY, 1, velocity / box.strut_velocity_m_s),
+        (LimitKind.STRUT_ACCELERATION, 2, acceleration / box.strut_acceleration_m_s2),
+        (LimitKind.JOINT_ANGLE, 0, joints),
+        (LimitKind.SINGULARITY, 0, 1 - ca.det(jacobian) / at_home),
+        *((LimitKind.DISTANCE_FROM_BOX, 0, share) for share in _keep_out(case, hexapod, pose)),
     ]
 
 
@@ -113,7 +113,7 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[tup
     clearances = ca.Function("distances", [q], [ca.vertcat(*distances)])(middle).full()[:, 0]
     margins = np.clip(clearances / 2, 0.0, BALL_CLEARANCE)
     return [
-        Share(LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
+        (LimitKind.DISTANCE_FROM_BOX, 0, ca.exp((k - distance) / VICINITY))
         for k, distance in zip(margins, distances, strict=True)
     ]
 

@@ -73,7 +73,7 @@ class SerialChain:
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
         most = SHARE * np.array([self.chain.joints[k].effort for k in limited])
         loads = [self.torques(q, rates, accelerations, case.gravity, load) for load in case.bodies or (None,)]
-        return [*distances, *(Share(LimitKind.JOINT_TORQUE, 2, torques[limited] / ca.DM(most)) for torques in loads)]
+        return [*distances, *((LimitKind.JOINT_TORQUE, 2, torques[limited] / ca.DM(most)) for torques in loads)]
 
     def positions(self, coordinates: Array) -> Array:
         """Positions of the sensor, shape (k, 3) [m]."""

@@ -17,7 +17,7 @@ kind is a class with the members of `Machine`, and a line there.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
@@ -180,12 +180,9 @@ def rpy(turn: ca.SX) -> ca.SX:
     )
 
 
-class Share(NamedTuple):
-    """A limit beside those of the coordinates."""
-
-    kind: LimitKind
-    order: int  # order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations
-    value: ca.SX  # shares that are used; the limit is satisfied between -1 and 1
+Share = tuple[LimitKind, int, ca.SX]
+"""A limit beside those of the coordinates: its kind, the order of the derivative with which it grows (0 coordinates,
+1 rates, 2 accelerations), and the shares that are used; it is satisfied between -1 and 1."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -183,10 +183,10 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
 
 
 def _part(part: Trajectory) -> dict[str, Any]:
-    if isinstance(part, StraightMove) and isinstance(part.profile, Profile):
+    if isinstance(part, StraightMove):
         ends = {"start_m_rad": part.start.tolist(), "end_m_rad": part.end.tolist()}
         return {"kind": "straight", **ends, **_times(part.profile)}
-    if isinstance(part, CircularMove) and isinstance(part.profile, Profile):
+    if isinstance(part, CircularMove):
         return {
             "kind": "circle",
             "start_m_rad": part.start.tolist(),

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
 from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
-from identification.trajectories.moves import CircularMove, Profile, StraightMove
+from identification.trajectories.moves import CircularMove, StraightMove
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ def knots(motion: Trajectory) -> Array:
     """Instants at which a motion changes from one polynomial to the next, shape (k,) [s]; else its ends."""
     if isinstance(motion, PolynomialMotion):
         return motion.times
-    if isinstance(motion, StraightMove) and isinstance(motion.profile, Profile):
+    if isinstance(motion, StraightMove):
         return np.unique(np.concatenate([[0.0], np.cumsum([s for s in motion.profile.lengths if s > 1e-9])]))
     if isinstance(motion, Joined):
         parts = [start + knots(part)[:-1] for start, part in zip(motion.starts, motion.parts, strict=False)]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from cases.units import Array
 from identification.motion import Motion
-from identification.trajectories.moves import Profile, StraightMove
+from identification.trajectories.moves import StraightMove
 
 SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 
@@ -97,15 +97,13 @@ def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
     """Moves of seven segments one after the other as what they are: a cubic polynomial a segment.
 
     Raises:
-        ValueError: a move of another law, or one that begins elsewhere.
+        ValueError: a move begins elsewhere.
     """
     return PolynomialMotion(tuple(piece for move in moves for piece in _segments(move)))
 
 
 def _segments(move: StraightMove) -> Iterator[Piece]:
     law = move.profile
-    if not isinstance(law, Profile):
-        raise ValueError("a move has no law of seven segments")
     durations = np.array(law.lengths)
     starts = np.append(0.0, np.cumsum(durations[:-1]))  # added up as the law does: accelerations may step there
     s, v, a, _ = law.at(starts)

@@ -7,9 +7,10 @@ vectors of wrong length are read out of bounds; neither can be reached here.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,28 +21,11 @@ from identification.motion import Joined, Motion, Trajectory
 UNLIMITED = math.inf  # no limit of jerk in any coordinate
 
 
-class TimeLaw(Protocol):
-    """How a way is covered over time, from rest to rest."""
-
-    @property
-    def duration(self) -> float:
-        """Duration [s]."""
-
-    @property
-    def peak_velocity(self) -> float:
-        """Largest velocity [unit of the distance per second]."""
-
-    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
-
-    def slowed(self, speed: float) -> "TimeLaw":
-        """The same way at a share of the speed."""
-
-
 class Profile(NamedTuple):
-    """Jerk +j, 0, -j, 0, -j, 0, +j over the times jerk, hold, jerk, cruise, jerk, hold, jerk.
+    """Time law of a way from rest to rest: jerk +j, 0, -j, 0, -j, 0, +j in seven segments.
 
-    Without a jerk limit the times with jerk are 0: accelerations step, a trapezoid of velocity.
+    They last the times jerk, hold, jerk, cruise, jerk, hold, jerk. Without a jerk limit those with jerk are 0:
+    accelerations step, a trapezoid of velocity.
     """
 
     acceleration: float  # peak of the acceleration [1/s^2 of the unit of the distance]
@@ -191,7 +175,7 @@ class StraightMove:
 
     start: Array  # shape (n,) [m or rad]
     end: Array  # shape (n,) [m or rad], different from start
-    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
+    profile: Profile  # time law of the share of the way covered, from 0 to 1
 
     @classmethod
     def fastest(
@@ -216,7 +200,11 @@ class StraightMove:
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
-        share, *derivatives = self.profile.at(time)
+        return self.along(time, self.profile.at(time))
+
+    def along(self, time: Array, law: Sequence[Array]) -> Motion:
+        """The motion at times, shape (n,) [s], where share of the way and its derivatives are those of another law."""
+        share, *derivatives = law
         way = self.end - self.start
         return Motion(time, self.start + share[:, None] * way, *(d[:, None] * way for d in derivatives))
 
@@ -224,8 +212,7 @@ class StraightMove:
 def has_steps(motion: Trajectory) -> bool:
     """Whether a motion has straight moves whose accelerations step."""
     parts = motion.parts if isinstance(motion, Joined) else (motion,)
-    laws = (part.profile for part in parts if isinstance(part, StraightMove))
-    return any(isinstance(law, Profile) and law.jerk_time == 0.0 for law in laws)
+    return any(isinstance(part, StraightMove) and part.profile.jerk_time == 0.0 for part in parts)
 
 
 class Plane(Enum):
@@ -256,7 +243,7 @@ class CircularMove:
     # turned about the plane's normal, positive counter-clockwise seen from its positive end; 2 pi is a full circle, at
     # most that [rad]
     angle: float
-    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
+    profile: Profile  # time law of the share of the way covered, from 0 to 1
 
     def __post_init__(self) -> None:
         if not 0.0 < abs(self.angle) <= 2 * np.pi * (1 + 1e-12):
@@ -297,17 +284,21 @@ class CircularMove:
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
+        return self.along(time, self.profile.at(time))
+
+    def along(self, time: Array, law: Sequence[Array]) -> Motion:
+        """As `StraightMove.along`."""
         first, second, _ = self.plane.axes
-        share, v, a, j = self.profile.at(time)
+        share, v, a, j = law
         values = [np.zeros((len(time), 6)) for _ in range(4)]
         values[0][:] = self.start
         turn = self.end_angles - self.start[3:]
-        for value, law in zip(values, (share, v, a, j), strict=True):
-            value[:, 3:] += law[:, None] * turn
+        for value, derivative in zip(values, law, strict=True):
+            value[:, 3:] += derivative[:, None] * turn
         place = self._place(share)
         arm = place - self.centre
         across = np.column_stack([-arm[:, 1], arm[:, 0]])  # arm turned by 90 degrees
-        w, w1, w2 = (self.angle * law[:, None] for law in (v, a, j))
+        w, w1, w2 = (self.angle * derivative[:, None] for derivative in (v, a, j))
         values[0][:, [first, second]] = place
         values[1][:, [first, second]] = w * across
         values[2][:, [first, second]] = w1 * across - w**2 * arm

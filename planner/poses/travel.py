@@ -34,7 +34,6 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     limits = case.need_motion("moves between poses")[1]
     box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
     move = StraightMove.fastest(start, end, *box)
-    assert isinstance(move.profile, Profile)
     slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
     profile = move.profile.slowed(min(1.0, 1.0 / max(slowness, 1e-9)))
     return slowed_for_forces(StraightMove(start, end, profile), case)

@@ -22,7 +22,6 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.moves import (
     CircularMove,
-    Profile,
     StraightMove,
     UntimedMotion,
     limits_along,
@@ -128,7 +127,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
         if isinstance(part, Standstill):
             parts.append(Standstill(part.pose, float(np.ceil(part.duration / cycle - 1e-9)) * cycle))
             continue
-        if not isinstance(part, StraightMove | CircularMove) or not isinstance(part.profile, Profile):
+        if not isinstance(part, StraightMove | CircularMove):
             raise UntimedMotion("it contains a continuous path; use --method ipopt")
         pace, move = 1.0, _timed(part, case, 1.0, cycle)
         for _ in range(SLOWINGS):
@@ -151,7 +150,6 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
         velocity, peak, change = limits_along(np.abs(part.end - part.start), *limits)
         return replace(part, profile=ruckig_profile(velocity, peak, change, cycle))
     planned = part.profile
-    assert isinstance(planned, Profile)
     law = ruckig_profile(planned.peak_velocity * v, planned.acceleration * a, planned.jerk * j, cycle)
     return replace(part, profile=law)
 

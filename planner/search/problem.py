@@ -121,7 +121,7 @@ def standing_limits(case: Case) -> ca.Function:
     count = len(box_middle(case)[0])
     pose, still = ca.SX.sym("pose", count), ca.SX.zeros(count)
     loads = tuple(range(len(case.bodies))) if case.sensors.range is not None else ()
-    of_machine = [share.value for share in machine_of(case).shares(case, pose, still, still)]
+    of_machine = [share for _, _, share in machine_of(case).shares(case, pose, still, still)]
     shares = ca.vertcat(ca.SX(0, 1), *of_machine, *_sensor_forces(case, loads, pose, still, still))
     return ca.Function("standing_limits", [pose], [ca.densify(shares)], {"cse": True})
 

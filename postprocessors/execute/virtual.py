@@ -9,7 +9,7 @@ from cases.errors import HexciteError
 from identification.model import machine_of
 from identification.motion import Array, Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import Execution
-from identification.trajectories.moves import TimeLaw, UntimedMotion, ruckig_profile
+from identification.trajectories.moves import Profile, UntimedMotion, ruckig_profile
 from identification.trajectories.path_timing import keeps_pace, retime
 from postprocessors.execute import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
@@ -76,7 +76,7 @@ def commanded(reading: Reading, guarantees: Guarantees) -> tuple[Joined, Array]:
 def by_ruckig(law: Law) -> Law:
     """A law of the same kind, with a jerk limit or without, computed by ruckig within the limits as they are given."""
 
-    def timed(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+    def timed(velocity: float, acceleration: float, jerk: float) -> Profile:
         try:
             return ruckig_profile(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
         except UntimedMotion as error:

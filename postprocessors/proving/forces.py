@@ -4,12 +4,9 @@ No controller limits sensor forces. But where it limits velocities and accelerat
 exceed these: f = b (p'' - g) + d alpha + omega Q omega, with b, d and Q constant in the axes of the platform.
 """
 
-from dataclasses import replace
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cases.chain import Box
 from identification.limit import Limit, LimitCheck, LimitKind, Status
@@ -22,25 +19,11 @@ SAMPLES = 64  # samples of a move: forces change with the pose alone, by less th
 PATH_SAMPLES = 1000  # samples of a timed path
 
 
-class Steady(NamedTuple):
-    """One speed from end to end, which no law below that speed exceeds anywhere on the way."""
-
-    duration: float
-
-    @property
-    def peak_velocity(self) -> float:
-        """Largest velocity of the share of the way [1/s]."""
-        return 1.0 / self.duration
-
-    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """Share of the way and its derivatives, each of shape (n,)."""
-        time = np.asarray(t, dtype=float)
-        none = np.zeros_like(time)
-        return time / self.duration, none + self.peak_velocity, none, none
-
-    def slowed(self, speed: float) -> "Steady":
-        """The same way at a share of the speed."""
-        return Steady(self.duration / speed)
+def steady(move: StraightMove | CircularMove, speed: float) -> Motion:
+    """The way of a move at one speed from end to end [1/s], which no law below it exceeds anywhere, at 65 instants."""
+    t = np.linspace(0.0, 1.0 / speed, SAMPLES + 1)
+    none = np.zeros_like(t)
+    return move.along(t, (t * speed, none + speed, none, none))
 
 
 def forces_anywhere(loads: Loads, share: float = 1.0) -> tuple[LimitCheck, ...]:
@@ -93,8 +76,7 @@ def forces_along(loads: Loads, move: StraightMove | CircularMove, feed: float | 
     Friction forces in struts change sign with s', and are at most those at s' = 1 or in proportion to s'. `feed` is
     the largest speed of the share of the way, besides the limits [1/s].
     """
-    steady = replace(move, profile=Steady(1.0))
-    way = steady.at(np.linspace(0.0, 1.0, SAMPLES + 1))
+    way = steady(move, 1.0)
     none = np.zeros_like(way.pose)
     pose, tangent, bend = way.pose.copy(), way.rates.copy(), way.accelerations.copy()
     standing, forth, back, starting = (

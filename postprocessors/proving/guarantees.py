@@ -15,11 +15,11 @@ from identification.limit import LimitCheck, LimitKind, OwnMove, Status
 from identification.motion import Array
 from identification.overload import Loads
 from identification.trajectories.curves import PolynomialMotion
-from identification.trajectories.moves import Profile, TimeLaw, fastest_profile
+from identification.trajectories.moves import Profile, fastest_profile
 from postprocessors.blocks import path_speed_deviation
 from postprocessors.reading import Reading, Timed
 
-Law = Callable[[float, float, float], TimeLaw]
+Law = Callable[[float, float, float], Profile]
 """Time law of a controller in a straight way from rest to rest.
 
 Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
@@ -30,8 +30,7 @@ ARC_SHARES = math.sqrt(0.75), 0.5
 
 def limits_jerk(law: Law) -> bool:
     """Whether a controller's law has a limit of jerk; without one its accelerations step."""
-    profile = law(1.0, 1.0, 1.0)
-    return not (isinstance(profile, Profile) and profile.jerk_time == 0.0)
+    return law(1.0, 1.0, 1.0).jerk_time > 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +56,7 @@ class Guarantees:
     # allowed deviation of its polynomials from a motion that is none, beside rounding, shape (6,) or (1,) [m, rad]
     tolerance: Array = field(default_factory=lambda: np.zeros(1))
 
-    def arc_law(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+    def arc_law(self, velocity: float, acceleration: float, jerk: float, angle: float) -> Profile:
         """Time law in an arc of some angle [rad], else as `law`: turning needs a part of the acceleration."""
         along, across = self.arc_shares
         turning = math.sqrt(across * acceleration / angle)  # v^2 / r over the length r angle
@@ -111,7 +110,7 @@ LONGEST_POINTS = 0.25
 _SEVEN_SEGMENTS: Law = partial(fastest_profile, 1.0)
 
 
-def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+def _trapezoid(velocity: float, acceleration: float, jerk: float) -> Profile:
     return fastest_profile(1.0, velocity, acceleration)
 
 

@@ -24,7 +24,7 @@ from identification.limit_proof import (
 from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
-from postprocessors.proving.forces import Steady, forces_along, forces_on
+from postprocessors.proving.forces import forces_along, forces_on, steady
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted, way_home
 from postprocessors.reading import Still, Stretch, Timed, Untimed
@@ -168,9 +168,9 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Guarantees) -
         speed = float(np.min(by.limits.rate[way > 0.0] / way[way > 0.0]))
     else:
         return
-    t = np.linspace(0.0, 1.0 / speed, FEWEST + 1)
-    for quantity in of_velocities(replace(motion, profile=Steady(1.0 / speed)).at(t), by.case):
-        yield worst_case(quantity, t)
+    fastest = steady(motion, speed)
+    for quantity in of_velocities(fastest, by.case):
+        yield worst_case(quantity, fastest.t)
 
 
 FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0

@@ -135,7 +135,9 @@ def test_the_search_keeps_off_before_anything_touches() -> None:
     chain, q = CHAINS["robot"], states(CHAINS["robot"])
     case = ROBOT.model_copy(update={"machine": ROBOT.machine.model_copy(update={"chain": chain})})
     symbol, none = ca.SX.sym("q", len(chain.joints)), ca.SX(len(chain.joints), 1)
-    shares = [s.value for s in SerialChain(chain).shares(case, symbol, none, none) if s.kind == "distance from"]
+    shares = [
+        share for kind, _, share in SerialChain(chain).shares(case, symbol, none, none) if kind == "distance from"
+    ]
     largest = over_samples(ca.Function("shares", [symbol], [ca.vertcat(*shares)]), q)[0].max(axis=1)
     nearest = np.min(list(found(chain, q).values()), axis=0)
     assert np.all(largest[nearest < -0.005] > 1.0)

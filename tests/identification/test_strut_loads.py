@@ -11,12 +11,12 @@ from identification.motion import Motion, Standstill
 from identification.overload import SHARE, Loads
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples
-from identification.trajectories.moves import StraightMove
+from identification.trajectories.moves import StraightMove, fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.families.states import state_size
 from planner.search.problem import near_limits, state_limits
 from planner.search.solving import Task, run_start
-from postprocessors.proving.forces import Steady, forces_along, forces_anywhere, forces_on
+from postprocessors.proving.forces import forces_along, forces_anywhere, forces_on
 from tests.helpers import HOME, Harmonic
 
 CASE = load_case("strut_sensors")
@@ -88,9 +88,10 @@ def test_coulomb_friction_has_no_bound_beside_a_path_and_no_pose_one_from_anywhe
 @pytest.mark.parametrize("feed", [None, 0.1])
 def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(kind: str, feed: float | None) -> None:
     case = of(kind)
-    move = StraightMove(HOME, HOME + np.r_[0.15, -0.1, 0.05, 0.3, -0.2, 0.3], Steady(1.0))
+    move = StraightMove(HOME, HOME + np.r_[0.15, -0.1, 0.05, 0.3, -0.2, 0.3], fastest_profile(1.0, 1.0, 10.0))
     draw = np.random.default_rng(3)
-    way = move.at(draw.uniform(0.0, 1.0, 5000))
+    shares, none = draw.uniform(0.0, 1.0, 5000), np.zeros(5000)
+    way = move.along(shares, (shares, none + 1.0, none, none))
     speed = draw.uniform(-3.0 if feed is None else -feed, 3.0 if feed is None else feed, (5000, 1))
     change = draw.uniform(-20.0, 20.0, (5000, 1))
     rates, accelerations = way.rates * speed, way.accelerations * speed**2 + way.rates * change

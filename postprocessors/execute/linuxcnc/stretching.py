@@ -17,7 +17,7 @@ from cases.controller import LinuxCnc
 from cases.schema import Case
 from identification.limit import LimitKind
 from identification.motion import Array, TimedPoints
-from identification.trajectories.moves import TimeLaw, fastest_profile
+from identification.trajectories.moves import Profile, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import AS_PLANNED, Forecast, Guarantees
 from postprocessors.reading import Reading, Timed
@@ -54,7 +54,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
     )
 
 
-def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: float) -> Profile:
     return fastest_profile(1.0, velocity, headroom * acceleration)
 
 

@@ -7,7 +7,7 @@ from cases.schema import load_case
 from identification.motion import Motion, rotation_motion
 from identification.overload import Loads
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_profile
-from postprocessors.proving.forces import Steady, forces_along, forces_anywhere, forces_on
+from postprocessors.proving.forces import forces_along, forces_anywhere, forces_on
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed
 
@@ -50,8 +50,10 @@ def test_no_motion_within_the_limits_passes_the_bound_on_a_path():
 
 
 MOVES = {
-    "straight": StraightMove(HOME, FAR, Steady(1.0)),
-    "arc": CircularMove(HOME, FAR[3:], Plane.ZX, HOME[[2, 0]] + np.array([0.0, 0.08]), 2.0, Steady(1.0)),
+    "straight": StraightMove(HOME, FAR, fastest_profile(1.0, 1.0, 10.0)),
+    "arc": CircularMove(
+        HOME, FAR[3:], Plane.ZX, HOME[[2, 0]] + np.array([0.0, 0.08]), 2.0, fastest_profile(1.0, 1.0, 10.0)
+    ),
 }
 
 
@@ -61,7 +63,8 @@ def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(name: st
     """Any speed and acceleration of the share of the way that keeps every coordinate's limits."""
     move = MOVES[name]
     rng = np.random.default_rng(3)
-    way = move.at(rng.uniform(0.0, 1.0, 20_000))
+    shares, none = rng.uniform(0.0, 1.0, 20_000), np.zeros(20_000)
+    way = move.along(shares, (shares, none + 1.0, none, none))
     speed = rng.uniform(0.0, 3.0, (20_000, 1)) if feed is None else rng.uniform(0.0, feed, (20_000, 1))
     change = rng.uniform(-20.0, 20.0, (20_000, 1))
     rates, accelerations = way.rates * speed, way.accelerations * speed**2 + way.rates * change
