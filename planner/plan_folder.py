@@ -21,7 +21,7 @@ from identification.criteria import Criterion, reference_scaling, singular_value
 from identification.limit import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Standstill, Trajectory
-from identification.trajectories.curves import FourierMotion, Piece, PolynomialMotion
+from identification.trajectories.curves import FourierMotion, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
 from planner.noise import standing_model
 from planner.plan_figures import PoseWorth, Worth, figures_of, predicted_std_at_poses
@@ -177,7 +177,8 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
     if isinstance(motion, Joined):
         return {"moves": [_part(part) for part in motion.parts]}
     if isinstance(motion, PolynomialMotion):
-        pieces = [{"duration_s": p.duration, "coefficients_SI": p.coefficients.tolist()} for p in motion.pieces]
+        both = zip(motion.durations.tolist(), motion.table.swapaxes(0, 1).tolist(), strict=True)
+        pieces = [{"duration_s": duration, "coefficients_SI": coefficients} for duration, coefficients in both]
         return {"polynomial": pieces}
     raise TypeError(f"no entry for {type(motion).__name__}")
 
@@ -227,9 +228,9 @@ def motion_of_entries(data: dict[str, Any]) -> Trajectory:
         return Joined(parts)
     if "polynomial" in data:
         pieces = tuple(_read_piece(entry) for entry in data["polynomial"])
-        if len({piece.coefficients.shape[1] for piece in pieces}) != 1:
+        if len({coefficients.shape[1] for coefficients, _ in pieces}) != 1:
             raise ValueError("polynomial")
-        return PolynomialMotion(pieces)
+        return PolynomialMotion.of_pieces(pieces)
     raise KeyError("fourier, moves or polynomial")
 
 
@@ -296,8 +297,8 @@ def _profile(entry: dict[str, Any]) -> Profile:
     return unit_profile(jerk, hold, cruise)
 
 
-def _read_piece(entry: dict[str, Any]) -> Piece:
+def _read_piece(entry: dict[str, Any]) -> tuple[Array, float]:
     coefficients = _coordinates(entry, "coefficients_SI", 2)
     if len(coefficients) > 6:
         raise ValueError("coefficients_SI")
-    return Piece(coefficients, _positive(entry, "duration_s"))
+    return coefficients, _positive(entry, "duration_s")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
-from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
+from identification.trajectories.curves import PolynomialMotion, polynomials_of
 from identification.trajectories.moves import CircularMove, StraightMove
 
 
@@ -124,13 +124,14 @@ def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMoti
     from scipy.linalg import pascal  # imported for splines only: every plan loads this module
 
     order, binomial, cut = np.arange(degree + 1), pascal(degree + 1, kind="upper"), []
-    for piece, count in zip(motion.pieces, counts, strict=True):
-        step, own = piece.duration / count, np.zeros((degree + 1, 6))
-        own[: len(piece.coefficients)] = piece.coefficients[: degree + 1]
+    table = np.zeros((degree + 1, *motion.table.shape[1:]))
+    table[: len(motion.table)] = motion.table[: degree + 1]
+    for k, (duration, count) in enumerate(zip(motion.durations, counts, strict=True)):
+        step = duration / count
         for start in step * np.arange(count):  # c_i of p(start + t): sum_j binomial(j, i) start^(j - i) c_j
             shift = binomial * start ** np.maximum(np.subtract.outer(order, order).T, 0)
-            cut.append(Piece(shift @ own, step))
-    return PolynomialMotion(tuple(cut))
+            cut.append((shift @ table[:, k], step))
+    return PolynomialMotion.of_pieces(cut)
 
 
 def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
@@ -143,7 +144,7 @@ def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
         d, e, f = way - v - a / 2, w - v - a, b - a
         shares = np.stack([p, v, a / 2, 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2])
     table = shares / steps ** np.arange(degree + 1)[:, None, None]
-    return PolynomialMotion(tuple(Piece(table[:, k], float(step)) for k, step in enumerate(steps[:, 0])))
+    return PolynomialMotion(table, steps[:, 0])
 
 
 def even_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
@@ -155,7 +156,7 @@ def even_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float,
 def path_speed_deviation(spline: PolynomialMotion, motion: Trajectory) -> tuple[float, float]:
     """The same where the origin passes each piece at constant speed along its path, in the time planned for it."""
     p, even = np.linspace(0.0, 1.0, 8 * CHECKS + 1), np.linspace(0.0, 1.0, CHECKS + 1)
-    origins = spline.at(_within(spline, p)).pose[:, :3].reshape(len(spline.pieces), len(p), 3)
+    origins = spline.at(_within(spline, p)).pose[:, :3].reshape(len(spline.durations), len(p), 3)
     ways = np.cumsum(np.linalg.norm(np.diff(origins, axis=1, prepend=origins[:, :1]), axis=2), axis=1)
     shares = [way / way[-1] if way[-1] > 1e-12 else p for way in ways]
     passed = np.array([np.interp(even, share, p) for share in shares])

@@ -93,7 +93,7 @@ def _in_cycles(path: TimedPath, length: float) -> TimedPath:
     Each piece of a spline whose pieces last equally long begins at such a point.
     """
     if isinstance(path.motion, PolynomialMotion):
-        lasting = [piece.duration for piece in path.motion.pieces]
+        lasting = path.motion.durations
         share = _share_of_cycles(lasting[0] if np.ptp(lasting) < EQUAL else path.motion.duration)
         path = timed_path(path.name, path.motion.slowed(share), length, 1.0)
     else:

@@ -81,8 +81,9 @@ class _SinumerikWriter(BlockWriter):
 
     def stated(self, name: str, spline: PolynomialMotion, motion: Trajectory) -> list[str]:
         """Comment lines with the distance of the path from the plan: its time law is the controller's own."""
-        degree = len(spline.pieces[0].coefficients) - 1
-        lines = [f"{name}: {len(spline.pieces)} POLY blocks of degree {degree}, {spline.duration:.6f} s"]
+        lines = [
+            f"{name}: {len(spline.durations)} POLY blocks of degree {len(spline.table) - 1}, {spline.duration:.6f} s"
+        ]
         for law, (position, angle) in (
             ("the polynomials' parameter passes evenly in time", even_deviation(spline, motion)),
             ("the path speed stays the same within each block", path_speed_deviation(spline, motion)),
@@ -95,10 +96,11 @@ class _SinumerikWriter(BlockWriter):
         decimals = (POLY_LENGTH_DECIMALS,) * 3 + (POLY_ANGLE_DECIMALS,) * 3
         units = (MM,) * 3 + (DEG,) * 3
         lines = []
-        for piece in spline.pieces:
-            coefficients = piece.coefficients * piece.duration ** np.arange(len(piece.coefficients))[:, None]
+        powers = np.arange(len(spline.table))[:, None]
+        for row, duration in enumerate(spline.durations):
+            coefficients = spline.table[:, row] * duration**powers
             end = coefficients.sum(axis=0)
-            ends = self.coordinates(end) if piece is spline.pieces[-1] else None
+            ends = self.coordinates(end) if row == len(spline.durations) - 1 else None
             words = []
             for k, axis in enumerate(self.axes):
                 items = [number(v[k] / units[k], decimals[k]) for v in (end, *coefficients[2:])]
@@ -106,7 +108,7 @@ class _SinumerikWriter(BlockWriter):
                 while len(items) > 1 and items[-1] == "0":
                     items.pop()  # the last zero coefficients are omitted
                 words.append(f"PO[{axis}]=({','.join(items)})")
-            lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / piece.duration, FEED_DECIMALS)}")
+            lines.append(f"POLY {' '.join(words)} PL=1 F{number(MINUTE / duration, FEED_DECIMALS)}")
         return lines
 
 

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Motion
-from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
 
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")
@@ -96,11 +96,11 @@ def jerked(jerk: Array, step: float) -> PolynomialMotion:
     signs, taylor, built = (1, -1, -1, 1, -1, 1, 1, -1), np.vstack([HOME, np.zeros((3, 6))]), []
     for sign in signs:
         taylor[3] = sign * jerk / 6
-        built.append(Piece(taylor.copy(), step))
+        built.append((taylor.copy(), step))
         for order in range(3):
-            derivative = np.polynomial.polynomial.polyder(built[-1].coefficients, order)
+            derivative = np.polynomial.polynomial.polyder(built[-1][0], order)
             taylor[order] = np.polynomial.polynomial.polyval(step, derivative) / (1, 1, 2)[order]
-    return PolynomialMotion(tuple(built))
+    return PolynomialMotion.of_pieces(built)
 
 
 def few(*values: object, kept: int = 1) -> list[object]:

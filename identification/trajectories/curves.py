@@ -3,7 +3,7 @@
 A Fourier series (34)-(36) is repeated; it begins and ends at rest, by itself or by a run-in and a run-out.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import factorial, perm
 
@@ -19,39 +19,32 @@ SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
-    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates."""
-
-    coefficients: Array  # c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds]
-    duration: float  # [s]
-
-
-@dataclass(frozen=True, slots=True)
 class PolynomialMotion:
-    """Pieces one after the other.
+    """Polynomials sum_i c_i t^i one after the other, each on a clock of its own.
 
     Raises:
-        ValueError: no pieces, a duration that is not positive, or a gap between two of them.
+        ValueError: no polynomial, a duration that is not positive, or a gap between two of them.
     """
 
-    pieces: tuple[Piece, ...]  # each begins where the one before it ends
-    table: Array = field(init=False, repr=False, compare=False)
-    """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, n)."""
+    table: Array  # c_i of each, shape (degree + 1, pieces, n) [m or rad over powers of seconds]
+    durations: Array  # shape (pieces,) [s]
     times: Array = field(init=False, repr=False, compare=False)
     """Start of each piece and end of the last, shape (pieces + 1,) [s]."""
 
     def __post_init__(self) -> None:
-        if not self.pieces or any(not p.duration > 0.0 for p in self.pieces):
+        if not len(self.durations) or not np.all(self.durations > 0.0):
             raise ValueError("a motion of polynomials needs pieces of positive duration")
-        table = np.zeros(
-            (max(len(p.coefficients) for p in self.pieces), len(self.pieces), self.pieces[0].coefficients.shape[1])
-        )
-        for k, piece in enumerate(self.pieces):
-            table[: len(piece.coefficients), k] = piece.coefficients
-        object.__setattr__(self, "table", table)
-        object.__setattr__(self, "times", np.concatenate([[0.0], np.cumsum([p.duration for p in self.pieces])]))
-        if np.max(np.abs(self.at_ends(0)[:-1] - table[0, 1:]), initial=0.0) > 1e-9:
+        object.__setattr__(self, "times", np.concatenate([[0.0], np.cumsum(self.durations)]))
+        if np.max(np.abs(self.at_ends(0)[:-1] - self.table[0, 1:]), initial=0.0) > 1e-9:
             raise ValueError("a polynomial piece does not begin where the one before it ends")
+
+    @classmethod
+    def of_pieces(cls, pieces: Iterable[tuple[Array, float]]) -> "PolynomialMotion":
+        """From c_0 to c_d, shape (d + 1, n), and duration [s] of each, whatever their degrees."""
+        coefficients, durations = zip(*pieces, strict=True)
+        most = max(map(len, coefficients))
+        table = [np.pad(own, ((0, most - len(own)), (0, 0))) for own in coefficients]
+        return cls(np.stack(table, axis=1), np.array(durations))
 
     def at_starts(self, order: int) -> Array:
         """Derivative of an order at the start of each piece, shape (pieces, n)."""
@@ -59,7 +52,7 @@ class PolynomialMotion:
 
     def at_ends(self, order: int) -> Array:
         """Derivative of an order at the end of each piece, shape (pieces, n)."""
-        duration = np.array([p.duration for p in self.pieces])[:, None]
+        duration = self.durations[:, None]
         value = np.zeros_like(self.table[0])
         for power in range(len(self.table) - 1, order - 1, -1):  # Horner's rule
             value = value * duration + perm(power, order) * self.table[power]
@@ -72,20 +65,17 @@ class PolynomialMotion:
 
     def slowed(self, speed: float) -> "PolynomialMotion":
         """The same path at a share of the speed."""
-        pieces = []
-        for piece in self.pieces:
-            powers = speed ** np.arange(len(piece.coefficients))
-            pieces.append(Piece(piece.coefficients * powers[:, None], piece.duration / speed))
-        return PolynomialMotion(tuple(pieces))
+        powers = speed ** np.arange(len(self.table))
+        return PolynomialMotion(self.table * powers[:, None, None], self.durations / speed)
 
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
         starts = self.times
-        indices = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
+        indices = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.durations) - 1)
         local = np.clip(time - starts[indices], 0.0, np.diff(starts)[indices])[:, None]
         table = self.table
-        values = np.zeros((4, len(time), self.pieces[0].coefficients.shape[1]))
+        values = np.zeros((4, len(time), self.table.shape[2]))
         for order in range(4):
             for coefficient in table[::-1]:  # Horner's rule
                 values[order] = values[order] * local + coefficient[indices]
@@ -99,10 +89,10 @@ def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
     Raises:
         ValueError: a move begins elsewhere.
     """
-    return PolynomialMotion(tuple(piece for move in moves for piece in _segments(move)))
+    return PolynomialMotion.of_pieces(piece for move in moves for piece in _segments(move))
 
 
-def _segments(move: StraightMove) -> Iterator[Piece]:
+def _segments(move: StraightMove) -> Iterator[tuple[Array, float]]:
     law = move.profile
     durations = np.array(law.lengths)
     starts = np.append(0.0, np.cumsum(durations[:-1]))  # added up as the law does: accelerations may step there
@@ -113,7 +103,7 @@ def _segments(move: StraightMove) -> Iterator[Piece]:
         shares = np.array([s[k], v[k], a[k] / 2, jerk[k] / 6])
         coefficients = shares[:, None] * way
         coefficients[0] += move.start
-        yield Piece(coefficients, float(durations[k]))
+        yield coefficients, float(durations[k])
 
 
 @dataclass(frozen=True, slots=True)

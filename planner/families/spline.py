@@ -17,7 +17,7 @@ import numpy as np
 from cases.schema import Case
 from cases.units import Array
 from identification.criteria import box_middle
-from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
 from planner.families import Family, Layout, Settings, linear_rows
 from planner.families.states import linear_states
 
@@ -158,4 +158,4 @@ def in_pieces(spline: "BSpline", begins: Array, step: float) -> PolynomialMotion
     # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
     places = [begins] * DEGREE + [begins + step / 2]
     taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
-    return PolynomialMotion(tuple(Piece(taylor[:, k, :].copy(), step) for k in range(len(begins))))
+    return PolynomialMotion(taylor, np.full(len(begins), step))

@@ -14,7 +14,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, TimedPoints
-from identification.trajectories.curves import Piece, PolynomialMotion, Tabulated
+from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import Plane
 
 STILL = 1e-9  # [m, rad] below the last decimal of any program
@@ -238,7 +238,7 @@ class Grouping:
     def _path(self) -> TimedPoints | PolynomialMotion:
         lines, times, ends, polynomials = zip(*self.timed, strict=True)
         pieces = [
-            Piece(own / time ** np.arange(len(own))[:, None], time)
+            (own / time ** np.arange(len(own))[:, None], time)
             for own, time in zip(polynomials, times, strict=True)
             if own is not None
         ]
@@ -247,7 +247,7 @@ class Grouping:
         if len(pieces) < len(lines):
             first = next(line for line, own in zip(lines, polynomials, strict=True) if own is None)
             raise self.error(first, "a timed straight block among polynomials; write a path in one form")
-        return PolynomialMotion(tuple(pieces))
+        return PolynomialMotion.of_pieces(pieces)
 
 
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"

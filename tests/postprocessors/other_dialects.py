@@ -8,6 +8,7 @@ import numpy as np
 
 from cases.schema import Case, load_case
 from identification.motion import Standstill
+from identification.trajectories.curves import PolynomialMotion
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
@@ -141,7 +142,7 @@ def _each_path_once(events: Sequence[object]) -> list[object]:
 
 def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block:
     if isinstance(stretch, Timed):
-        if hasattr(stretch.points, "pieces"):
+        if isinstance(stretch.points, PolynomialMotion):
             return timed_path(next(names), stretch.points, case.controller.block, 1.0)
         return TimedPath(next(names), stretch.points.times, stretch.points.poses, stretch.points)
     return predicted(stretch, guarantees)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.schema import Case, load_case
 from identification.motion import Joined, Trajectory
-from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, fastest_circle
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
@@ -124,7 +124,7 @@ def test_a_spline_becomes_a_timed_path_of_its_own_duration(hexapod_case: Case):
     c = np.zeros((6, 6))
     c[0] = HOME
     c[3:, 0] = 0.02 * np.array([10.0, -15.0, 6.0])
-    text = linuxcnc_text(excitation_program(PolynomialMotion((Piece(c, 1.0),)), hexapod_case))
+    text = linuxcnc_text(excitation_program(PolynomialMotion.of_pieces([(c, 1.0)]), hexapod_case))
     (path,) = (s for s in read_linuxcnc(text, "p.ngc").stretches if isinstance(s, Timed) and s.trigger)
     assert path.points.duration == pytest.approx(1.0)
     t = np.linspace(0.0, 1.0, 50)

@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import CaseError
 from identification.motion import Joined, Standstill
-from identification.trajectories.curves import Piece, PolynomialMotion, polynomials_of
+from identification.trajectories.curves import PolynomialMotion, polynomials_of
 from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.blocks import (
@@ -38,7 +38,7 @@ def spline(degree: int, seed: int = 0) -> PolynomialMotion:
     whole = np.array([np.convolve(bump, draw[:, k]) for k in range(6)]).T
     whole[0] += HOME
     shifted = [np.polynomial.polynomial.polyval(0.5, _derivative(whole, k)) / _factorial(k) for k in range(len(whole))]
-    return PolynomialMotion((Piece(whole, 0.5), Piece(np.array(shifted), 0.5)))
+    return PolynomialMotion.of_pieces([(whole, 0.5), (np.array(shifted), 0.5)])
 
 
 def _derivative(coefficients: np.ndarray, order: int) -> np.ndarray:
@@ -54,7 +54,7 @@ def _factorial(k: int) -> float:
 @pytest.mark.parametrize("degree", [4, 5])
 def test_polynomials_of_the_allowed_degree_are_met_exactly(degree: int):
     found = pieces(spline(degree), 5, 0.07, TIGHT)
-    assert len(found.pieces) == 16
+    assert len(found.durations) == 16
     assert even_deviation(found, spline(degree))[0] < 1e-14
 
 
@@ -81,7 +81,7 @@ def test_pieces_are_cut_until_the_tolerance_is_kept_or_it_is_said_that_none_keep
     motion = FourierFamily(3, 2.0, 1, HOME, np.full(6, 0.1)).motion(np.random.default_rng(1).normal(size=30) / 9)
     tolerance = (1e-6, 1e-5)
     found = pieces(motion, 3, 0.5, tolerance)
-    assert len(found.pieces) > 4
+    assert len(found.durations) > 4
     off = even_deviation(found, motion)
     assert off[0] <= tolerance[0]
     assert off[1] <= tolerance[1]
@@ -93,7 +93,7 @@ def test_at_constant_path_speed_a_quadratic_piece_is_a_quarter_of_its_way_off():
     """With x = L p^2 in time and L p at constant speed they differ most at p = 1/2, by L / 4."""
     way = np.zeros((3, 6))
     way[0], way[2, 0] = HOME, 0.02
-    motion = PolynomialMotion((Piece(way, 1.0),))
+    motion = PolynomialMotion.of_pieces([(way, 1.0)])
     found = pieces(motion, 5, 10.0, TIGHT)
     assert path_speed_deviation(found, motion)[0] == pytest.approx(0.02 / 4, rel=1e-3)
     assert even_deviation(found, motion)[0] < 1e-15

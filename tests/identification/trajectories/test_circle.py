@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from identification.motion import Trajectory
-from identification.trajectories.curves import Piece, PolynomialMotion
+from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, fastest_circle, fastest_profile
 
 START = np.array([0.1, -0.05, 0.9, 0.05, -0.1, 0.2])
@@ -73,7 +73,7 @@ def two_pieces() -> PolynomialMotion:
     whole[0] = START
     whole[3:, :] = np.array([10.0, -15.0, 6.0])[:, None] * np.linspace(-0.1, 0.1, 6)
     shifted = np.array([np.polynomial.Polynomial(c)(np.polynomial.Polynomial([0.4, 1.0])).coef for c in whole.T]).T
-    return PolynomialMotion((Piece(whole, 0.4), Piece(shifted, 0.6)))
+    return PolynomialMotion.of_pieces([(whole, 0.4), (shifted, 0.6)])
 
 
 def test_pieces_join_without_a_jump_and_end_at_rest():
@@ -95,6 +95,6 @@ def test_a_slowed_spline_takes_the_same_path():
 
 
 def test_pieces_with_a_gap_between_them_are_no_motion():
-    first, second = two_pieces().pieces
+    pieces = two_pieces()
     with pytest.raises(ValueError, match="does not begin where"):
-        PolynomialMotion((second, first))
+        PolynomialMotion(pieces.table[:, ::-1], pieces.durations[::-1])
