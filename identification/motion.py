@@ -128,10 +128,16 @@ def _cubic_at_rest(times: Array, poses: Array) -> "BSpline | None":
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """A motion that stays at one pose."""
+    """A motion that stays at one pose, and may be measured there when it has settled."""
 
     pose: Array  # coordinates, shape (n,) [m or rad]
-    duration: float  # [s]
+    settle: float  # time that is not measured [s]
+    average: float = 0.0  # time after it that is averaged, with the trigger on [s]
+
+    @property
+    def duration(self) -> float:
+        """Settling and averaging [s]."""
+        return self.settle + self.average
 
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
@@ -156,24 +162,6 @@ class StandingPoses:
         time = np.asarray(t, dtype=float)
         still = [np.zeros((len(time), self.poses.shape[1])) for _ in range(3)]
         return Motion(time, self.poses[np.round(time).astype(int)], *still)
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """A standstill to be measured: time to settle, then time that is averaged."""
-
-    pose: Array  # coordinates, shape (n,) [m or rad]
-    settle: float  # time to settle [s]
-    average: float  # time that is averaged, with the trigger on [s]
-
-    @property
-    def duration(self) -> float:
-        """Settling and averaging [s]."""
-        return self.settle + self.average
-
-    def at(self, t: ArrayLike) -> Motion:
-        """The motion at times t, shape (n,) [s]."""
-        return Standstill(self.pose, self.duration).at(t)
 
 
 @dataclass(frozen=True, slots=True)

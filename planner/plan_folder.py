@@ -20,7 +20,7 @@ from cases.units import Array
 from identification.criteria import Criterion, reference_scaling, singular_values
 from identification.limit import LimitReport
 from identification.model import identification_model
-from identification.motion import Joined, Measurement, Standstill, Trajectory
+from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.curves import FourierMotion, PolynomialMotion
 from identification.trajectories.moves import CircularMove, Plane, Profile, StraightMove, unit_profile
 from planner.noise import standing_model
@@ -197,9 +197,9 @@ def _part(part: Trajectory) -> dict[str, Any]:
             "angle_rad": part.angle,
             **_times(part.profile),
         }
-    if isinstance(part, Standstill):
+    if isinstance(part, Standstill) and not part.average:
         return {"kind": "pause", "pose_m_rad": part.pose.tolist(), "duration_s": part.duration}
-    if isinstance(part, Measurement):
+    if isinstance(part, Standstill):
         times = {"settle_s": part.settle, "average_s": part.average}
         return {"kind": "measure", "pose_m_rad": part.pose.tolist(), **times}
     raise TypeError(f"no entry for {type(part).__name__}")
@@ -286,7 +286,7 @@ def _read_part(entry: dict[str, Any]) -> Trajectory:
         return Standstill(_coordinates(entry, "pose_m_rad"), _positive(entry, "duration_s"))
     if entry["kind"] == "measure":
         settle, average = _positive(entry, "settle_s", zero=True), _positive(entry, "average_s")
-        return Measurement(_coordinates(entry, "pose_m_rad"), settle, average)
+        return Standstill(_coordinates(entry, "pose_m_rad"), settle, average)
     raise ValueError("kind")
 
 

@@ -14,7 +14,7 @@ from cases.schema import Case
 from cases.units import DEG, MM, as_html
 from identification.limit import LimitReport
 from identification.model import identification_model
-from identification.motion import Array, Joined, Measurement, Motion, Trajectory, sample
+from identification.motion import Array, Joined, Motion, Standstill, Trajectory, sample
 from identification.parameters import physical_form
 from planner.plan_figures import PoseWorth, Worth, bound_by
 from planner.plan_folder import SCHEMA_VERSION, fingerprint_of, load_plan, motion_entries
@@ -79,7 +79,7 @@ class Plan:
     def poses(self) -> Array:
         """Poses at which it measures standing still, in order of visit, shape (n, k) [m or rad]; empty for motions."""
         parts = self.motion.parts if isinstance(self.motion, Joined) else ()
-        poses = [part.pose for part in parts if isinstance(part, Measurement)]
+        poses = [part.pose for part in parts if isinstance(part, Standstill) and part.average]
         return np.array(poses) if poses else np.zeros((0, 6))
 
     @property

@@ -10,7 +10,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limit_proof import slowed_for_forces
-from identification.motion import Array, Joined, Measurement, Standstill, Trajectory
+from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
@@ -132,7 +132,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     """Blocks of a motion for a controller.
 
     Straight and circular moves and standstills stay as they are, joined motions become their parts in order,
-    polynomials splines, measurements standstills with the trigger on in the second; all others become a timed path.
+    polynomials splines, measured standstills two with the trigger on in the second; all others become a timed path.
 
     Args:
         block: duration of a block of a timed path at full speed, at most [s].
@@ -142,9 +142,9 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
         return tuple(b for part in trajectory.parts for b in motion_blocks(name, part, block, speed))
     if isinstance(trajectory, StraightMove | CircularMove):
         return (replace(trajectory, profile=trajectory.profile.slowed(speed)),)
-    if isinstance(trajectory, Standstill):
+    if isinstance(trajectory, Standstill) and not trajectory.average:
         return (trajectory,)  # the same duration at any speed
-    if isinstance(trajectory, Measurement):
+    if isinstance(trajectory, Standstill):
         settle = (Standstill(trajectory.pose, trajectory.settle),) if trajectory.settle > 0.0 else ()
         return (*settle, Trigger(True), Standstill(trajectory.pose, trajectory.average), Trigger(False))
     if isinstance(trajectory, PolynomialMotion):

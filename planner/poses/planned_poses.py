@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.limit import LimitReport, worst_of
 from identification.limit_proof import prove
 from identification.model import Model
-from identification.motion import Array, Joined, Measurement, Trajectory
+from identification.motion import Array, Joined, Standstill, Trajectory
 from planner.noise import sensor_noise, standing_model
 from planner.plan_figures import PoseWorth, predicted_std_at_poses
 from planner.plans import Plan
@@ -66,7 +66,7 @@ def poses_planned(
     order, unordered = _ordered(case, chosen_poses)
     poses = chosen_poses[order]
     motion, limits = _motion(case, poses)
-    travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
+    travel = sum(part.duration for part in motion.parts if not isinstance(part, Standstill))
     selection = pose_regressors(model, poses) * scaling
     seeds = np.vstack([candidates[:: max(1, len(candidates) // SEEDS)], poses])
     designs = candidate_design(regressors), continuous_design(case, model, scaling, seeds)
@@ -146,7 +146,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
             parts.append(move)
             clock += move.duration
         if pose is not home:
-            parts.append(Measurement(np.array(pose), setting.settle_s, setting.average_s))
+            parts.append(Standstill(np.array(pose), setting.settle_s, setting.average_s))
             clock += parts[-1].duration
         last_pose = pose
     report = worst_of(reports)

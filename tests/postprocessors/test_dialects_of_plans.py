@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import ProgramError
-from identification.motion import Joined, Measurement, Standstill
+from identification.motion import Joined, Standstill
 from identification.trajectories.moves import Plane, StraightMove, fastest_circle
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import DIALECTS, dialect, dialect_of_file
@@ -27,7 +27,7 @@ def moves():
 
 def poses():
     there, back = StraightMove.fastest(HOME, OUTSIDE, *LIMITS), StraightMove.fastest(OUTSIDE, HOME, *LIMITS)
-    return Joined((there, Measurement(OUTSIDE, 0.1, 0.3), back))
+    return Joined((there, Standstill(OUTSIDE, 0.1, 0.3), back))
 
 
 MOTIONS = {

@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case, load_case
-from identification.motion import Joined, Measurement
+from identification.motion import Joined, Standstill
 from identification.trajectories.curves import polynomials_of
 from identification.trajectories.moves import StraightMove
 from postprocessors.dialects import dialect
@@ -133,7 +133,7 @@ def test_standstills_switch_the_trigger_at_each(name: str) -> None:
     away = home + 0.5 * box.pose[1]
     there = StraightMove.fastest(home, away, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
     back = StraightMove.fastest(away, home, 0.9 * box.rate, 0.9 * box.acceleration, 0.9 * box.jerk)
-    motion = Joined((Measurement(home, 0.5, 1.0), there, Measurement(away, 0.5, 1.0), back))
+    motion = Joined((Standstill(home, 0.5, 1.0), there, Standstill(away, 0.5, 1.0), back))
     program = proven_program(motion, CASE, dialect(name), FILES[name], ())
     pauses = [part.duration for part in program.reading.stretches if isinstance(part, Still)]
     assert pauses == [0.5, 1.0, 0.5, 1.0]
