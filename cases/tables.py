@@ -183,6 +183,9 @@ def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
 def _explained(model: type[BaseModel], path: Path, error: ValidationError, all_by: str) -> CaseError:
     """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
     errors = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+    # A list whose entries are invalid counts as too short beside them.
+    invalid = {problem["loc"][:-1] for problem in errors} | {problem["loc"][:-2] for problem in errors}
+    errors = [e for e in errors if e["type"] != "too_short" or e["loc"] not in invalid]
     problems = [(_key(problem), words) for problem in errors for words in _words(model, problem).split(ALSO)]
     key, words = problems[0]
     if others := len(problems) - 1:

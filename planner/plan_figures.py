@@ -74,8 +74,9 @@ class Worth:
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
         """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
-        rival = data["rival"]
-        whole = {**data, "rival": None if rival is None else tuple(rival[entry] for entry in _RIVAL)}
+        whole = dict(data)
+        if isinstance(rival := data["rival"], Mapping):
+            whole["rival"] = tuple(rival.get(entry) for entry in _RIVAL)
         for key in ("bound", "bound_tight"):
             if isinstance(entries := data[key], Mapping):  # earlier versions wrote fewer
                 logdet = entries.get("logdet")

@@ -77,8 +77,9 @@ def load_sequence(file: Path, columns: Sequence[str] = POSE) -> Steps:
     """
     if tuple(columns) != POSE:
         raise FileProblem(file, "holds steps of a platform", f"name a CSV of poses with {', '.join(columns)}")
-    if not file.exists():
-        raise FileProblem(file, "cannot be read (No such file or directory)", _WANTED)
+    if not file.is_file():
+        reason = "Is a directory" if file.is_dir() else "No such file or directory"
+        raise FileProblem(file, f"cannot be read ({reason})", _WANTED)
     return read_tables(Steps, file)
 
 

@@ -78,7 +78,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--knots", "60"), ("--knots does nothing", "spline")),
         (("--family", "manual", "--sequence", "none.toml"), ("none.toml", "cannot be read", "TOML file of steps")),
         (("--family", "manual", "--sequence", "none.csv"), ("none.csv", "cannot be read", "CSV of poses")),
-        (("--family", "manual", "--sequence", "."), ("cannot be read",)),
+        (("--family", "manual", "--sequence", "."), ("cannot be read (Is a directory)", "TOML file of steps")),
     ],
 )
 def test_a_wrong_request_is_refused_before_planning_begins(
@@ -100,6 +100,13 @@ def test_a_sequence_that_is_none_is_refused_before_planning_begins(
     Path("s.toml").write_text(text)
     assert "s.toml" in refused("plan", "hexapod", "--family", "manual", "--sequence", "s.toml")
     assert [p.name for p in tmp_path.iterdir()] == ["s.toml"]
+
+
+def test_a_step_that_is_none_is_one_problem(tmp_path: Path):
+    (tmp_path / "s.toml").write_text("title = 't'\nsteps = [{ x_mm = 50.0, speed = 3.0 }]\n")
+    line = refused("plan", "hexapod", "--family", "manual", "--sequence", tmp_path / "s.toml")
+    assert "s.toml: steps[1].speed: 3.0: input should be less than or equal to 1" in line
+    assert "more problem" not in line
 
 
 @pytest.mark.parametrize(
