@@ -288,7 +288,9 @@ def shorter_than_planned(recording: Recording) -> list[Finding]:
     planned = recording.record.get("planned_s")
     if recording.record.get("poses_m_rad"):  # there it is on in the dwells only
         return []
-    if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
+    if not isinstance(planned, int | float) or recording.t is None or recording.trigger is None:
+        return []
+    if recording.trigger.all():
         return []
     feed = 1.0 if recording.override is None else recording.override[recording.trigger]
     duration = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)

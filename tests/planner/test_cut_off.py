@@ -35,6 +35,7 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
 def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool) -> None:
     found = shorter_than_planned(replace(run(), record={"planned_s": duration}))
     assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == []
+    assert shorter_than_planned(replace(run(), record={"planned_s": {"x": duration}})) == []  # damaged by hand
     assert bool(found) == told
     assert all(tells(str(f), "trigger", "2.6 s", "program lasts ") for f in found)
 
