@@ -12,8 +12,7 @@ from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.estimators import ALIKE, Method, estimate_selected, gauss_markov_of, method
 from identification.estimation.fit import Fit, Regression, Value, inverse_root, joint_triangle
-from identification.estimation.force_noise import noise_covariance, whitening_of
-from identification.model import Model
+from identification.model import Model, noise_covariance, whitening_of
 from identification.parameters import MASS, Selection, offset_columns
 from identification.runs.evaluation import MOST_DELAY
 from identification.samples import Samples

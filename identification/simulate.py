@@ -15,9 +15,14 @@ from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
 from cases.units import DEG, MM, Array
-from identification.estimation.force_noise import acceleration_to_force
-from identification.estimation.pose_noise import squared_distances
-from identification.model import expected_forces, full_model, identification_model, machine_of
+from identification.model import (
+    acceleration_to_force,
+    expected_forces,
+    full_model,
+    identification_model,
+    machine_of,
+    squared_distances,
+)
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.symbolic import Kinematics

@@ -13,10 +13,8 @@ import numpy as np
 from cases.schema import Case
 from cases.sensors import PoseField
 from identification.criteria import information as information_over
-from identification.estimation.force_noise import noise_covariance, whitening_of
-from identification.estimation.pose_noise import matern, squared_distances
 from identification.hexapod import Hexapod
-from identification.model import Model, identification_model
+from identification.model import Model, identification_model, matern, noise_covariance, squared_distances, whitening_of
 from identification.motion import Array, Trajectory
 from identification.parameters import nominal_parameters
 from identification.symbolic import over_samples

@@ -12,10 +12,9 @@ from pydantic import TypeAdapter
 
 from cases.schema import Case
 from identification.criteria import CRITERIA, Criterion, reference_scaling, singular_values
-from identification.estimation.pose_noise import field_covariance
 from identification.hexapod import Hexapod
 from identification.limit import LimitReport
-from identification.model import Model
+from identification.model import Model, field_covariance
 from identification.motion import Array, Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from planner.bounds.information_limit import Bound

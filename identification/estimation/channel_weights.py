@@ -20,7 +20,8 @@ from identification.estimation.fit import (
     require_alive,
     settled,
 )
-from identification.estimation.force_noise import whitening_of, with_kernel
+from identification.estimation.force_noise import with_kernel
+from identification.model import whitening_of
 
 EACH = (0, 1, 2, 3, 4, 5)  # `Regression.alike` where each channel has noise of its own
 WEIGHT_ROUNDS = 20

@@ -21,6 +21,7 @@ from cases.units import Array
 from identification.estimation.fit import Robust
 from identification.estimation.force_noise import LEAST_SAMPLES, Turned, autoregressive, slow_noises, toeplitz
 from identification.finding import Kind, note
+from identification.model import matern, squared_distances
 
 UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there is only rounding
 JITTER = 1e-9  # white noise beside all others, as a share of their variance
@@ -29,26 +30,6 @@ MOST_STEPS = 100
 
 Family = Callable[[Array], tuple[Array, Callable[[Array], Array]]]
 """Logarithms of parameters, shape (p,) -> V, shape (m, m), and what turns dL/dV into dL/d(logarithms), shape (p,)."""
-
-
-def squared_distances(places: Array, others: Array) -> Array:
-    """Between places, shapes (n, d) and (m, d), shape (n, m)."""
-    middle = others.mean(axis=0)
-    first, second = places - middle, others - middle
-    total = np.sum(first**2, axis=1)[:, None] + np.sum(second**2, axis=1)
-    return np.asarray(np.maximum(total - 2.0 * first @ second.T, 0.0))
-
-
-def matern(distance: Array) -> tuple[Array, Array]:
-    """Matern's correlation of smoothness 3/2 at a distance in lengths, and its derivative by the length's logarithm."""
-    scaled = np.sqrt(3.0) * distance
-    fading = np.exp(-scaled)
-    return (1.0 + scaled) * fading, scaled**2 * fading
-
-
-def field_covariance(field: PoseField, struts: Array) -> Array:
-    """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
-    return field.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / field.length)[0]
 
 
 def independent(taken: Array) -> Array:

@@ -18,7 +18,6 @@ from cases.units import Array
 from identification.limit import LimitKind
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
-from identification.signals import Filter
 from identification.symbolic import Kinematics, Machine, over_samples, rate_matrix, twist_rate
 
 if TYPE_CHECKING:
@@ -157,6 +156,8 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
         windows: when it ran the excitation, shape (k, 2) [s].
         cutoff: cutoff of the low-pass [Hz].
     """
+    from identification.signals import Filter  # SciPy, which programs that are only read do without
+
     low_pass = Filter(cutoff, 1.0 / RATE)
     t = np.arange(int(execution.duration * RATE) + 1) / RATE
     struts = execution.struts(t)

@@ -22,7 +22,7 @@ import numpy as np
 
 from cases.units import Array, Indices
 from identification.criteria import Criterion
-from identification.estimation.pose_noise import squared_distances
+from identification.model import squared_distances
 from planner.families.states import SHARE, Kernel, States, state_size
 from planner.noise import PoseErrors
 

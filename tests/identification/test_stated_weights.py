@@ -7,15 +7,10 @@ from cases.errors import IdentificationError
 from cases.schema import Case, load_case
 from cases.sensors import Sensors
 from identification.estimation.estimators import method
-from identification.estimation.force_noise import (
-    acceleration_to_force,
-    components_of,
-    noise_covariance,
-    whitening_of,
-)
+from identification.estimation.force_noise import components_of
 from identification.hexapod import Hexapod
 from identification.identify import estimate_parameters
-from identification.model import identification_model
+from identification.model import acceleration_to_force, identification_model, noise_covariance, whitening_of
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import entries_of
