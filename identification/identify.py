@@ -32,7 +32,6 @@ from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
-from identification.runs.averaging import periodic_run
 from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
@@ -203,8 +202,8 @@ def _estimated(recording: Recording, case: Case, model: Model, method: Method, c
     if len(recording.forces) > 1:
         require_alive(recording.forces)
     moves = recording.t is not None and case.setup != "1a"
-    if not moves and (conditioning.periodic or conditioning.flexible):
-        raise RecordingError("is not a moving run; --period and --flexible are for moving runs")
+    if not moves and conditioning.flexible:
+        raise RecordingError("is not a moving run; --flexible is for moving runs")
     if not moves and {p.name for p in INERTIA.parameters} & {*method.selection(model).names}:
         raise IdentificationError(
             recording.source,
@@ -224,10 +223,8 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
     """Samples of a recording, ready to be evaluated."""
     if recording.t is None or case.setup == "1a":
         return standstills(recording, case, model)
-    if conditioning.flexible and (method.priors or conditioning.periodic or recording.struts is None):
+    if conditioning.flexible and (method.priors or recording.struts is None):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
-    if conditioning.periodic:
-        return periodic_run(recording, case, model, conditioning)
     if recording.struts is None:
         wide = wrist_run(recording, case, model, cutoff=delay_band(recording))
         return replace(wrist_run(recording, case, model, method.biases), wide=wide)

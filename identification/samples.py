@@ -1,15 +1,13 @@
 """What an estimate is made from: times, forces, regressors at a delay, properties of the noise.
 
-Averaged standstills are such samples. `Conditioning` is what is done to a run beforehand, beyond its low-pass.
+Averaged standstills are such samples. `Conditioning` is what a user asks to be done to a run beforehand.
 """
 
 from dataclasses import dataclass
-from math import inf
 from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
-from cases.errors import HexciteError
 from cases.sensors import Sensors
 from cases.units import Array, Flags
 from identification.estimation.channel_weights import independent_poses
@@ -221,25 +219,11 @@ class Standstills(PlainSamples):
 
 @dataclass(frozen=True, slots=True)
 class Conditioning:
-    """What a user asks to be done to a run; all but the last to a moving one."""
+    """What a user asks to be done to a run."""
 
-    periodic: bool = False  # evaluation by Fourier series of a repeating run instead of the low-pass
-    period: float | None = None  # its period [s]; None: to be estimated
-    harmonics: int | None = None  # harmonics of the series; None: as many as stand out of the noise
-    # estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency
+    # estimate the lowest structural mode of a moving run with the parameters, behind a low-pass at half its frequency
     flexible: bool = False
     standstills: bool = False  # average the run's standstills, wherever they are
-
-    def __post_init__(self) -> None:
-        if self.harmonics is not None and not self.periodic:
-            remedy = "is for periodic runs; add --period auto or --period SECONDS"
-            raise HexciteError(f"--harmonics {self.harmonics}", remedy)
-        if self.harmonics is not None and self.harmonics < 1:
-            raise HexciteError(f"--harmonics {self.harmonics}", "is not a number of harmonics; give 1 or more")
-        if self.flexible and self.periodic:
-            raise HexciteError("--flexible", "lowers the low-pass, which --period does without; leave one of them out")
-        if self.period is not None and not 0.0 < self.period < inf:
-            raise HexciteError(f"--period {self.period:g}", "is not a period; give auto or seconds, as --period 3")
 
 
 USUAL = Conditioning()

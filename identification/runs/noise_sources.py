@@ -6,11 +6,6 @@ With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is bi
 -((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
 Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
 or the platform vibrates; only the former biases the estimate, so that the reported bias is the largest there can be.
-
-Of a periodic run the acceleration is a Fourier series. With dA = G(t) e''(t), G periodic and e'' of harmonics up to H
-+ B, the harmonics up to H of dA hold those of e'' that G shifts there: sum_t dA^T W dA has the mean (2 H + 1) sum_m
-G_m^* W G_m sum_h s_h over |h| <= H + B and |h + m| <= H, G_m being the Fourier coefficients of G and s_h the power of
-e'' at the harmonic h.
 """
 
 from collections.abc import Iterable
@@ -18,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.fft import fft
 
 from cases.sensors import Sensors
 from cases.units import Array
@@ -177,19 +171,3 @@ def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]
         regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - matrices
         for k in range(6)
     ]
-
-
-def series_squares(effects: Iterable[Array], power: Array, harmonics: int, w: Array) -> Array:
-    """Mean of dA^T W dA for accelerations of this power at the harmonics -(H + B) to H + B of a period, shape (u, u).
-
-    Args:
-        effects: dA/dq'' over a period, each of shape (n, 6, u).
-        harmonics: H, that A keeps.
-    """
-    most = len(power) // 2
-    shifts = np.arange(-harmonics - most, harmonics + most + 1)
-    passband = np.abs(np.arange(-most, most + 1) + shifts[:, None]) <= harmonics
-    root = np.linalg.cholesky(w).T
-    spectra = (fft(root @ change, axis=0)[shifts] / len(change) for change in effects)
-    squares = (np.einsum("m,mku,mkv->uv", passband @ power, s.conj(), s, optimize=True).real for s in spectra)
-    return np.asarray(sum(squares))

@@ -47,16 +47,6 @@ def identify(
         Path | None, option("Plan of poses: average the run's standstills, which must be those of this plan.")
     ] = None,
     standstills: Annotated[bool, option("Average the run's standstills, wherever they are.", "--standstills")] = False,
-    period: Annotated[
-        str | None,
-        option(
-            "A run that repeats itself: average its periods, differentiate and filter by a Fourier series. "
-            "auto finds the period, or give it in seconds."
-        ),
-    ] = None,
-    harmonics: Annotated[
-        int | None, option("Of that series; by default as many as stand out of the struts' noise.")
-    ] = None,
     flexible: Annotated[
         bool,
         option(
@@ -80,15 +70,6 @@ def identify(
     from planner.cli.identification import answer_of_result, method_of, show_result
     from planner.reports.identify import identify_page
 
-    seconds = None
-    if period not in (None, "auto"):
-        try:
-            seconds = float(str(period).removesuffix("s"))
-        except ValueError:
-            raise hx.HexciteError(
-                f"--period {period}", "is not a period; give auto or seconds, as --period 3"
-            ) from None
-    conditioning = hx.Conditioning(period is not None, seconds, harmonics, flexible, standstills)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
@@ -109,7 +90,7 @@ def identify(
             model=model,
             how=lambda m: method_of(m, own, estimator, fix, drop, symmetric, prior, weights, biases, stale),
             terms=words,
-            conditioning=conditioning,
+            conditioning=hx.Conditioning(flexible, standstills),
             poses=plan,
         )
         console.save_with_page(result, RESULT, identify_page, folder, overwrite)

@@ -21,7 +21,6 @@ from planner.execution import execute
 from postprocessors.dialects import read_program
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 from tests.bench.anytime import anytime
-from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
 from tests.bench.criteria import criteria_table
 from tests.bench.crossed import COLUMNS, crossed
@@ -120,7 +119,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     with tempfile.TemporaryDirectory() as name:
         yield "Programs", programs(Path(name), command)
     with tempfile.TemporaryDirectory() as name:
-        yield "Identification", [*identification_figures(Path(name)), *leaps(), *damaged_rows(), *conditioning_rows()]
+        yield "Identification", [*identification_figures(Path(name)), *leaps(), *damaged_rows()]
     yield "Exported models", exported()
     with tempfile.TemporaryDirectory() as name:
         yield "Validation", validation_rows(Path(name), command)

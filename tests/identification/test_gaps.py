@@ -167,11 +167,3 @@ def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Pat
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))
     assert np.abs(force.wrench).max() <= np.abs(before.wrench).max() * (1.0 + 1e-6)
     assert any("80 samples are missing" in w for w in force.warnings)
-
-
-def test_periods_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) -> None:
-    from identification.samples import Conditioning
-
-    recording = read(damaged(lines, tmp_path, without(1500, 1580)), CASE)
-    with pytest.raises(RecordingError, match=r"line 1500: .*missing.*leave period out"):
-        estimate_parameters(recording, CASE, conditioning=Conditioning(True))

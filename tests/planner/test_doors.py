@@ -158,16 +158,3 @@ def test_a_motion_is_retimed_by_another_model(made: Path, hexapod_case: Case, tm
     ours, theirs = hx.retime(plan, model=0), hx.Plan.load(tmp_path / "command")
     assert ours.model == theirs.model == 0
     assert ours.predicted_std == pytest.approx(theirs.predicted_std, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"harmonics": 3}, "harmonics 3: is for periodic runs"),
-        ({"periodic": True, "period": -1.0}, "period -1: is not a period"),
-        ({"periodic": True, "flexible": True}, "flexible: lowers the low-pass"),
-    ],
-)
-def test_conditioning_refuses_what_the_options_refuse(settings: dict[str, Any], words: str):
-    with pytest.raises(HexciteError, match=words):
-        hx.Conditioning(**settings)

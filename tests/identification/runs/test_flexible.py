@@ -70,5 +70,5 @@ def test_a_rigid_machine_has_no_mode():
 
 def test_what_does_not_move_has_no_mode_to_see():
     poses = CASE.machine.home.vector + np.random.default_rng(0).uniform(-0.1, 0.1, (20, 6))
-    with pytest.raises(RecordingError, match="flexible are for moving runs"):
+    with pytest.raises(RecordingError, match="flexible is for moving runs"):
         estimate_parameters(simulate_standstills(CASE, poses, 100, 0), CASE, conditioning=FLEXIBLE)
