@@ -90,7 +90,7 @@ def fit_samples(
     require_sense(model, fit)
     has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
     own = len(regression.names) - has_delay
-    residuals = samples.residuals(columns[:, :, :own], fit.values[:own])
+    residuals = samples.recorded - samples.predicted(columns[:, :, :own], fit.values[:own])
     taken, more = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance)
     if how.biases is not None:
         offsets = offset_columns(model)

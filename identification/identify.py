@@ -32,6 +32,7 @@ from identification.outcome import RUN_ENTRIES, Result
 from identification.parameters import INERTIA, MASS, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
+from identification.runs.evaluation import SMOOTHED
 from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
@@ -229,7 +230,7 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
         wide = wrist_run(recording, case, model, cutoff=delay_band(recording))
         return replace(wrist_run(recording, case, model, method.biases), wide=wide)
     run = moving_run(recording, case, model)
-    return replace(run, smoothing=conditioning.flexible, flexible=conditioning.flexible)
+    return replace(run, nuisances=SMOOTHED, flexible=True) if conditioning.flexible else run
 
 
 def _evaluated(recording: Recording, case: Case, model: Model, method: Method, conditioning: Conditioning) -> Estimate:
@@ -245,7 +246,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
         rich = fitted.samples.refined(fitted.fit, method.selection(model).basis, fitted.w, fitted.at)
         if rich is not fitted.samples:
             fitted = fitted.again(rich)
-    findings = [*scanned, *fitted.samples.findings(fitted.fit, fitted.w)]
+    findings = [*scanned, *fitted.samples.findings(fitted.fit)]
     findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contact_sentences(recording, contacts)]
     noise = None
     if case.sensors.state_noise and fitted.samples.noise_stated:

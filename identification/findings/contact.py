@@ -128,14 +128,14 @@ MOST_TOUCHED = 0.25  # of the samples in contact; more is not an identification 
 
 
 def free_of_contact(recording: Recording, fitted: Fitted) -> tuple[Fitted, tuple[Contact, ...]]:
-    """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
+    """The fit to the samples out of contact, and the contacts; of standstills the fit as it is.
 
     Raises:
         IdentificationError: too much of the run is in contact.
     """
     contacts: tuple[Contact, ...] = ()
     run, moving = fitted.samples, fitted
-    if not run.consecutive:
+    if not run.nuisances:
         return fitted, contacts
     forces, matrices = fitted.regression.forces, fitted.regression.regressors[:, :, : len(run.model.names)]
     for _ in range(SEARCHES):

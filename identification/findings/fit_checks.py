@@ -155,7 +155,7 @@ def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
 def like_noise(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Noise that would leave such residuals."""
     samples = fitted.samples
-    if not (samples.noise_stated and samples.consecutive) or case.sensor_frame.struts is not None:
+    if not samples.noise_stated or case.sensor_frame.struts is not None:
         return []
     wrench, weights = case.sensor_frame.has_moments, fitted.method.weights or case.sensors.weights
     return noise_components(fitted.fit, samples.model, samples.filtered, wrench, weights)
@@ -298,8 +298,7 @@ def drifting(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """Channels whose offset changes within a run, with the rate and the change over the run."""
     samples, method = fitted.samples, fitted.method
     freedom = len(fitted.fit.residuals) - len(fitted.regression.names) / 6 - 1
-    averaged_periods = samples.nuisances and not samples.consecutive
-    if averaged_periods or method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
+    if method.name not in SANDWICHED or method.priors or freedom < LEAST_FREEDOM:
         return []
     axis, warming = _axis(recording, samples.t)
     if np.ptp(axis) == 0.0:

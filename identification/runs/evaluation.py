@@ -20,21 +20,21 @@ the low-pass is set to half of it.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from cases.sensors import Sensors
 from cases.units import Array, Flags, Indices
-from identification.estimation.fit import Filtered, Fit, Robust, joint_triangle
+from identification.estimation.fit import Fit, Robust, joint_triangle
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
 from identification.hexapod import StrutsDoNotClose
-from identification.model import Model, expected_forces, regressors
+from identification.model import expected_forces, regressors
 from identification.recording import Recording
 from identification.runs.noise_sources import acceleration_effects, expected_squares, twist_rate_squares
-from identification.samples import PlainSamples
+from identification.samples import Moving
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
 from identification.symbolic import Kinematics, Machine
 
@@ -42,59 +42,27 @@ MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either wa
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
 PIECE = 6_000  # samples that go from struts to regressors together: what lies between stays in the cache
 FORGOTTEN = 100  # samples after which noise counts as independent
+SMOOTHED = ("smoothing", "delay")  # nuisances where it is estimated by how much more forces are smoothed than motion
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
 
 
-@dataclass(frozen=True, slots=True)
-class Run(PlainSamples):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run(Moving):
     """A moving run, ready to be evaluated at any delay between forces and motion."""
 
     recording: Recording
-    model: Model
     machine: Machine
-    filter: Filter
     rows: Indices  # samples that are evaluated, counted after the filter's margin, shape (n,)
-    samples: int  # recorded samples of the window that they stand for
-    window: tuple[Finding, ...] = ()
-    smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
-    flexible: bool = False  # whether that is the lowest structural mode
+    nuisances: tuple[str, ...] = ("delay",)  # or `SMOOTHED`
+    flexible: bool = False  # whether the smoothing is the lowest structural mode
     # filtered samples that damage or a gap disturbs, shape (samples of the recording less two margins,)
     spoilt: Flags | None = None
-    consecutive: ClassVar[bool] = True
     noise_stated: ClassVar[bool] = True
-    wide: ClassVar[None] = None  # the delay is estimated with the parameters
-    scale: ClassVar[float] = 1.0
+    each: ClassVar[tuple[str, ...]] = (*Moving.each, "rows")
 
-    @property
-    def t(self) -> Array:
-        """Time of the evaluated samples, shape (n,) [s]."""
-        assert self.recording.t is not None
-        return self.recording.t[self.filter.margin + self.rows]
-
-    @property
-    def step(self) -> float:
-        """Time between evaluated samples [s]."""
-        return self.filter.step * self.filter.stride
-
-    @property
-    def places(self) -> Indices:
-        """Places of the evaluated samples in a series of equal steps, shape (n,); gaps and sections leave some out."""
-        return np.asarray(np.rint((self.t - self.t[0]) / self.step), dtype=np.int64)
-
-    @property
-    def filtered(self) -> Filtered:
-        """Effect of the filter on white noise."""
-        return Filtered(self.filter.noise_gain, self.filter.stride)
-
-    @property
-    def recorded_forces(self) -> Array:
-        """Forces as recorded at the evaluated samples, shape (n, 6)."""
-        return self.recording.forces[self.filter.margin + self.rows]
-
-    @property
-    def forces(self) -> Array:
-        """Forces behind the filter at the evaluated samples, shape (n, 6) [N, or N and N m]."""
-        return decimated(self.filter, self.recording.forces, self.rows, [(0, 0.0)])[0]
+    def at(self, rows: Indices) -> Self:
+        """The run evaluated at other filtered samples, shape (n,)."""
+        return replace(self, rows=rows, **signals_at(self.recording, self.filter, rows))
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
@@ -114,7 +82,7 @@ class Run(PlainSamples):
         other_delay = delay + DELAY_STEP if delay < 0.0 else delay - DELAY_STEP  # on the side where the filter reaches
         room = MOST_DELAY - SMOOTHING_STEP  # where it still reaches to both sides
         middle, unknowns = float(np.clip(delay, -room, room)), len(values)
-        around = (middle, middle - SMOOTHING_STEP, middle + SMOOTHING_STEP) if self.smoothing else ()
+        around = (middle, middle - SMOOTHING_STEP, middle + SMOOTHING_STEP) if self.nuisances == SMOOTHED else ()
         columns = np.empty((len(self.rows), 6, unknowns + len(self.nuisances)))
         for piece, (kinematics, other_kinematics, *others) in self._motions(delay, other_delay, *around):
             matrices, own = regressors(self.model, kinematics), columns[piece]
@@ -149,20 +117,6 @@ class Run(PlainSamples):
                 row = int(self.filter.margin + self.rows[begin + error.sample])
                 raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
             yield piece, motions
-
-    @property
-    def nuisances(self) -> tuple[str, ...]:
-        """Names of what is estimated beside the model."""
-        return ("smoothing", "delay") if self.smoothing else ("delay",)
-
-    @property
-    def noise_correlation(self) -> float:
-        """Correlation of white noise behind the filter, between evaluated samples."""
-        return self.filter.noise_correlation
-
-    def residuals(self, matrices: Array, values: Array) -> Array:
-        """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
-        return np.asarray(self.recorded_forces - matrices @ values)
 
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
@@ -204,14 +158,13 @@ class Run(PlainSamples):
         """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere."""
         if self.flexible or not worth_smoothing(self, fit, basis, w, delay):
             return self
-        return replace(self, smoothing=True)
+        return replace(self, nuisances=SMOOTHED)
 
-    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+    def findings(self, fit: Fit) -> tuple[Finding, ...]:
         """The smoothing, or the structural mode that it stands for, where it was estimated."""
-        del w
-        if not self.smoothing:
+        if self.nuisances != SMOOTHED:
             return ()
-        place = len(self.model.parameters) + self.nuisances.index("smoothing")
+        place = len(self.model.parameters)
         std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
         b = float(fit.values[place])
         return (mode_finding(b, std, self.filter.cutoff) if self.flexible else smoothing_finding(b, std),)
@@ -229,14 +182,17 @@ class Run(PlainSamples):
     def series(self, delay: float, values: Array) -> Residuals:
         """Recorded forces beside the model's at every sample of the window, decimated or not."""
         rows = np.arange(self.rows[0], self.rows[-1] + 1)
-        every = replace(self, rows=(rows if self.spoilt is None else rows[~self.spoilt[rows]])[:MOST_SAMPLES])
+        every = self.at((rows if self.spoilt is None else rows[~self.spoilt[rows]])[:MOST_SAMPLES])
         predicted = expected_forces(every.model, every.kinematics(delay), values)
-        return Residuals(every.t, every.recorded_forces, predicted, self.filter.step, every.forces)
+        return Residuals(every.t, every.recorded, predicted, self.filter.step, every.forces)
 
-    def without(self, left_out: Flags) -> Self:
-        """The run without some of its evaluated samples, shape (n,)."""
-        share = 1.0 - float(left_out.mean())
-        return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))
+
+def signals_at(recording: Recording, low_pass: Filter, rows: Indices) -> dict[str, Any]:
+    """Times, and forces as recorded and behind the filter, by field of `Samples`, at filtered samples, shape (n,)."""
+    assert recording.t is not None
+    at = low_pass.margin + rows
+    filtered = decimated(low_pass, recording.forces, rows, [(0, 0.0)])[0]
+    return {"t": recording.t[at], "recorded": recording.forces[at], "forces": filtered}
 
 
 SAMPLED = 1.0 / 12.0  # of T^2: the largest b that sampling alone makes

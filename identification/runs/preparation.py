@@ -13,7 +13,7 @@ from identification.formats.table import Stream
 from identification.hexapod import Hexapod
 from identification.model import Model, machine_of
 from identification.recording import Recording
-from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.evaluation import MOST_DELAY, Run, signals_at
 from identification.runs.rates import at_the_forces, at_the_motion
 from identification.runs.sample_checks import bridged
 from identification.signals import Filter, stretches
@@ -143,7 +143,10 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             f"{len(window)} samples of motion are {len(rows)} independent ones behind a "
             f"{low_pass.cutoff:g} Hz filter; record longer",
         )
-    return Run(recording, model, machine_of(case), low_pass, rows, len(window), warnings, spoilt=invalid)
+    return Run(
+        model=model, samples=len(window), window=warnings, filter=low_pass, recording=recording,
+        machine=machine_of(case), rows=rows, spoilt=invalid, **signals_at(recording, low_pass, rows),
+    )  # fmt: skip
 
 
 def stands_only(recording: Recording) -> bool:

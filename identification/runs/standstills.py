@@ -176,7 +176,11 @@ def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
         matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[valid], still, still)
     t = np.arange(1.0, len(valid) + 1.0) if recording.t is None else recording.t
     scale = np.ones(len(valid)) if recording.weights is None else recording.weights
-    return Standstills(model, t[valid], recording.forces[valid], matrices, scale[valid], recording.t is not None)
+    forces, scale = recording.forces[valid], scale[valid]
+    return Standstills(
+        model=model, t=t[valid], recorded=forces, forces=forces * scale[:, None], samples=len(forces),
+        matrices=matrices, scale=scale, clocked=recording.t is not None,
+    )  # fmt: skip
 
 
 def _moving(struts: Array, step: float) -> Flags:

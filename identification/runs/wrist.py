@@ -5,8 +5,7 @@ stands for the acceleration of the sensor's origin: its lever arm is neglected. 
 small angles is estimated with the parameters, since without that the delay is arbitrary.
 """
 
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -16,7 +15,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array, Flags, Indices
 from identification.estimation.biases import Biases
-from identification.estimation.fit import Filtered, Fit, Robust
+from identification.estimation.fit import Fit, Robust
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.finding import Finding, Kind, note
 from identification.formats.table import HOST_GAP, Stream, equal_steps, lost_samples
@@ -26,35 +25,21 @@ from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP, MOST_DELAY
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.runs.sample_checks import bridged
-from identification.samples import PlainSamples
+from identification.samples import Moving
 from identification.signals import Filter, Residuals
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
 LEAST_ROWS = 20
 
 
-@dataclass(frozen=True, slots=True)
-class WristRun(PlainSamples):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WristRun(Moving):
     """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion."""
 
-    model: Model  # gives A; without inertia or with it, without position
-    filter: Filter
-    t: Array  # instants of the evaluated samples, shape (n,) [s]
-    forces: Array  # forces behind the filter, shape (n, 6) [N, N m]
-    recorded_forces: Array  # as recorded, shape (n, 6)
     quaternion: CubicSpline  # quaternion of R over time, filtered
     specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
-    samples: int  # recorded samples that they stand for
-    window: tuple[Finding, ...] = ()
     wide: "WristRun | None" = None  # the run in the widest band that all streams carry, for its delay
-    consecutive: ClassVar[bool] = True
-    scale: ClassVar[float] = 1.0
-    nuisances: ClassVar[tuple[str, ...]] = ("turn_x", "turn_y", "turn_z", "delay")  # estimated beside the model
-
-    @property
-    def filtered(self) -> Filtered:
-        """Effect of the filter on white noise."""
-        return Filtered(self.filter.noise_gain, self.filter.stride)
+    nuisances: tuple[str, ...] = ("turn_x", "turn_y", "turn_z", "delay")
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
@@ -91,45 +76,25 @@ class WristRun(PlainSamples):
         effects = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
         return np.concatenate([delay_effect, np.stack(effects, axis=2)], axis=2)
 
-    @property
-    def noise_correlation(self) -> float:
-        """Correlation of white noise behind the filter, between evaluated samples."""
-        return self.filter.noise_correlation
-
-    def residuals(self, matrices: Array, values: Array) -> Array:
-        """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
-        return np.asarray(self.recorded_forces - matrices @ values)
-
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        step = self.filter.step * self.filter.stride
-        places = np.asarray(np.round((self.t - self.t[0]) / step), dtype=np.int64)
-        coloured = coloured_covariance(turned(matrices, residuals, weights, places))
+        coloured = coloured_covariance(turned(matrices, residuals, weights, self.places))
         return None if coloured is None else Robust(coloured)
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Forces as recorded at the evaluated samples beside the model's."""
-        predicted = self.regressors(delay) @ values
-        return Residuals(self.t, self.recorded_forces, predicted, self.filter.step * self.filter.stride)
+        return Residuals(self.t, self.recorded, self.regressors(delay) @ values, self.step)
 
-    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+    def findings(self, fit: Fit) -> tuple[Finding, ...]:
         """In which band the delay was estimated."""
-        del fit, w
+        del fit
         if self.wide is None:
             return ()
         sentence = f"delay estimated in the band up to {self.wide.filter.cutoff:.3g} Hz, the widest that all streams "
         sentence += f"carry; parameters up to {self.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         return (note(Kind.CLOCK, sentence),)
-
-    def without(self, left_out: Flags) -> "WristRun":
-        """The run without some of its evaluated samples, shape (n,)."""
-        mask = ~left_out
-        return replace(
-            self, t=self.t[mask], forces=self.forces[mask], recorded_forces=self.recorded_forces[mask],
-            samples=round(self.samples * float(mask.mean())),
-        )  # fmt: skip
 
 
 def wrist_run(
@@ -192,8 +157,8 @@ def wrist_run(
     if len(samples) < LEAST_ROWS:
         raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
     return WristRun(
-        model, low_pass, t[samples], smooth[samples], recorded[inner][samples], quaternion, specific, len(rows),
-        warnings,
+        model=model, filter=low_pass, t=t[samples], forces=smooth[samples], recorded=recorded[inner][samples],
+        quaternion=quaternion, specific_force=specific, samples=len(rows), window=warnings,
     )  # fmt: skip
 
 

@@ -52,7 +52,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
         weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
     else:
         run = moving_run(scan(recording, case)[1], case, model)
-        run = replace(run, smoothing="smoothing_s2" in estimate.quantities)
+        run = replace(run, nuisances=estimate.evaluated.nuisances)
         delay = estimate.at
         forces, columns = run.forces, run.linearised(delay, estimate.fit.values)
         matrices = columns[:, :, : len(estimate.fit.values)]

@@ -1,7 +1,6 @@
 """Damage in the middle of a moving run costs what the filter makes of it, and nothing else: sections stand alone."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -117,12 +116,12 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
     model = identification_model(CASE, 9)
     sound = read(damaged(lines, tmp_path), CASE)
     whole = moving_run(sound, CASE, model)
-    whole = replace(whole, rows=np.arange(0, 3700, 5))
+    whole = whole.at(np.arange(0, 3700, 5))
     for edit in (without(1500, 1580), emptied(1500, 1580, 3, "1e30"), emptied(1500, 1580, 10)):
         broken = read(damaged(lines, tmp_path, edit), CASE)
         run = moving_run(scan(broken, CASE)[1], CASE, model)
         assert run.spoilt is not None
-        run = replace(run, rows=np.flatnonzero(~run.spoilt))
+        run = run.at(np.flatnonzero(~run.spoilt))
         every = np.flatnonzero(np.isin(whole.t.round(6), run.t.round(6)))
         same = np.flatnonzero(np.isin(run.t.round(6), whole.t.round(6)))
         assert len(same) == pytest.approx((3.7 - 0.08 - 2 * MARGIN) / 0.005, abs=4)
