@@ -145,11 +145,10 @@ _CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in IN
 
 @dataclass(frozen=True)
 class PhysicalForm:
-    """Physical parameters of a model, and the maps to them and back."""
+    """Physical parameters of a model, and the map to them."""
 
     parameters: tuple[Parameter, ...]  # names and units; mass first, as in u
     map: ca.Function  # u -> (physical parameters, their derivative with respect to u)
-    inverse: ca.Function  # physical parameters -> (u, its derivative with respect to them)
 
     def of(self, linear: ArrayLike, covariance: ArrayLike) -> tuple[Array, Array]:
         """Physical parameters and their covariance, propagated to first order.
@@ -164,23 +163,18 @@ class PhysicalForm:
 
 def physical_form(model: "Model") -> PhysicalForm:
     """The physical form of a model's parameters: centre of gravity for first moments, central inertia for inertia."""
-    u, p = (ca.SX.sym(name, len(model.parameters)) for name in ("u", "p"))
-    physical, linear, parameters = ca.SX(u), ca.SX(p), list(model.parameters)
+    u = ca.SX.sym("u", len(model.parameters))
+    physical, parameters = ca.SX(u), list(model.parameters)
     if MASS in model.blocks:  # else offsets alone
         mass, start = model.names.index("m"), model.names.index(FIRST_MOMENT.parameters[0].name)
         first = slice(start, start + 3)
-        physical[first], linear[first], parameters[first] = u[first] / u[mass], p[mass] * p[first], _CENTRE
+        physical[first], parameters[first] = u[first] / u[mass], _CENTRE
         if INERTIA in model.blocks:
             start = model.names.index(INERTIA.parameters[0].name)
             second = slice(start, start + 6)
             physical[second] -= _parallel_axes(u[mass], physical[first])
-            linear[second] += _parallel_axes(p[mass], p[first])
             parameters[second] = _CENTRAL_INERTIA
-    return PhysicalForm(
-        tuple(parameters),
-        ca.Function("physical", [u], [physical, ca.jacobian(physical, u)]),
-        ca.Function("linear", [p], [linear, ca.jacobian(linear, p)]),
-    )
+    return PhysicalForm(tuple(parameters), ca.Function("physical", [u], [physical, ca.jacobian(physical, u)]))
 
 
 def _parallel_axes(mass: ca.SX, centre: ca.SX) -> ca.SX:
@@ -262,7 +256,7 @@ def select(model: "Model", known: Mapping[str, float], dropped: Iterable[str] = 
     Args:
         known: values of parameters by linear (m, mxC, I11..) or physical name (xC, IC11..) [SI]; they are taken as
             exact (uncertain ones: `priors`). A central inertia needs a known centre of gravity with it, else the
-            problem is not linear (then: `nonlinear`).
+            problem is not linear (then: a prior).
         dropped: linear parameters whose columns are left out, as if their value were zero.
 
     Raises:
@@ -318,7 +312,7 @@ def _parallel_axis(name: str, constants: Mapping[str, float], rows: Mapping[str,
             others = [axis for axis in range(3) if axis != i] if i == j else [j]
             raise IdentificationError(
                 f"{name} can only be fixed together with {' and '.join(_CENTRES[k] for k in others)}, on which its "
-                f"parallel-axis term depends; fix these too, fix {name.replace('C', '')}, or use the non-linear form"
+                f"parallel-axis term depends; fix these too, fix {name.replace('C', '')}, or give it as a prior"
             )
         row += (factor if i == j else -factor) * rows[_FIRST_MOMENTS[b]]
     return row

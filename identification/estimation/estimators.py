@@ -20,13 +20,13 @@ from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.channel_weights import EACH, full_weights, per_channel
 from identification.estimation.fit import Fit, Regression, column_scale, gauss_markov, settled
 from identification.estimation.force_noise import long_run_covariance
-from identification.estimation.physical import consistent_of, nonlinear
+from identification.estimation.physical import consistent_of
 from identification.estimation.priors import Prior, with_priors
 from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import Selection, select
 
-WHITENED = ("gauss-markov", "consistent", "nonlinear")  # which take forces whose noise is white in all channels
+WHITENED = ("gauss-markov", "consistent")  # which take forces whose noise is white in all channels
 ALIKE = {"equal": None, "per_channel": EACH, "per_unit": (0, 0, 0, 1, 1, 1), "stated": None}
 """Weights by name -> channels with the same noise, see `Regression`; stated noise is made white before."""
 
@@ -69,12 +69,12 @@ class Method:
         return weights
 
     def selection(self, model: Model) -> Selection:
-        """What of a model is estimated, where the problem is linear; for the non-linear form all of it.
+        """What of a model is estimated.
 
         Raises:
             IdentificationError: names that the model does not have, or known values that are not linear.
         """
-        return select(model, {} if self.name == "nonlinear" else self.known, self.dropped)
+        return select(model, self.known, self.dropped)
 
     def estimate(self, regression: Regression, model: Model) -> Fit:
         """The estimate of all parameters of a model, from a regression whose first columns are its own.
@@ -89,13 +89,8 @@ class Method:
                     "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
                     "or give what is known exactly as a prior with a small standard deviation"
                 )
-            return with_priors(regression, model, _weights(regression), self.priors)
-        if self.name == "nonlinear":
-            if self.dropped:
-                raise IdentificationError(
-                    "the estimator nonlinear knows values of physical parameters, no dropped columns; fix them to 0"
-                )
-            return nonlinear(regression, model, _weights(regression), self.known)
+            weights = np.ones(6) if regression.alike is None else per_channel(regression).weights
+            return with_priors(regression, model, weights, self.priors)
         fit = estimate_selected(regression, self.selection(model), ESTIMATORS[self.name])
         return consistent_of(regression, fit) if self.name == "consistent" else fit
 
@@ -124,11 +119,6 @@ def estimate_selected(regression: Regression, selection: Selection, estimator: C
 def gauss_markov_of(regression: Regression) -> Fit:
     """(24) with W = 1, or from the variance of each channel."""
     return gauss_markov(regression, np.ones(6)) if regression.alike is None else per_channel(regression)
-
-
-def _weights(regression: Regression) -> Array:
-    """Diagonal of W for one sample, shape (6,), by Gauss-Markov where channels differ."""
-    return np.ones(6) if regression.alike is None else gauss_markov_of(regression).weights
 
 
 HUBER_K = 1.345  # residuals beyond so many standard deviations count less: 95 % efficiency where noise is Gaussian
@@ -234,7 +224,6 @@ ESTIMATORS: dict[str, Callable[[Regression], Fit]] = {
     "robust": robust_of,
     "full": lambda regression: full_weights(regression)[0],  # (24) with W from the channels' full covariance
     "consistent": gauss_markov_of,  # then the nearest parameters that a body of positive density has
-    "nonlinear": gauss_markov_of,  # (18) in physical parameters, by Gauss-Newton, which needs no estimator of u
 }
 
 

@@ -1,6 +1,7 @@
 """What is known beforehand, and how well: Gaussian priors on linear or physical parameters.
 
-Estimation from data and priors together: priors are pseudo-measurements beside those of (23).
+Estimation from data and priors together: priors are pseudo-measurements beside those of (23). Least squares of the
+residuals, which are not linear in u, by Gauss-Newton steps with halving (Nocedal & Wright 2006, section 10.3).
 
 The noise is judged by the data alone, so that a wrong prior shows as a conflict and does not hide in s0.
 """
@@ -22,7 +23,6 @@ from identification.estimation.fit import (
     inverse_root,
 )
 from identification.estimation.force_noise import long_run_covariance, scores
-from identification.estimation.physical import gauss_newton
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.parameters import physical_form, require_names
@@ -161,3 +161,53 @@ def _effect_findings(prior: Prior, moved: float, conflict: float, share: float) 
         sentence = f"prior {prior.name} disagrees with the data by {abs(conflict):.1f} standard deviations; doubt "
         findings.append(warning(Kind.ESTIMATOR, f"{sentence}one of them"))
     return findings
+
+
+Residual = Callable[[Array], tuple[Array, Array]]
+"""theta, shape (p,) -> residuals, shape (k,), and their Jacobian, shape (k, p)."""
+
+STEPS = 50
+HALVINGS = 30
+RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in rounding, and the step is taken unseen
+
+
+def gauss_newton(residual: Residual, start: Array, tolerance: float) -> tuple[Array, int]:
+    """The theta of least |r(theta)|^2, shape (p,), and the steps to it.
+
+    Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
+
+    Args:
+        start: theta, shape (p,).
+        tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
+            standard deviations of the noise no parameter is then further from the minimum than so many of its own.
+
+    Raises:
+        IdentificationError: where the search ended is not a minimum.
+    """
+    at = np.asarray(start, dtype=float)
+    r, jacobian = residual(at)
+    if not np.isfinite(r).all() or not np.isfinite(jacobian).all():
+        raise IdentificationError(
+            "no minimum was found: the model has no finite value at the start; start from a mass above zero"
+        )
+    for steps in range(1, STEPS + 1):
+        scale = column_scale(jacobian)
+        step = scale * np.linalg.lstsq(jacobian * scale, -r, rcond=None)[0]
+        predicted = float(np.linalg.norm(jacobian @ step))
+        cost, share = float(r @ r), 1.0
+        for _ in range(HALVINGS):
+            new, new_jacobian = residual(at + share * step)
+            finite = bool(np.isfinite(new).all() and np.isfinite(new_jacobian).all())
+            if finite and (float(new @ new) < cost or predicted**2 <= max(tolerance**2, RESOLVED * cost)):
+                break
+            share /= 2.0
+        else:
+            raise IdentificationError(
+                "no minimum was found: no step lowers chi^2 any more, yet the gradient is not zero; start nearer"
+            )
+        at, r, jacobian = at + share * step, new, new_jacobian
+        if predicted <= tolerance:
+            return at, steps
+    raise IdentificationError(
+        f"no minimum was found: the steps did not become small within {STEPS}; start nearer or give more known values"
+    )

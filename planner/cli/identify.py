@@ -21,8 +21,8 @@ def identify(
     estimator: Annotated[
         str,
         option(
-            "gauss-markov, robust (gross errors), full (covariance of the channels), consistent "
-            "(inertia of a real body) or nonlinear (physical parameters)."
+            "gauss-markov, robust (gross errors), full (covariance of the channels) or consistent (inertia of a real "
+            "body)."
         ),
     ] = "gauss-markov",
     weights: Annotated[

@@ -9,7 +9,7 @@ from identification.estimation.estimators import ESTIMATORS, method
 from identification.estimation.fit import Regression
 from identification.estimation.priors import Prior
 from tests.helpers import one_line
-from tests.identification.moving_run import MODEL, NAMES, PHYSICAL, SAMPLES, A, U, forces
+from tests.identification.moving_run import MODEL, NAMES, SAMPLES, A, U, forces
 
 
 @pytest.mark.parametrize("name", ESTIMATORS)
@@ -20,7 +20,7 @@ def test_every_estimator_finds_the_parameters_within_their_errors(name: str, poo
     assert fit.s0 == pytest.approx(1.0, abs=0.1)
 
 
-@pytest.mark.parametrize("name", ["gauss-markov", "robust", "full", "consistent", "nonlinear"])
+@pytest.mark.parametrize("name", ["gauss-markov", "robust", "full", "consistent"])
 def test_a_known_mass_makes_the_rest_more_certain_and_keeps_its_value(name: str) -> None:
     known = {"m": float(U[0])}
     free, fixed = (method(name, k).estimate(Regression(A, forces(1), NAMES), MODEL) for k in ({}, known))
@@ -75,14 +75,6 @@ REFUSED = {
             Regression(A, forces(0), NAMES), MODEL
         ),
         "priors go with",
-    ),
-    "dropped columns of the non-linear form": (
-        lambda: method("nonlinear", dropped=["k3"]).estimate(Regression(A, forces(0), NAMES), MODEL),
-        "fix them to 0",
-    ),
-    "a linear parameter of the non-linear form": (
-        lambda: method("nonlinear", {"mxC": 0.0}).estimate(Regression(A, forces(0), NAMES), MODEL),
-        f"not mxC; fix {PHYSICAL[0]}",
     ),
     "an unknown name": (
         lambda: method(known={"k9": 1.0}).estimate(Regression(A, forces(0), NAMES), MODEL),

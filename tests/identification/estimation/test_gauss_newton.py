@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation.physical import STEPS, gauss_newton
+from identification.estimation.priors import STEPS, gauss_newton
 
 Array = np.ndarray
 MATRIX = np.random.default_rng(0).normal(size=(9, 3))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import physical as solver
+from identification.estimation import priors as solver
 from identification.estimation.fit import Filtered, Fit, Regression, gauss_markov
 from identification.estimation.force_noise import with_kernel
 from identification.estimation.priors import Prior, as_measurements, effect_of, with_priors
