@@ -209,31 +209,6 @@ def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
     return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
 
 
-def fit_along(
-    regression: Regression, weights: Array, root: Array, values: Array, tangent: Array, names: Sequence[str]
-) -> Fit:
-    """The Fit at the least chi^2 among u = u(theta), its uncertainty along du/dtheta.
-
-    Args:
-        weights: diagonal of W for one sample, shape (6,).
-        root: R of the regression, see `compress`, shape (u, u).
-        values: u(theta) at the minimum, shape (u,).
-        tangent: du/dtheta there, shape (u, theta).
-        names: names of the free parameters theta, in their order; the last are the regression's nuisances.
-
-    Raises:
-        IdentificationError: parameters that are not determined, by name, or no degree of freedom.
-    """
-    rows, filtered, root = regression.forces.size, regression.filtered, root @ tangent
-    rank, condition = determined(root, names, rows, regression.nuisance)
-    residuals = regression.residuals(values)
-    freedom = degrees_of_freedom(rows, tangent.shape[1], filtered)
-    s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
-    half = tangent @ inverse_root(root)
-    covariance = s0**2 / filtered.stride * (half @ half.T)  # (28), along du/dtheta
-    return Fit(values, covariance, covariance, s0, freedom, residuals, weights, rank, condition)
-
-
 def gauss_markov(regression: Regression, weights: Array) -> Fit:
     """Weighted least squares with W the same diagonal at every sample.
 
@@ -246,17 +221,22 @@ def gauss_markov(regression: Regression, weights: Array) -> Fit:
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
 
     Raises:
-        IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
+        IdentificationError: fewer forces than unknowns, parameters that the data do not determine, by name, or no
+            degree of freedom.
     """
     (root, right, _), rows, names = compress(regression, weights), regression.forces.size, regression.names
-    determined(root, names, rows, regression.nuisance)
+    rank, condition = determined(root, names, rows, regression.nuisance)
     remainders = np.abs(np.diag(root))  # of each column, what the columns before it do not explain
     unseen = np.flatnonzero(remainders <= rows * np.finfo(float).eps * np.linalg.norm(root, axis=0))
     if len(unseen):
         raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
     half = inverse_root(root)
     values = np.asarray(half @ ((root @ half).T @ right))  # (24)
-    return fit_along(regression, weights, root, values, np.eye(len(values)), names)
+    residuals, stride = regression.residuals(values), regression.filtered.stride
+    freedom = degrees_of_freedom(rows, len(values), regression.filtered)
+    s0 = float(np.sqrt(np.sum(weights * residuals**2) * stride / freedom))  # (27)
+    covariance = s0**2 / stride * (half @ half.T)  # (28)
+    return Fit(values, covariance, covariance, s0, freedom, residuals, weights, rank, condition)
 
 
 def require_alive(forces: Array) -> None:

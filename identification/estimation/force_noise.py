@@ -238,9 +238,8 @@ def long_run_covariance(scores: Array) -> Array:
 
 
 def with_kernel(fit: Fit, regression: Regression) -> Fit:
-    """A fit of `fit_along` that allows for noise with memory by Bartlett's kernel, `long_run_covariance`."""
+    """A fit of `gauss_markov` that allows for noise with memory by Bartlett's kernel, `long_run_covariance`."""
     inverse = fit.covariance * regression.filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
-    # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
     long_run = long_run_covariance(scores(regression.regressors, fit.residuals, fit.weights))
     return replace(fit, covariance_robust=inverse @ long_run @ inverse)
 

@@ -10,8 +10,6 @@ from identification.estimation.fit import (
     compress,
     degrees_of_freedom,
     determined,
-    fit_along,
-    gauss_markov,
     inverse_root,
 )
 from tests.helpers import one_line
@@ -27,22 +25,6 @@ def test_chi_squared_is_that_of_the_full_problem_everywhere() -> None:
         direct = np.sum(WEIGHTS * (measured - A @ u) ** 2)
         assert np.sum((right - root @ u) ** 2) + rest == pytest.approx(direct, rel=1e-12)
     assert root.shape == (20, 20)
-
-
-@pytest.mark.parametrize("nuisance", [0, 1])
-@pytest.mark.parametrize("filtered", [Filtered(1.0, 1), Filtered(0.1, 5)])
-def test_with_all_parameters_free_the_fit_is_that_of_gauss_markov(nuisance: int, filtered: Filtered) -> None:
-    measured = forces(0)
-    regression = Regression(A, measured, NAMES, nuisance, filtered)
-    expected = gauss_markov(regression, WEIGHTS)
-    root, right, _ = compress(regression, WEIGHTS)
-    fit = fit_along(regression, WEIGHTS, root, np.linalg.solve(root, right), np.eye(20), NAMES)
-    np.testing.assert_allclose(fit.values, expected.values, rtol=1e-9)
-    np.testing.assert_allclose(fit.covariance, expected.covariance, rtol=1e-9, atol=1e-18)
-    np.testing.assert_allclose(fit.covariance_robust, expected.covariance_robust, rtol=1e-8, atol=1e-16)
-    np.testing.assert_allclose([fit.s0, fit.freedom], [expected.s0, expected.freedom])
-    assert fit.rank == expected.rank
-    assert fit.condition == pytest.approx(expected.condition)
 
 
 def test_its_inverse_root_is_a_root_of_the_inverse_whatever_the_units() -> None:
