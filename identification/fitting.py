@@ -38,7 +38,6 @@ class Fitted(NamedTuple):
     whitening: Array | None  # W is its square, where it is given
     w: Array  # W for one sample, shape (6, 6)
     regression: Regression  # A and the nuisances, and the forces as the estimator saw them, not whitened
-    taken: Array  # part of the fit's covariance that comes from biases of another result
 
     @property
     def at(self) -> float:
@@ -91,12 +90,12 @@ def fit_samples(
     has_delay = bool(samples.nuisances) and fixed_delay is None  # the last of the values is a step of the delay
     own = len(regression.names) - has_delay
     residuals = samples.recorded - samples.predicted(columns[:, :, :own], fit.values[:own])
-    taken, more = np.zeros_like(fit.covariance), np.zeros_like(fit.covariance)
+    more = np.zeros_like(fit.covariance)
     if how.biases is not None:
         offsets = offset_columns(model)
         moves = -basis @ _gain(columns @ basis, w, columns[:, :, offsets])
         moves[offsets] += np.eye(6)
-        taken += moves @ how.biases.covariance @ moves.T
+        more += moves @ how.biases.covariance @ moves.T
     unknowns, effects = len(model.names), None
     if how.biases is not None or fixed_delay is not None:
         effects = samples.known_columns(delay, columns[:, :, :unknowns], fit.values[:unknowns])
@@ -104,16 +103,15 @@ def fit_samples(
         moves = basis @ _gain(columns @ basis, w, effects)
         if how.biases is not None:
             covariance = np.array(how.biases.require_accelerometer().covariance_m2_s4)
-            taken += moves[:, 1:] @ covariance @ moves[:, 1:].T
+            more += moves[:, 1:] @ covariance @ moves[:, 1:].T
         if fixed_delay is not None:
             more += fixed_delay.std**2 * np.outer(moves[:, 0], moves[:, 0])
-    more += taken
     fit = replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
     if has_delay:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
         fixed_delay = Value(value, std, std, "s")
-    return Fitted(samples, how, sensors, fit, fixed_delay, residuals, whitening, w, regression, taken)
+    return Fitted(samples, how, sensors, fit, fixed_delay, residuals, whitening, w, regression)
 
 
 def _converged(

@@ -17,7 +17,7 @@ from cases.basis import changes_since, recording_basis, result_basis
 from cases.errors import FileProblem, IdentificationError, RecordingError
 from cases.schema import Case
 from cases.units import Array
-from identification.estimation.biases import accelerometer_bias, drift_findings, mass_finding
+from identification.estimation.biases import accelerometer_bias, drift_findings
 from identification.estimation.estimators import Method
 from identification.estimation.fit import require_alive
 from identification.finding import Kind, changed_cases, warning
@@ -29,7 +29,7 @@ from identification.formats.reading import files_of
 from identification.hexapod import StrutsDoNotClose
 from identification.model import Model, full_model, identification_model
 from identification.outcome import RUN_ENTRIES, Result
-from identification.parameters import INERTIA, MASS, RIGID
+from identification.parameters import INERTIA, RIGID
 from identification.recording import Recording, poses_of_record
 from identification.result import Estimate, entries_of, estimate_of
 from identification.runs.evaluation import SMOOTHED
@@ -258,8 +258,6 @@ def _evaluated(recording: Recording, case: Case, model: Model, method: Method, c
     if method.biases is not None:
         free = fit_samples(fitted.samples, method.without_biases, case.sensors, fitted.at, delay)
         findings += drift_findings(method.biases, model, free.fit)
-        if fitted.samples.nuisances and MASS in model.blocks:
-            findings.append(mass_finding(model, fitted.fit, fitted.taken))
     findings += fit_findings(recording, case, fitted)
     bias = None
     if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:

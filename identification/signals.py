@@ -137,13 +137,7 @@ class Filter(NamedTuple):
         Raises:
             RecordingError: fewer samples than the filter is long.
         """
-        self.require(values, delay)
-        kernel = self.kernel(order, delay)
-        mean = values.mean(axis=0)  # keeps rounding of the FFT small against the oscillation, not against 1 m of strut
-        size = next_fast_len(len(values) + len(kernel) - 1, real=True)
-        spectrum = rfft(values - mean, size, axis=0) * rfft(kernel, size)[:, None]
-        result = irfft(spectrum, size, axis=0)[len(kernel) - 1 : len(values)]
-        return np.asarray(result + mean if order == 0 else result)
+        return decimated(self, values, np.arange(len(values) - 2 * self.margin), [(order, delay)])[0]
 
 
 def _sinc_derivatives(t: Array, w: float) -> tuple[Array, Array, Array]:
@@ -160,7 +154,7 @@ def _sinc_derivatives(t: Array, w: float) -> tuple[Array, Array, Array]:
 
 
 def decimated(low_pass: Filter, values: Array, rows: Indices, wanted: Sequence[tuple[int, float]]) -> list[Array]:
-    """`low_pass.apply(values, order, delay)[rows]` for several orders and delays, up to rounding.
+    """The filtered signal or derivatives of it at some rows, for several orders and delays.
 
     Args:
         values: shape (n, channels).

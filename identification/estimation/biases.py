@@ -96,17 +96,6 @@ class Biases:
         return self.accelerometer
 
 
-def mass_finding(model: Model, fit: Fit, taken: Array) -> Finding:
-    """Finding about the mass's standard deviation: what known offsets and biases make of it, of covariance `taken`."""
-    place = model.names.index("m")
-    variance, own = max(fit.covariance[place, place], fit.covariance_robust[place, place]), taken[place, place]
-    return note(
-        Kind.OFFSETS,
-        f"of the mass's standard deviation of {variance**0.5:.2g} kg the offsets that were taken make {own**0.5:.2g} "
-        f"kg; what this run leaves of its forces makes {max(variance - own, 0.0) ** 0.5:.2g} kg",
-    )
-
-
 def drift_findings(biases: Biases, model: Model, free: Fit) -> list[Finding]:
     """A warning where offsets have drifted since they were taken, by a fit that was free to choose its own."""
     offsets = offset_columns(model)
