@@ -10,8 +10,6 @@ Struts are one unit for places and turns, and say what encoders, screws and join
 of the run's reach, or more, looks like a parameter, and the run cannot show it.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import gammaincinv, ndtri
@@ -27,9 +25,6 @@ UNSEEN = 1e-9  # of the largest singular value or eigenvalue, below which there 
 JITTER = 1e-9  # white noise beside all others, as a share of their variance
 SETTLED = 1e-6  # relative change of the likelihood: thousandths, and what is decided is a difference of two
 MOST_STEPS = 100
-
-Family = Callable[[Array], tuple[Array, Callable[[Array], Array]]]
-"""Logarithms of parameters, shape (p,) -> V, shape (m, m), and what turns dL/dV into dL/d(logarithms), shape (p,)."""
 
 
 def independent(taken: Array) -> Array:
@@ -51,47 +46,6 @@ def _solved(noise: Array, taken: Array, covariance: Array) -> tuple[Array, Array
     solution = inverse @ noise
     logdet = channels * np.log(np.diag(factor)).sum() + np.log(np.diag(inner)).sum()
     return inverse, spanned, solution - spanned @ rest, float(logdet)
-
-
-def likeliest(noise: Array, taken: Array, family: Family, start: Array, bounds: Array) -> tuple[Array, float]:
-    """Parameters of the largest restricted likelihood, shape (p,), and minus the logarithm of that likelihood.
-
-    Args:
-        noise: residuals of some samples, in channels with independent noise, shape (m, s).
-        taken: `independent` columns that the fit may have taken any multiple of, shape (m, s, r).
-        start: parameters to begin with, shape (p,).
-        bounds: least and most of each, shape (p, 2).
-    """
-    from scipy.optimize import minimize  # half a second, which those that simulate or plan can do without
-
-    def value(logarithms: Array) -> tuple[float, Array]:
-        covariance, gradient = family(logarithms)
-        inverse, spanned, answer, half_logdet = _solved(noise, taken, covariance)
-        flat = spanned.reshape(len(covariance), -1)
-        slope = noise.shape[1] * inverse - flat @ flat.T - answer @ answer.T
-        return half_logdet + float(np.sum(noise * answer)) / 2.0, gradient(slope / 2.0)
-
-    best = minimize(
-        value,
-        np.log(start),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=np.log(bounds),
-        options={"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20},
-    )
-    return np.exp(best.x), float(best.fun)
-
-
-def mixtures(kernels: Array) -> Family:
-    """Covariances that are sums of given ones, shape (c, m, m), with shares of their own."""
-    count = kernels.shape[1]
-    flat = kernels.reshape(len(kernels), -1)
-
-    def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
-        shares = np.exp(logarithms)
-        return (shares @ flat).reshape(count, count), lambda slope: shares * (flat @ slope.ravel())
-
-    return family
 
 
 def shares_by_channel(noise: Array, taken: Array, kernels: Array, shares: Array) -> Array:
@@ -159,10 +113,8 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     memories = [near, *slow_noises(found.length)]
     lags = np.abs(found.places[rows][:, None] - found.places[rows])
     kernels = np.array([m[lags] for m in memories])
-    begin = np.r_[BEGIN[0], np.full(len(memories) - 1, BEGIN[1]), BEGIN[2:]]
-    bounds = np.array([*[SHARES] * (len(memories) + 1), LENGTHS])
-    _, without = likeliest(noise, taken, mixtures(kernels), begin[:-2], bounds[:-2])
-    shares, value = likeliest(noise, taken, _with_field(kernels, squared / reach**2), begin, bounds)
+    _, without = likeliest(noise, taken, kernels)
+    shares, value = likeliest(noise, taken, kernels, np.sqrt(squared) / reach)
     if without - value <= UNKNOWNS:
         return None
     length = reach * float(shares[-1])
@@ -189,21 +141,39 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
     return Robust(found.covariance(meat), (finding,), reported)
 
 
-def _with_field(kernels: Array, squared: Array) -> Family:
-    """Sums of kernels, shape (c, m, m), and of a field: shares, the field's last, and its length are parameters."""
-    mixture, distance = mixtures(kernels), np.sqrt(squared)
+def likeliest(noise: Array, taken: Array, kernels: Array, distances: Array | None = None) -> tuple[Array, float]:
+    """Shares of noises of the largest restricted likelihood, and minus the logarithm of that.
 
-    def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
-        memory, gradient = mixture(logarithms[:-2])
-        share = np.exp(logarithms[-2])
-        alike, longer = matern(distance * np.exp(-logarithms[-1]))
+    Args:
+        noise: residuals of some samples, in channels with independent noise, shape (m, s).
+        taken: `independent` columns that the fit may have taken any multiple of, shape (m, s, r).
+        kernels: covariances of the noises, shape (c, m, m).
+        distances: distances of the samples, shape (m, m), where there is a field too: its share and its length follow.
+    """
+    from scipy.optimize import minimize  # half a second, which those that simulate or plan can do without
 
-        def pull(slope: Array) -> Array:
-            return np.asarray(np.r_[gradient(slope), share * np.sum(slope * alike), share * np.sum(slope * longer)])
+    count, flat = len(kernels), kernels.reshape(len(kernels), -1)
+    begin, bounds = [BEGIN[0], *[BEGIN[1]] * (count - 1)], [SHARES] * count
+    if distances is not None:
+        begin, bounds = [*begin, *BEGIN[2:]], [*bounds, SHARES, LENGTHS]
 
-        return memory + share * alike, pull
+    def value(logarithms: Array) -> tuple[float, Array]:
+        shares = np.exp(logarithms)
+        covariance = (shares[:count] @ flat).reshape(kernels.shape[1:])
+        if distances is not None:
+            alike, longer = matern(distances / shares[-1])
+            covariance += shares[-2] * alike
+        inverse, spanned, answer, half_logdet = _solved(noise, taken, covariance)
+        span = spanned.reshape(len(covariance), -1)
+        slope = (noise.shape[1] * inverse - span @ span.T - answer @ answer.T) / 2.0
+        gradient = shares[:count] * (flat @ slope.ravel())
+        if distances is not None:
+            gradient = np.r_[gradient, shares[-2] * np.sum(slope * alike), shares[-2] * np.sum(slope * longer)]
+        return half_logdet + float(np.sum(noise * answer)) / 2.0, gradient
 
-    return family
+    options = {"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20}
+    best = minimize(value, np.log(begin), jac=True, method="L-BFGS-B", bounds=np.log(bounds), options=options)
+    return np.exp(best.x), float(best.fun)
 
 
 def _field_covariance(data: Turned, places: Array, shares: Array) -> Array:

@@ -30,13 +30,13 @@ from identification.estimation.fit import Fit, Robust, joint_triangle
 from identification.estimation.force_noise import coloured_covariance, turned
 from identification.estimation.pose_noise import covariance_by_pose
 from identification.finding import Finding, Kind, note
-from identification.hexapod import StrutsDoNotClose
+from identification.hexapod import Hexapod, StrutsDoNotClose
 from identification.model import expected_forces, regressors
 from identification.recording import Recording
-from identification.runs.noise_sources import acceleration_effects, expected_squares, twist_rate_squares
+from identification.runs.noise_sources import regressor_squares
 from identification.samples import Moving
 from identification.signals import MOST_SAMPLES, Filter, Residuals, decimated, fair_part
-from identification.symbolic import Kinematics, Machine
+from identification.symbolic import Kinematics, Machine, over_samples
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
@@ -173,10 +173,15 @@ class Run(Moving):
         """Effect of stated noise on A, from a part of a long run."""
         part = self.excerpt()
         motion, variance = part.kinematics(delay), (sensors.strut_variance or 0.0) * self.filter.acceleration_noise_gain
-        squares = twist_rate_squares(self.model, motion, w, sensors, self.filtered.gain)
+        directions = np.zeros((len(motion.pose), 6, 0))
+        if sensors.acceleration_noise is not None:
+            own = np.diag(sensors.acceleration_noise * np.sqrt(self.filtered.gain))
+            directions = np.tile(own, (len(motion.pose), 1, 1))
         if variance:
-            effects = acceleration_effects(self.machine, self.model, motion)
-            squares += expected_squares(effects, [variance] * len(effects), w)
+            assert isinstance(self.machine, Hexapod)  # only of struts a case states noise
+            of_struts = np.linalg.inv(over_samples(self.machine.inverse_jacobian, motion.pose)[1])
+            directions = np.dstack([directions, np.sqrt(variance) * of_struts])
+        squares = regressor_squares(self.model, motion, directions, w)
         return squares * (len(self.rows) / len(part.rows)), variance
 
     def series(self, delay: float, values: Array) -> Residuals:

@@ -8,8 +8,7 @@ Stated noise of the accelerations themselves leaves the same residuals whether t
 or the platform vibrates; only the former biases the estimate, so that the reported bias is the largest there can be.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +17,10 @@ from cases.sensors import Sensors
 from cases.units import Array
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, warning
-from identification.hexapod import Hexapod
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 from identification.samples import Samples
-from identification.symbolic import Kinematics, Machine, over_samples
+from identification.symbolic import Kinematics
 
 MOST_LOST = 0.5  # of a run's apparent information on a parameter; beyond, the estimate of the bias is too uncertain
 EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic
@@ -119,18 +117,20 @@ def noise_sources(
     )
 
 
-def expected_squares(effects: Iterable[Array], variances: Iterable[float], w: Array) -> Array:
-    """Expected sum of dA^T W dA for independent noise that changes A by effects, shape (n, 6, u); shape (u, u)."""
-    squares = (np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True) for change in effects)
-    return np.asarray(sum(variance * square for variance, square in zip(variances, squares, strict=True)))
+def regressor_squares(model: Model, motion: Kinematics, directions: Array, w: Array) -> Array:
+    """Expected sum of dA^T W dA, shape (u, u), where each column of `directions` is an independent error.
 
-
-def twist_rate_squares(model: Model, motion: Kinematics, w: Array, sensors: Sensors, gain: float) -> Array:
-    """The same for stated noise of the accelerations, of which a filter leaves `gain`."""
-    if sensors.acceleration_noise is None:
-        return np.zeros((len(model.parameters),) * 2)
-    effects = _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
-    return expected_squares(effects, sensors.acceleration_noise**2 * gain, w)
+    Args:
+        motion: motion of n samples.
+        directions: what an error of one standard deviation adds to the twist rate, shape (n, 6, k).
+        w: W for one sample, shape (6, 6).
+    """
+    matrices = regressors(model, motion)
+    squares = np.zeros((matrices.shape[2],) * 2)
+    for change in np.moveaxis(directions, 2, 0):
+        effect = regressors(model, replace(motion, twist_rate=motion.twist_rate + change)) - matrices
+        squares += np.einsum("nku,kl,nlv->uv", effect, w, effect, optimize=True)
+    return squares
 
 
 def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, dict[str, float | None]]:
@@ -155,19 +155,3 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
         }
         for p, v, b, s in zip(form.parameters, values, reference, std, strict=True)
     }
-
-
-def acceleration_effects(machine: Machine, model: Model, motion: Kinematics) -> list[Array]:
-    """dA/dq''_s for each strut s, shape (n, 6, u) [per m/s^2]."""
-    assert isinstance(machine, Hexapod)  # only of struts a case states noise
-    to_twist_rate = np.linalg.inv(over_samples(machine.inverse_jacobian, motion.pose)[1])
-    return _effects(model, motion, to_twist_rate.astype(np.float64))
-
-
-def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
-    """Change of A by a step of the twist rate along each column of `directions`, shape (n, 6, 6)."""
-    matrices = regressors(model, motion)
-    return [
-        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - matrices
-        for k in range(6)
-    ]

@@ -12,10 +12,11 @@ from identification.identify import estimate_parameters
 from identification.model import identification_model, regressors
 from identification.motion import Motion
 from identification.recording import Recording
-from identification.runs.noise_sources import acceleration_effects
+from identification.runs.noise_sources import regressor_squares
 from identification.runs.preparation import moving_run
 from identification.signals import Filter
 from identification.simulate import simulate_recording
+from identification.symbolic import over_samples
 from tests.helpers import Harmonic, ideal, simulated
 from tests.simulated_machine import PoseExecution
 
@@ -99,15 +100,12 @@ def test_effect_of_the_accelerations_is_that_of_changed_struts() -> None:
     case = ideal(CASE)
     made = moving_run(run(case), case, identification_model(case, 9))
     struts = [made.filter.apply(made.recording.struts, k)[made.rows] for k in range(3)]
-    effects = acceleration_effects(made.machine, made.model, made.kinematics(0.0))
-    rng = np.random.default_rng(0)
-    change = rng.normal(size=struts[2].shape)
+    change, motion = np.random.default_rng(0).normal(size=struts[2].shape), made.kinematics(0.0)
     other = regressors(made.model, made.machine.kinematics(struts[0], struts[1], struts[2] + change))
-    np.testing.assert_allclose(
-        sum(c[:, None, None] * e for c, e in zip(change.T, effects, strict=True)),
-        other - made.regressors(0.0),
-        atol=1e-9,
-    )
+    to_twist_rate = np.linalg.inv(over_samples(made.machine.inverse_jacobian, motion.pose)[1])
+    found = regressor_squares(made.model, motion, to_twist_rate @ change[:, :, None], np.eye(6))
+    effect = other - made.regressors(0.0)
+    np.testing.assert_allclose(found, np.einsum("nku,nkv->uv", effect, effect), rtol=1e-9, atol=1e-9)
 
 
 def noisy(recording: Recording, seed: int, std_um: float) -> Recording:
