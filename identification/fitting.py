@@ -123,12 +123,7 @@ def _converged(
     near: Array | None = None,
     steps: int = DELAY_STEPS,
 ) -> tuple[float, Array | None, Regression, Array | None]:
-    """Gauss-Newton over the delay [s]: the delay, u, the regression there, and its whitening, where that is given.
-
-    Args:
-        beside: number of the run's nuisances that are estimated; without the last, the delay, that is fixed.
-        near: u of a part of the run, shape (u,), with its delay: one step is then enough.
-    """
+    """Gauss-Newton over the delay [s], from u of a part of the run, `near`: delay, u, regression and its whitening."""
     forces, model, selection, weights = run.forces, run.model, method.selection(run.model), method.weights_for(sensors)
     names, alike = [*model.names, *run.nuisances[:beside]], ALIKE[weights]
     whitening, values, unknowns = None, near, len(model.names)

@@ -37,7 +37,7 @@ from identification.runs.noise_sources import noise_sources
 from identification.runs.preparation import delimited, moving_run, on_one_clock, stands_only
 from identification.runs.sample_checks import scan
 from identification.runs.standstills import average, find_standstills, match, standstills
-from identification.runs.wrist import delay_band, wrist_run
+from identification.runs.wrist import widest_band, wrist_run
 from identification.samples import USUAL, Conditioning, Samples
 
 RESTLESS = 3.0  # times the usual scatter of an averaged force
@@ -227,7 +227,7 @@ def _samples(recording: Recording, case: Case, model: Model, conditioning: Condi
     if conditioning.flexible and (method.priors or recording.struts is None):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if recording.struts is None:
-        wide = wrist_run(recording, case, model, cutoff=delay_band(recording))
+        wide = wrist_run(recording, case, model, cutoff=widest_band(recording, *recording.others))
         return replace(wrist_run(recording, case, model, method.biases), wide=wide)
     run = moving_run(recording, case, model)
     return replace(run, nuisances=SMOOTHED, flexible=True) if conditioning.flexible else run

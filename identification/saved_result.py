@@ -63,9 +63,8 @@ def require_agreement(file: str, entries: ResultEntries, model: Model, wrench: b
     for name, computed in physical.items():
         stated = parameters[name]
         size = max(abs(computed.value), computed.reported)
-        require(f"value of {name}", stated.value, computed.value, size, "the linear parameters")
-        require(f"std of {name}", stated.std, computed.std, size, "the linear parameters")
-        require(f"std_robust of {name}", stated.std_robust, computed.std_robust, size, "the linear parameters")
+        for key in ("value", "std", "std_robust"):
+            require(f"{key} of {name}", getattr(stated, key), getattr(computed, key), size, "the linear parameters")
         if stated.unit != computed.unit:
             raise FileProblem(file, f"unit of {name} is {stated.unit}, not {computed.unit}: changed by hand", AGAIN)
         of_interval = computed.interval(entries.degrees_of_freedom)

@@ -109,14 +109,7 @@ def coloured_covariance(found: Turned) -> Array | None:
 
 
 def _seen(answer: Array, taken: Spectra, here: Array, pairs: Array, autocovariance: Array) -> tuple[Array, Array]:
-    """Effect of stationary noise at n equal steps: expected |rfft|^2 of the residuals, and B^T Gamma B.
-
-    Args:
-        answer: B, shape (n, u).
-        taken: rfft of C, shape (n // 2 + 1, u).
-        here: 1 where there is a sample, 0 elsewhere, shape (n,).
-        pairs: how often two samples are so many steps apart, shape (n,).
-    """
+    """Effect of noise: |rfft|^2 of the residuals, B^T Gamma B; by B, rfft of C, samples and pairs so far apart."""
     raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
     response = toeplitz(autocovariance, answer)
     meat = answer.T @ response
@@ -139,11 +132,8 @@ def _meat(answer: Array, basis: Array, noise: Array, mask: Array, freedom: float
 
 
 def _shares(power: Array, expected: Array) -> Array:
-    """Shares of noises that make the power likeliest, none negative.
-
-    Multiplicative steps that never lose likelihood (Fevotte and Idier 2011, Neural Comput. 23:2421, beta = 0), from
-    |rfft|^2 of residuals, shape (f,), and that expected of each noise with share 1, shape (c, f).
-    """
+    """Shares of noises, of which each is expected to make some power, shape (c, f), that make the power likeliest."""
+    # By multiplicative steps that never lose likelihood (Fevotte and Idier 2011, Neural Comput. 23:2421, beta = 0).
     floor = NOTHING * float(expected.max())
     expected, power = np.maximum(expected, floor), np.maximum(power, floor)
     shares = np.r_[1.0, np.full(len(expected) - 1, BEGIN)]

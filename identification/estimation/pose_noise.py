@@ -177,11 +177,9 @@ def likeliest(noise: Array, taken: Array, kernels: Array, distances: Array | Non
 
 
 def _field_covariance(data: Turned, places: Array, shares: Array) -> Array:
-    """Covariance of half^-1 u by a field of variance `shares` in each channel, shape (u, u).
-
-    As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so that
-    the length of the run does not count. Places are in lengths of the field, shape (n, 6).
-    """
+    """Covariance of half^-1 u by a field of variance `shares` in each channel, at places in lengths of the field."""
+    # As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so
+    # that the length of the run does not count.
     offsets = places - places.mean(axis=0)
     waves = spectrum_of(places.shape[1])
     meat = np.zeros((data.answer.shape[2],) * 2)

@@ -48,16 +48,9 @@ class Contact(NamedTuple):
 
 
 def _calm(residuals: Array) -> tuple[Array, Array, Array]:
-    """Noise of the forces from residuals, shape (m, 6), of which contacts may have touched less than half.
-
-    The covariance is that of the inner half of the residuals, so that up to half of them may be touched; the median of
-    the distances, which noise fixes, removes what trimming took from it.
-
-    Returns:
-        Median of each channel, shape (6,) [N, or N and N m]; the metric, shape (6, 6), in which the square of a
-        distance is 1 for what noise exceeds with the probability `CHANCE`, 0 without residual; standard deviation
-        of each channel, shape (6,).
-    """
+    """Median, metric (a square of 1 is exceeded by noise with `CHANCE`) and deviation of channels, half untouched."""
+    # The covariance is that of the inner half of the residuals, so that up to half of them may be touched; the median
+    # of the distances, which noise fixes, removes what trimming took from it.
     centre = np.median(residuals, axis=0)
     centred = residuals - centre
     noise = np.quantile(np.abs(centred), CALM, axis=0) / ndtri((1 + CALM) / 2)

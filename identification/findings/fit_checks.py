@@ -138,13 +138,6 @@ def other_rate(recording: Recording, case: Case, fitted: Fitted) -> list[Finding
     return [note(Kind.CLOCK, sentence)]
 
 
-def found_before(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Findings of recorder, estimator and window."""
-    samples, fit = fitted.samples, fitted.fit
-    cut = [*cut_off(recording), *shorter_than_planned(recording)] if samples.nuisances else []
-    return [*cut, *fit.findings, *samples.window]
-
-
 def late(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
     """A delay that no filter makes."""
     if abs(fitted.at) < SUSPICIOUS_DELAY:
@@ -235,14 +228,8 @@ def doubtful_body(recording: Recording, case: Case, fitted: Fitted) -> list[Find
 
 
 def _other_mass(mass: float, case: Case) -> list[Finding]:
-    """What to say of a mass [kg] that is far from nominal, with any number of the case's payloads.
-
-    Sensors at the drive's end of the struts carry the whole rods, which are then part of the mass.
-
-    Raises:
-        IdentificationError: it is a thousandth or a thousand times the nominal one.
-    """
-    low, high = THOUSANDTH
+    """What to say of a mass [kg] that is far from nominal, with any number of the case's payloads."""
+    low, high = THOUSANDTH  # sensors at the drive's end of the struts carry the whole rods, which are part of the mass
     struts = case.sensor_frame.struts
     rods = 6 * struts.rod_mass_kg if struts is not None and struts.at == "drive" else 0.0
     nominal, *_ = masses = [body.mass_kg + rods for body in case.bodies]
@@ -262,10 +249,7 @@ def _other_mass(mass: float, case: Case) -> list[Finding]:
 
 
 def _no_body(model: Model, fit: Fit) -> list[Finding]:
-    """What to say of moments of inertia that no body has: along any line, mass spreads by zero or more.
-
-    The second moments of a body's mass are 1/2 tr(I) 1 - I, positive semidefinite (Wensing, Kim and Slotine 2018).
-    """
+    """What to say of moments of inertia that no body has: 1/2 tr(I) 1 - I, how mass spreads, has no negative one."""
     if INERTIA not in model.blocks:
         return []
     form = physical_form(model)
@@ -365,12 +349,14 @@ def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
 
 
 CHECKS: tuple[Callable[[Recording, Case, Fitted], list[Finding]], ...] = (
-    found_before, placed, late, far_from_white, unexplained, systematic, noisier, like_noise, other_feed,
+    placed, late, far_from_white, unexplained, systematic, noisier, like_noise, other_feed,
     other_rate, averaged, drifting, doubtful_body,
 )  # fmt: skip
 """The checks of every fit, in the order of their findings."""
 
 
 def fit_findings(recording: Recording, case: Case, fitted: Fitted) -> list[Finding]:
-    """Findings of all checks."""
-    return [finding for check in CHECKS for finding in check(recording, case, fitted)]
+    """Findings of recorder, estimator and window, and of all checks."""
+    cut = [*cut_off(recording), *shorter_than_planned(recording)] if fitted.samples.nuisances else []
+    checked = [finding for check in CHECKS for finding in check(recording, case, fitted)]
+    return [*cut, *fitted.fit.findings, *fitted.samples.window, *checked]

@@ -120,10 +120,7 @@ _Candidate = tuple[tuple[float, float], str, Order]  # residuals as `_rms` has t
 
 
 def _likeliest(candidates: Sequence[_Candidate]) -> _Candidate:
-    """The order that leaves least, and of those that leave the same, the one with the fewest mistakes.
-
-    The signs of all moments do not matter in standstills: the centre of gravity changes its sign with them.
-    """
+    """The order that leaves least, and of those that leave the same, the one with the fewest mistakes."""
     least = min(residuals for residuals, _, _ in candidates)[0]
     same = [c for c in candidates if c[0][0] <= SAME * least]
     return min(same or candidates, key=lambda c: mistakes(c[2]))
@@ -139,13 +136,7 @@ def _in_words(weights: Array, weighted: float, newtons: float) -> str:
 
 
 def _instants(recording: Recording, case: Case, model: Model) -> tuple[list[Array], list[Array] | None, Array | None]:
-    """Some instants of a run.
-
-    Returns:
-        Forces, of a run that moves with their derivative, which a delay adds, each of shape (n, 6); lengths (of a chain
-        positions), velocities and accelerations, each of shape (n, k), None without drives; A without drives, shape
-        (n, 6, u).
-    """
+    """Some instants of a run: forces, moving with their derivative, which a delay adds; drives with theirs, or A."""
     _, recording = scan(recording, case)
     most = INSTANTS if case.chain is None else OF_CHAINS
     if recording.t is None or case.setup == "1a":
@@ -225,16 +216,7 @@ def _regressors_of(drives: Sequence[Array], case: Case, model: Model, orders: Se
 def _rms(
     signals: Sequence[Array], weights: Array, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None
 ) -> tuple[float, float]:
-    """Rms residuals of the forces in an order, weighted, and of the channels in newtons [N].
-
-    Infinite where the struts do not close, or a mass would be negative.
-
-    Args:
-        signals: forces, and their derivative where a delay may add some of it, each of shape (n, 6).
-        weights: those of the channels, shape (6,).
-        matrices: A, shape (n, 6, u); None where the struts do not close.
-        mass: its place among the parameters, where it must not be negative.
-    """
+    """Rms residuals in an order, weighted and in newtons; infinite where struts do not close or a mass is negative."""
     nothing = float("inf"), float("inf")
     if matrices is None:
         return nothing

@@ -96,13 +96,7 @@ class Run(Moving):
         return columns
 
     def _motions(self, *delays: float) -> Iterator[tuple[slice, list[Kinematics]]]:
-        """Motion of the platform at several delays, for one piece of the samples after the other.
-
-        From the second delay on, poses are solved from those at the first.
-
-        Raises:
-            StrutsDoNotClose: with the place in the file.
-        """
+        """Motion at several delays, piece by piece; from the second on, poses are solved from those at the first."""
         assert self.recording.struts is not None
         requests = [(order, delay) for delay in delays for order in range(3)]
         struts = decimated(self.filter, self.recording.struts, self.rows, requests)

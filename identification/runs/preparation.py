@@ -62,11 +62,7 @@ def _motion(recording: Recording, case: Case) -> Stream | None:
 
 
 def _released(recording: Recording) -> Stream | None:
-    """The samples of struts that a file holds until the next one comes; None where every row has its own.
-
-    Raises:
-        RecordingError: they are held between gaps, but not in one rhythm over these.
-    """
+    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
     assert recording.struts is not None
     assert recording.t is not None
     rhythm = _rhythm_of(recording.struts)
@@ -162,13 +158,6 @@ def delimited(trigger: Flags | None) -> bool:
     return trigger is not None and len(stretches(trigger)) > 1
 
 
-def require_on(source: str, trigger: Flags) -> Flags:
-    """The trigger, shape (n,); raises RecordingError where it is never on."""
-    if not trigger.any():
-        raise RecordingError(f"{source}, trigger", "is never 1", "record with the trigger or leave it out")
-    return trigger
-
-
 def checked_filter(recording: Recording, case: Case) -> Filter:
     """The low-pass of a case at the rate of a recording.
 
@@ -259,7 +248,11 @@ def _window(recording: Recording, low_pass: Filter, drives: str, unit: str) -> t
     low_pass.require(recording.struts, 0.0)
     warnings: tuple[Finding, ...] = ()
     if recording.trigger is not None:
-        rows = np.flatnonzero(require_on(recording.source, recording.trigger[margin:-margin]))
+        rows = np.flatnonzero(recording.trigger[margin:-margin])
+        if not len(rows):
+            raise RecordingError(
+                f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out"
+            )
     else:
         speed = low_pass.apply(recording.struts, 1)
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)

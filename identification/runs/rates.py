@@ -132,12 +132,7 @@ def at_the_forces(recording: Recording, motion: Stream) -> Recording:
 
 
 def _at_clock(recording: Recording, clock: Stream, inside: Indices, hidden: Flags, what: str) -> Recording:
-    """The run at some samples of one of its clocks, without forces and struts.
-
-    Args:
-        hidden: samples that a gap would hide, which are marked missing, shape (m,).
-        what: what is missing there.
-    """
+    """The run at samples of a clock, without forces and struts; `what` is missing where a gap would hide it."""
     assert clock.t is not None
     t = clock.t[inside]
     override, temperature = _latest(recording, "override", t), _latest(recording, "temperature", t)

@@ -235,11 +235,9 @@ def _around(size: Array, index: Indices) -> Array:
 
 
 def _shaken(recording: Recording, rows: Indices) -> Flags:
-    """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`.
-
-    Encoders see an acceleration through two differences of their steps, far less clearly than force sensors. The
-    limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
-    """
+    """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`."""
+    # Encoders see an acceleration through two differences of their steps, far less clearly than force sensors. The
+    # limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
     if recording.struts is None or not len(rows):
         return np.zeros(len(rows), dtype=bool)
     near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)

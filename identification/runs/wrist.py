@@ -188,17 +188,12 @@ def _filter(stream: Stream, cutoff: float) -> tuple[Array, Filter]:
 
 
 def widest_band(*streams: Stream) -> float:
-    """Highest cut-off at which the filter removes all above half the rate of every stream [Hz]."""
-    return min(1.0 / (3.0 * _equal_steps(stream)[1]) for stream in streams)
+    """Highest cut-off at which the filter removes all above half the rate of every stream [Hz].
 
-
-def delay_band(recording: Recording) -> float:
-    """The band of a run's delay [Hz]: the widest that all its streams carry, whatever the parameters' filter is.
-
-    At low frequencies a delay looks like a turn of the accelerometer about the axis of the motion, and what the
-    sensors err by with the orientation passes for it; vibration and jerks of a machine at higher frequencies do not.
+    In it a delay is estimated: at low frequencies it looks like a turn of the accelerometer about the axis of the
+    motion, and what the sensors err by with the orientation passes for it; vibration and jerks of a machine do not.
     """
-    return widest_band(recording, *recording.others)
+    return min(1.0 / (3.0 * _equal_steps(stream)[1]) for stream in streams)
 
 
 def _equal_steps(stream: Stream) -> tuple[Array, float]:
