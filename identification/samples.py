@@ -97,12 +97,8 @@ class Samples(ABC):
         del fit, basis, w, delay
         return self
 
-    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float] | None:
-        """Effect of stated noise of struts and accelerations on A; None where A does not come from struts.
-
-        D, the expected sum of dA^T W dA, shape (u, u), and the variance of the accelerations of a strut by noise of
-        the struts [m^2/s^4].
-        """
+    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> Array | None:
+        """Expected sum of dA^T W dA by stated noise, shape (u, u); None where A does not come from struts."""
         del w, delay, sensors
         return None
 

@@ -17,6 +17,7 @@ from cases.units import Array, Indices
 from identification.estimation.biases import WARM_UP, channel_words
 from identification.estimation.fit import Fit, Regression, inverse_root, joint_triangle
 from identification.estimation.force_noise import noise_components
+from identification.estimation.physical import pseudo_inertia
 from identification.finding import Finding, Kind, note, warning
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
@@ -258,10 +259,7 @@ def _no_body(model: Model, fit: Fit) -> list[Finding]:
     own = slice(len(model.parameters))
     values, white = form.of(fit.values[own], fit.covariance[own, own])
     robust = form.of(fit.values[own], fit.covariance_robust[own, own])[1]
-    inertia = np.zeros((3, 3))
-    for (i, j), value in zip(INERTIA_INDEX, values[places], strict=True):
-        inertia[i, j] = inertia[j, i] = value
-    moments, lines = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
+    moments, lines = np.linalg.eigh(pseudo_inertia(np.r_[np.zeros(4), values[places]])[:3, :3])
     least, line = float(moments[0]), lines[:, 0]
     slopes = np.array([0.5 - line[i] ** 2 if i == j else -2.0 * line[i] * line[j] for i, j in INERTIA_INDEX])
     deviation = max(float(np.sqrt(slopes @ c[np.ix_(places, places)] @ slopes)) for c in (white, robust))

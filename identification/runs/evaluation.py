@@ -163,8 +163,8 @@ class Run(Moving):
         b = float(fit.values[place])
         return (mode_finding(b, std, self.filter.cutoff) if self.flexible else smoothing_finding(b, std),)
 
-    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> tuple[Array, float]:
-        """Effect of stated noise on A, from a part of a long run."""
+    def regressor_noise(self, w: Array, delay: float, sensors: Sensors) -> Array:
+        """Expected sum of dA^T W dA by stated noise, shape (u, u), from a part of a long run."""
         part = self.excerpt()
         motion, variance = part.kinematics(delay), (sensors.strut_variance or 0.0) * self.filter.acceleration_noise_gain
         directions = np.zeros((len(motion.pose), 6, 0))
@@ -176,7 +176,7 @@ class Run(Moving):
             of_struts = np.linalg.inv(over_samples(self.machine.inverse_jacobian, motion.pose)[1])
             directions = np.dstack([directions, np.sqrt(variance) * of_struts])
         squares = regressor_squares(self.model, motion, directions, w)
-        return squares * (len(self.rows) / len(part.rows)), variance
+        return squares * (len(self.rows) / len(part.rows))
 
     def series(self, delay: float, values: Array) -> Residuals:
         """Recorded forces beside the model's at every sample of the window, decimated or not."""

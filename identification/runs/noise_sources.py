@@ -34,13 +34,6 @@ class NoiseSources:
     force_sensors: float | None  # share of the stated noise of the forces; None where none is stated
     # share of what the stated noise of struts and accelerations does to the forces; None where none is stated
     accelerations: float | None
-    # standard deviation of a strut acceleration behind the filter [m/s^2]; None where no noise of struts is stated
-    acceleration_std: float | None
-    # white noise of the recorded forces that leaves as large residuals as that of the accelerations, in units of s0;
-    # None where none is stated. Errors of struts reach the accelerations mostly near the cut-off, where the motion
-    # has no information: they scatter the parameters far less than such white noise, as `std_robust` beside (28)
-    # shows
-    equivalent_force_noise: float | None
     # bias of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes up half
     # of the run's information on a parameter
     bias: Array | None
@@ -73,8 +66,6 @@ class NoiseSources:
             "force_sensors": self.force_sensors,
             "accelerations": self.accelerations,
             "unexplained": 1.0 - self.explained,
-            "strut_acceleration_std_m_s2": self.acceleration_std,
-            "equivalent_force_noise": self.equivalent_force_noise,
         }
 
 
@@ -94,10 +85,9 @@ def noise_sources(
     if sensors.force_noise is not None:  # of the recorded samples, of which some were averaged for one of the fit
         force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / averaged / squared
     stated = sensors.strut_variance is not None or sensors.acceleration_noise is not None
-    noise = samples.regressor_noise(w, delay, sensors) if stated else None
-    if noise is None:
-        return NoiseSources(force_share, None, None, None, None)
-    moment, variance = noise
+    moment = samples.regressor_noise(w, delay, sensors) if stated else None
+    if moment is None:
+        return NoiseSources(force_share, None, None)
     unknowns = len(moment)
     estimated = fit.values[:unknowns]
     inverse = fit.covariance[:unknowns, :unknowns] * samples.filtered.stride / squared  # F^-1; singular: some are given
@@ -108,13 +98,7 @@ def noise_sources(
     true = estimated if bias is None else estimated - bias
     # The fit hides the part of dA u that biases it: u^T D u + u^T D b remains in the residuals.
     equivalent = float(true @ moment @ estimated) / (6 * len(samples.t) * samples.filtered.gain)
-    return NoiseSources(
-        force_share,
-        equivalent / squared,
-        float(np.sqrt(variance)) if variance else None,
-        float(np.sqrt(max(equivalent, 0.0))),
-        bias,
-    )
+    return NoiseSources(force_share, equivalent / squared, bias)
 
 
 def regressor_squares(model: Model, motion: Kinematics, directions: Array, w: Array) -> Array:

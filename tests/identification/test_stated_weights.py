@@ -99,7 +99,6 @@ def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     )  # as stated, in its own units
     share = [e.noise for e in estimates["stated"]]
     assert np.mean([s.explained for s in share]) == pytest.approx(1.0, abs=0.05)
-    assert all(s.acceleration_std is None for s in share)  # of struts nothing is stated
 
 
 def test_weights_without_noise_of_accelerations_are_equal_weights() -> None:
