@@ -157,21 +157,14 @@ class SerialChain:
         position, turn, _, _ = self.frame(q, still, still)
         return ca.Function("chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], {"cse": True})
 
-    def kinematics(
-        self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None
-    ) -> Kinematics:
+    def kinematics(self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
         """Pose, twist and twist rate of {P} from the motion of the joints, shapes (k, n), one row a sample.
 
         Where the pitch is a right angle the roll is 0.
         """
-        del start
         position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)
         turns = columns.reshape(-1, 3, 3).transpose(0, 2, 1)
         return Kinematics(np.hstack([position.reshape(-1, 3), _angles(turns)]), twist, twist_rate)
-
-    def earlier(self, motion: Kinematics, time: float) -> None:
-        """None: poses follow from the joints without a search."""
-        del motion, time
 
 
 def _angles(turns: Array) -> Array:
