@@ -11,9 +11,8 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from identification.formats.looked import Column
-from identification.formats.reading import whole
 from identification.formats.table import is_number, is_value, split, unreadable
-from identification.formats.text import SIZE, cells, read_blocks, read_head, rows_of
+from identification.formats.text import LONGEST_LINE, cells, read_head, read_lines, table_of
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SAMPLE = 200  # lines from which the fields are known
@@ -31,7 +30,7 @@ def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
         RecordingError: it cannot be read, or holds no table of numbers that the readers know.
     """
     raw = read_head(file)
-    if len(raw) > 1 and file.stat().st_size > SIZE // 4:
+    if len(raw) > 1 and file.stat().st_size >= LONGEST_LINE:
         raw = raw[:-1]  # what was read ends somewhere in this line
     encoding, lines = _decoded(file, raw)
     while lines and not lines[-1].strip():
@@ -65,8 +64,8 @@ def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
         settings |= {"trailing_rows": trailing} if trailing else {}
     settings |= {"encoding": encoding} if encoding != "utf-8" else {}
     wanted = {str(k): k for k in range(count) if numeric[k] and (names[k] or not names_row)}
-    blocks = read_blocks(file, first, trailing)
-    values = whole(list(rows_of(file, blocks, names, wanted, form, None))).values if wanted else {}
+    block = read_lines(file, first, trailing, len(wanted))
+    values = table_of(file, block, names, wanted, form, None).values if wanted else {}
     numbers = {wanted[k]: column for k, column in values.items() if np.isfinite(column).any()}
     if blank_at_end and not numeric[-1]:
         names = names[:-1]

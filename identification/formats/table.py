@@ -90,7 +90,7 @@ def is_number(text: str) -> bool:
 
 
 Block = tuple[int, bytes]
-"""Number of a line, counted from 1, and whole lines from there on; only the last of a file may lack its line break."""
+"""Number of a line, counted from 1, and whole lines from there on; only the last may lack its line break."""
 
 
 def lines_of(block: Block, rows: int) -> Lines:
@@ -200,6 +200,35 @@ def require_file(file: Path) -> None:
         raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
     if about.st_size == 0:
         raise RecordingError(file, "is empty", "record again")
+
+
+BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
+
+
+def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
+    """Raises RecordingError where a run takes more than half of the free memory.
+
+    Args:
+        others: count of the numbers of the run's other files, which are in memory already.
+    """
+    most = free_memory() // (2 * BYTES)
+    if others + rows * columns > most:
+        size = sum(part.stat().st_size for part in (file.iterdir() if file.is_dir() else [file]))
+        raise RecordingError(
+            f"{file}{' and the files before it' if others else ''}",
+            f"{size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and to evaluate these takes more than "
+            f"half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
+            f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
+        )
+
+
+def free_memory() -> int:
+    """Memory that can be used without swapping [bytes]; 2^60 where the system does not report it."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration):
+        return 1 << 60
 
 
 def unreadable(file: Path, error: Exception) -> RecordingError:

@@ -1,11 +1,10 @@
 """Tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
 
-The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. A file is read
-in blocks of whole lines, so that memory does not grow with its length; pyarrow reads the numbers, and what it cannot
-read is reported by one message with line, column, value and remedy.
+The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. pyarrow reads
+the numbers, and what it cannot read is reported by one message with line, column, value and remedy.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +19,15 @@ from identification.formats.table import (
     lines_of,
     missing_fields,
     require_file,
+    require_room,
     shown,
     split,
     unreadable,
 )
 from identification.formats.text_errors import explain, not_text, unnamed
 
-SIZE = 1 << 22  # bytes read at a time
-# Bytes that are returned at the end of the file only, without its trailing rows: a hundred long lines.
-KEPT = 1 << 16
-_LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
+PART = 1 << 22  # bytes, of which a damage is looked for line by line
+LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
 _NOT_TEXT = {
     b"\xff\xfe": "UTF-16 text; save it as UTF-8",
@@ -48,7 +46,7 @@ def read_head(file: Path) -> list[bytes]:
     require_file(file)
     try:
         with file.open("rb") as stream:
-            data = stream.read(_LONGEST_LINE)
+            data = stream.read(LONGEST_LINE)
     except OSError as error:
         raise unreadable(file, error) from error
     for mark, kind in _NOT_TEXT.items():
@@ -60,51 +58,45 @@ def read_head(file: Path) -> list[bytes]:
     return [line.removesuffix(b"\r") for line in lines]
 
 
-def read_blocks(file: Path, header_rows: int = 0, trailing_rows: int = 0) -> Iterator[Block]:
-    """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
+def read_lines(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Block:
+    """The lines of a text file below its header, without trailing rows and blank lines at the end.
 
     Args:
         file: a text file, see `read_head`.
         header_rows: lines at its start to leave out.
         trailing_rows: lines at its end to leave out, blank ones not counted.
+        columns: number of columns that are wanted.
 
     Raises:
-        RecordingError: it cannot be read, or has a line without end.
+        RecordingError: it cannot be read, has a line without end, or takes more than half of the free memory.
     """
-    line = header_rows + 1
+    first = header_rows + 1
     try:
         with file.open("rb") as stream:
             for _ in range(header_rows):
-                stream.readline(_LONGEST_LINE)
-            rest = b"" if header_rows else stream.read(len(_MARK)).removeprefix(_MARK)
-            while chunk := stream.read(SIZE):
-                rest += chunk
-                end = max(len(rest) - KEPT, 0)
-                cut = rest.rfind(b"\n", 0, end) + 1
-                if cut:
-                    yield line, rest[:cut]
-                    line += rest.count(b"\n", 0, cut)
-                    rest = rest[cut:]
-                elif end > _LONGEST_LINE:
-                    raise RecordingError(
-                        f"{file}, line {line}", "is longer than a million characters", "not a CSV table"
-                    )
+                stream.readline(LONGEST_LINE)
+            start = stream.tell()
+            if len(stream.readline(LONGEST_LINE)) == LONGEST_LINE:
+                raise RecordingError(f"{file}, line {first}", "is longer than a million characters", "not a CSV table")
+            require_room(file, 1 + sum(part.count(b"\n") for part in iter(lambda: stream.read(PART), b"")), columns)
+            stream.seek(start)
+            data = stream.read()
     except OSError as error:
         raise unreadable(file, error) from error
-    if data := _without_end(rest, trailing_rows):
-        yield line, data
+    return first, _without_end(data if header_rows else data.removeprefix(_MARK), trailing_rows)
 
 
 def _without_end(data: bytes, trailing_rows: int) -> bytes:
     """The lines above blank ones at the end and above the last rows that are not blank."""
-    lines = data.splitlines(keepends=True)
-    while lines:
-        blank = not lines[-1].strip(b" \t\r\n\x1a")
+    end = len(data)
+    while end:
+        start = data.rfind(b"\n", 0, end - 1) + 1
+        blank = not data[start:end].strip(b" \t\r\n\x1a")
         if not blank and trailing_rows == 0:
             break
         trailing_rows -= not blank
-        lines.pop()
-    return b"".join(lines)
+        end = start
+    return data[:end]
 
 
 def parse(
@@ -115,7 +107,7 @@ def parse(
     numbers: Iterable[int],
     stamps: Sequence[int],
 ) -> Mapping[int, pa.ChunkedArray]:
-    """The wanted columns of a block by position: numbers as float64, stamps as int64 or float64.
+    """The wanted columns of lines by position: numbers as float64, stamps as int64 or float64.
 
     Args:
         fields: names of all fields of a line, as the file calls them.
@@ -130,8 +122,8 @@ def parse(
     try:
         table = pacsv.read_csv(
             pa.BufferReader(block[1]),
-            # one thread: batches are small, and so the first of several errors is the one that is reported
-            read_options=pacsv.ReadOptions(column_names=names, use_threads=False),
+            # one block, so that the kind of stamps follows from all of them
+            read_options=pacsv.ReadOptions(column_names=names, use_threads=False, block_size=len(block[1])),
             parse_options=pacsv.ParseOptions(delimiter=form.separator),
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in numbers},
@@ -142,6 +134,8 @@ def parse(
             ),
         )
     except (pa.ArrowException, UnicodeDecodeError) as error:
+        for part in _halves(block):  # the damage is in one of them
+            parse(file, part, form, fields, numbers, stamps)
         raise explain(file, block, fields, positions, form, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
     for k in stamps:
@@ -150,6 +144,15 @@ def parse(
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
             raise explain(file, block, fields, positions, form, f"column {k} holds no numbers")
     return columns
+
+
+def _halves(block: Block) -> tuple[Block, ...]:
+    """Two halves of many lines; none of few."""
+    first, data = block
+    middle = data.rfind(b"\n", 0, len(data) // 2) + 1
+    if len(data) <= PART or not middle:
+        return ()
+    return (first, data[:middle]), (first + data.count(b"\n", 0, middle), data[middle:])
 
 
 def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
@@ -196,8 +199,8 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
     return positions
 
 
-def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file batch by batch.
+def tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+    """Reads a file.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
@@ -205,19 +208,19 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     header_rows, names = _header(file, form)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
-    blocks = read_blocks(file, header_rows, form.trailing_rows)
-    yield from rows_of(file, blocks, names, chosen, form, tick)
+    block = read_lines(file, header_rows, form.trailing_rows, len(chosen))
+    return [table_of(file, block, names, chosen, form, tick)]
 
 
-def rows_of(
+def table_of(
     file: Path,
-    blocks: Iterable[Block],
+    block: Block,
     names: Sequence[str],
     chosen: Mapping[str, int],
     form: RecordingFormat,
     tick: float | None,
-) -> Iterator[ColumnTable]:
-    """Turns lines of numbers into tables.
+) -> ColumnTable:
+    """Turns lines of numbers into a table.
 
     Args:
         chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
@@ -226,25 +229,22 @@ def rows_of(
     Raises:
         RecordingError: a line cannot be read, or there is none.
     """
+    if not block[1].strip():
+        raise RecordingError(file, "has a header but no rows", "record again")
     positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
     at = chosen.get(CLOCK)
-    count = 0
-    for block in blocks:
-        columns = parse(file, block, form, names, positions.values(), [] if at is None else [at])
-        rows = len(next(iter(columns.values())))
-        values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
-        stamps, lines = None if tick is None else np.arange(count, count + rows), lines_of(block, rows)
-        if at is not None:
-            clock = columns[at]
-            if clock.null_count:
-                row = int(np.argmin(clock.is_valid().to_numpy()))
-                place = f"{file}, {lines.place(row)}, {shown(names[at])}"
-                raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
-            stamps = clock.to_numpy()
-        yield ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, lines)
-        count += rows
-    if not count:
-        raise RecordingError(file, "has a header but no rows", "record again")
+    columns = parse(file, block, form, names, positions.values(), [] if at is None else [at])
+    rows = len(next(iter(columns.values())))
+    stamps, lines = None if tick is None else np.arange(rows), lines_of(block, rows)
+    if at is not None:
+        clock = columns[at]
+        if clock.null_count:
+            row = int(np.argmin(clock.is_valid().to_numpy()))
+            place = f"{file}, {lines.place(row)}, {shown(names[at])}"
+            raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
+        stamps = clock.to_numpy()
+    values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
+    return ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, lines)
 
 
 def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:

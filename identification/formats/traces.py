@@ -35,7 +35,7 @@ import pyarrow as pa
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.table import Block, ColumnTable, Stamps, is_number, lines_of, split
-from identification.formats.text import cells, decoded, parse, read_blocks, read_head, rows_of, select
+from identification.formats.text import cells, decoded, parse, read_head, read_lines, select, table_of
 from identification.formats.text_errors import without
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
@@ -45,7 +45,7 @@ _LEAST_FILETIME = 1.26e17
 
 
 def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file batch by batch: one table for each clock and batch.
+    """Reads a file: one table for each clock.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
@@ -59,31 +59,19 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     if not positions:
         raise RecordingError(file, without(channels, form))
     labels = [f"time of {(*names, 'nothing')[k + 1]}" if k in clocks else name for k, name in enumerate(names)]
-    groups: list[tuple[str, ...]] = []
-    for block in read_blocks(file, header_rows, form.trailing_rows):
-        filled = first, data = _filled(block, len(names), form.separator)
-        if not data.strip():
-            continue
-        wanted = sorted(set(clock_of.values()))
-        columns = parse(file, filled, form, labels, positions.values(), wanted)
-        stamps = {k: _present(file, filled, columns[k]) for k in wanted}
-        groups = groups or _groups({ours: stamps[k] for ours, k in clock_of.items()})
-        for group in groups:
-            clock = min((stamps[clock_of[ours]] for ours in group), key=len)
-            if not all(_alike(clock, stamps[clock_of[ours]]) for ours in group):
-                raise RecordingError(
-                    f"{file}, lines from {first}",
-                    f"the clocks of {', '.join(group)} part",
-                    "export them again",
-                )
-            _require_unit(file, clock, form)
-            if not len(clock):
-                continue
-            values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
-            places = lines_of(filled, len(columns[wanted[0]]))
-            yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
-    if not groups:
+    wanted = sorted(set(clock_of.values()))
+    block = read_lines(file, header_rows, form.trailing_rows, len(positions) + len(wanted))
+    filled = _filled(block, len(names), form.separator)
+    if not filled[1].strip():
         raise RecordingError(file, "has a header but no rows", "export the recording again")
+    columns = parse(file, filled, form, labels, positions.values(), wanted)
+    stamps = {k: _present(file, filled, columns[k]) for k in wanted}
+    places = lines_of(filled, len(columns[wanted[0]]))
+    for group in _groups({ours: stamps[k] for ours, k in clock_of.items()}):
+        clock = min((stamps[clock_of[ours]] for ours in group), key=len)
+        _require_unit(file, clock, form)
+        values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
+        yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
 
 
 def _separator(file: Path, line: bytes, form: RecordingFormat) -> str:
@@ -168,8 +156,10 @@ def _alike(one: Stamps, other: Stamps) -> bool:
 
 
 def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
-    counts_ticks = bool(len(stamps)) and float(stamps[0]) >= _LEAST_FILETIME
-    if counts_ticks != (form.clock_unit == "filetime") and len(stamps):
+    if not len(stamps):
+        raise RecordingError(file, "a clock has no stamps", "export the recording again")
+    counts_ticks = float(stamps[0]) >= _LEAST_FILETIME
+    if counts_ticks != (form.clock_unit == "filetime"):
         right = "filetime" if counts_ticks else "ms"
         raise RecordingError(
             file,
@@ -182,17 +172,16 @@ _OVERRUN = b"overrun"
 _NUMBER_OF_SAMPLE = "sample number"
 
 
-def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file of LinuxCNC's halsampler batch by batch; errors as `tables`."""
+def halsampler_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+    """Reads a file of LinuxCNC's halsampler; errors as `tables`."""
     assert form.column_names is not None  # the case is checked
     names, numbered = _columns(file, list(form.column_names), form.separator)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
     if numbered:
         chosen.setdefault(CLOCK, 0)
-    lines = read_blocks(file, form.header_rows or 0, form.trailing_rows)
-    blocks = (_without_overruns(file, block, CLOCK in chosen) for block in lines)
-    yield from rows_of(file, (b for b in blocks if b[1].strip()), names, chosen, form, tick)
+    block = read_lines(file, form.header_rows or 0, form.trailing_rows, len(chosen))
+    return [table_of(file, _without_overruns(file, block, CLOCK in chosen), names, chosen, form, tick)]
 
 
 def _columns(file: Path, names: list[str], separator: str) -> tuple[list[str], bool]:
