@@ -24,7 +24,7 @@ from identification.formats.table import (
     split,
     unreadable,
 )
-from identification.formats.text_errors import explain, not_text, unnamed
+from identification.formats.text_errors import explain, not_text, without
 
 PART = 1 << 22  # bytes, of which a damage is looked for line by line
 LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
@@ -261,5 +261,5 @@ def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:
         raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
     names = cells(header[row - 1], form)
     if not any(form.file_name(ours) in names for ours in COLUMNS):
-        raise unnamed(file, names, lines, form, row)
+        raise RecordingError(file, without(names, form))
     return rows, names
