@@ -159,13 +159,9 @@ def lasting_name(name: str) -> str:
 
 
 def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
-    """Reads a TOML file and validates it by the model of its tables.
+    """Reads a TOML file and validates it by the model of its tables; raises CaseError for what is wrong with it.
 
-    Args:
-        all_by: command that lists all problems, for a file that has several.
-
-    Raises:
-        CaseError: the file cannot be read, is not TOML, or a key is unknown or has an invalid value.
+    `all_by` is the command that lists all problems, for a file that has several.
     """
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8-sig"))

@@ -151,8 +151,7 @@ class Hexapod:
     def poses(self, lengths: ArrayLike) -> Array:
         """Forward kinematics (7), the assembly that is reached from home: poses of struts, shapes (n, 6) [m, rad].
 
-        Raises:
-            StrutsDoNotClose: the struts cannot close; the message names the first such sample.
+        Raises StrutsDoNotClose with the first sample whose struts cannot close.
         """
         poses, _, closed = self._newton(np.asarray(lengths, dtype=float))
         _require_closed(closed, lengths)

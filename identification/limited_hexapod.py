@@ -98,12 +98,7 @@ def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, A
 
 
 def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace: Workspace) -> Iterable[Quantity]:
-    """Distance of platform, struts and tools from each box, along the axis that separates them most.
-
-    The share is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal. Struts are
-    lines from joint to joint, with the radius that the case says around them, tools likewise. At 1 m/s
-    a distance is at most 0.05 mm smaller between two instants of 10 kHz.
-    """
+    """Distance of platform, struts and tools from each box; at 1 m/s at most 0.05 mm smaller between two instants."""
     for box in workspace.keep_out:
         labels = guarded(workspace)
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)

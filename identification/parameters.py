@@ -152,12 +152,7 @@ class PhysicalForm:
     inverse: ca.Function  # physical parameters -> (u, its derivative with respect to them)
 
     def of(self, linear: ArrayLike, covariance: ArrayLike) -> tuple[Array, Array]:
-        """Physical parameters and their covariance, propagated to first order.
-
-        Args:
-            linear: u, shape (u,).
-            covariance: covariance of u, shape (u, u).
-        """
+        """Physical parameters and their covariance, to first order, from those of u, shapes (u,) and (u, u)."""
         values, jacobian = (r.full() for r in self.map(np.asarray(linear, dtype=float)))
         return values[:, 0], jacobian @ np.asarray(covariance) @ jacobian.T
 

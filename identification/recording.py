@@ -142,9 +142,7 @@ def require_recording(path: Path) -> None:
 def record_of(path: Path) -> Mapping[str, Any]:
     """Entries of recording.json in a folder; empty where `path` is not such a folder.
 
-    Raises:
-        RecordingError: there is nothing at `path`.
-        FileProblem: recording.json is damaged.
+    Raises RecordingError where nothing is there, FileProblem where recording.json is damaged.
     """
     try:
         path.stat()
@@ -157,8 +155,7 @@ def record_of(path: Path) -> Mapping[str, Any]:
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
     """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
 
-    Raises:
-        FileProblem: the entry is damaged.
+    Raises FileProblem where the entry is damaged.
     """
     entry = record.get("poses_m_rad")
     if not entry:

@@ -56,11 +56,7 @@ class StrutLayout:
         return np.asarray(ca.DM(self.structure_at(ca.SX(ca.DM(self.hexapod.home)))).full())
 
     def with_struts(self, body: Mapping[str, float], moving: bool) -> dict[str, float]:
-        """The nominal values of all that a model with these blocks has, by name.
-
-        Args:
-            body: what is known of the body on the platform, by name.
-        """
+        """Nominal values of all that a model with these blocks has, by name, from those of the body."""
         s = self.sensors
         values = dict(body)
         if s.at == "drive":

@@ -60,11 +60,7 @@ def bag_format(case: Case) -> RecordingFormat:
 
 
 def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a bag in the format of `bag_format`: a table of each topic.
-
-    Raises:
-        RecordingError: it cannot be read, or no topic, or more than one, has what is wanted.
-    """
+    """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
     with opened(bag) as reader:
         topics = {what: topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS}
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
@@ -101,11 +97,7 @@ def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
 
 
 def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) -> str:
-    """The topic that is stated, or the only one of its kind.
-
-    Raises:
-        RecordingError: there is none, or there are several and none is stated.
-    """
+    """The topic that is stated, or the only one of its kind; raises RecordingError where there are none or several."""
     possible = topics_of(reader, what)
     if stated in possible or (stated is None and len(possible) == 1):
         return stated or possible[0]
@@ -120,8 +112,7 @@ def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) ->
 def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]) -> tuple[Stamps, Array]:
     """Stamps, shape (n,) [ns], and positions of some joints, shape (n, k) [rad or m].
 
-    Raises:
-        RecordingError: no message has all of these joints.
+    Raises RecordingError where no message has all of these joints.
     """
     stamps, rows, others = array("q"), array("d"), dict[str, None]()
     for stamp, message in _messages(reader, topic):
@@ -143,8 +134,7 @@ def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]
 def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Array, str]:
     """Stamps, shape (n,) [ns], forces and moments, shape (n, 6) [N, N m], and the frame that they are in.
 
-    Raises:
-        RecordingError: the frame changes.
+    Raises RecordingError where the frame changes.
     """
     stamps, rows, frames = array("q"), array("d"), dict[str, None]()
     for stamp, message in _messages(reader, topic):
@@ -192,11 +182,7 @@ def _table(
 
 
 def parquet_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
-    """Reads a file.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
+    """Reads a file; raises RecordingError with the place and the remedy."""
     import pyarrow as pa
     import pyarrow.parquet as pq  # costs 50 ms, and few need it
 

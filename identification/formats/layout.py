@@ -26,8 +26,7 @@ _UNIT = re.compile(
 def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
     """Columns of a text file with the units in its header, settings for `[recording]` that read it, and what is odd.
 
-    Raises:
-        RecordingError: it cannot be read, or holds no table of numbers that the readers know.
+    Raises RecordingError where it holds no table of numbers that the readers know.
     """
     raw = read_head(file)
     if len(raw) > 1 and file.stat().st_size >= LONGEST_LINE:

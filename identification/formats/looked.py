@@ -192,11 +192,7 @@ _MOST_JITTER = 0.2  # share of a step, from which on jitter is reported
 def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[str, Any], list[str]]:
     """Columns, settings for `[recording]`, and what is odd; the sensor's readings are those at the joints' stamps.
 
-    Args:
-        case: the machine that it was recorded on; without one the order of the joints is unknown.
-
-    Raises:
-        RecordingError: it is damaged, or lacks joints or a sensor.
+    Without a case the order of the joints is unknown. Raises RecordingError where joints or a sensor are missing.
     """
     chain = None if case is None else case.chain
     columns_of = {} if chain is None else dict(zip(chain.names, chain.columns, strict=True))

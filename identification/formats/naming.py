@@ -63,11 +63,7 @@ _OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
 
 
 def named(theirs: str, unit: str = "") -> tuple[str | None, str | None]:
-    """Our name of a column and the unit that its own name states; None where it says nothing.
-
-    Args:
-        unit: what a line of units says of it.
-    """
+    """Our name of a column and the unit that its own name, or a line of units, states; None where it says nothing."""
     if theirs in COLUMNS:
         return theirs, None
     match = _BRACKETED.search(theirs)

@@ -32,11 +32,7 @@ _READERS: dict[str, Callable[[Path, RecordingFormat], Iterable[ColumnTable]]] = 
 
 
 def read_tables(file: Path, form: RecordingFormat) -> tuple[ColumnTable, ...]:
-    """Reads a file: one table for each clock in it.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
-    """
+    """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy."""
     reader = _READERS[form.format]
     if is_bag(file):
         reader = binary.bag_tables
@@ -60,17 +56,9 @@ def _files(place: Path) -> list[Path]:
 
 
 def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
-    """Reads the files of one run, recognised by their columns.
+    """The streams of one run from its files in any order, that of the forces first; columns say what they hold.
 
-    Args:
-        paths: paths in any order; at least one.
-        case: says which columns to expect and how the files write them.
-
-    Returns:
-        The streams of the run, that of the forces first; files whose samples coincide are joined.
-
-    Raises:
-        RecordingError: anything that prevents the use of the run; several files of one kind; no common time.
+    Files whose samples coincide are joined. Raises RecordingError for anything that prevents the use of the run.
     """
     if not paths:
         raise RecordingError("no recording is named; give the files of one run")

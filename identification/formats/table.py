@@ -168,9 +168,8 @@ class Stream:
     def step(self) -> float:
         """Time between samples, gaps apart [s].
 
-        Raises:
-            RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
-                differs.
+        Raises RecordingError where there is no clock, or where it is not uniform between gaps: with the first step that
+        differs.
         """
         if self.t is None:
             raise RecordingError(self.source, "has no t_s column", "its rows are standstills")
@@ -206,11 +205,7 @@ BYTES = 40  # of memory that reading and evaluating a run take at most for each 
 
 
 def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
-    """Raises RecordingError where a run takes more than half of the free memory.
-
-    Args:
-        others: count of the numbers of the run's other files, which are in memory already.
-    """
+    """Raises RecordingError where a run takes more than half of the free memory; `others` are its other numbers."""
     most = free_memory() // (2 * BYTES)
     if others + rows * columns > most:
         size = sum(part.stat().st_size for part in (file.iterdir() if file.is_dir() else [file]))
@@ -286,10 +281,7 @@ def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
     """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
 
     They are a straight line through the stamps, ascending, at least two, shape (n,) [s], which leaves room for samples
-    that were lost; behind a gap it begins anew, with the same step.
-
-    Raises:
-        RecordingError: a stamp is too far from equal steps.
+    that were lost; behind a gap it begins anew, with the same step. Raises RecordingError where a stamp is too far off.
     """
     usual = usual_step(t)
     section = np.r_[0, np.cumsum(lost_samples(t, HOST_GAP, usual) > 0)] if len(t) > 2 else np.zeros(len(t), dtype=int)

@@ -40,8 +40,7 @@ _NOT_TEXT = {
 def read_head(file: Path) -> list[bytes]:
     """The first lines of a text file without line breaks and byte order mark: more than any header has.
 
-    Raises:
-        RecordingError: there is no such file, or it is not text.
+    Raises RecordingError where there is no such file, or it is not text.
     """
     require_file(file)
     try:
@@ -61,14 +60,8 @@ def read_head(file: Path) -> list[bytes]:
 def read_lines(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Block:
     """The lines of a text file below its header, without trailing rows and blank lines at the end.
 
-    Args:
-        file: a text file, see `read_head`.
-        header_rows: lines at its start to leave out.
-        trailing_rows: lines at its end to leave out, blank ones not counted.
-        columns: number of columns that are wanted.
-
-    Raises:
-        RecordingError: it cannot be read, has a line without end, or takes more than half of the free memory.
+    Of `trailing_rows` blank lines do not count; `columns` of it are wanted. Raises RecordingError where it cannot be
+    read.
     """
     first = header_rows + 1
     try:
@@ -107,15 +100,9 @@ def parse(
     numbers: Iterable[int],
     stamps: Sequence[int],
 ) -> Mapping[int, pa.ChunkedArray]:
-    """The wanted columns of lines by position: numbers as float64, stamps as int64 or float64.
+    """The wanted columns of lines by position: numbers as float64, stamps as int64 or float64, as the file writes them.
 
-    Args:
-        fields: names of all fields of a line, as the file calls them.
-        numbers: positions of measured values.
-        stamps: positions of clocks; they stay integers where the file writes integers.
-
-    Raises:
-        RecordingError: a line or a value cannot be read; the message names it.
+    `fields` are the names of all fields of a line. Raises RecordingError with the line and value that cannot be read.
     """
     positions = list(dict.fromkeys([*numbers, *stamps]))
     names = [str(k) for k in range(len(fields))]
@@ -156,11 +143,7 @@ def _halves(block: Block) -> tuple[Block, ...]:
 
 
 def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
-    """Header lines as text.
-
-    Raises:
-        RecordingError: a line is not text in the file's encoding, or ends in an unexpected way.
-    """
+    """Header lines as text; raises RecordingError where one is not, or ends in an unexpected way."""
     texts = []
     for k, line in enumerate(lines, 1):
         if b"\r" in line:
@@ -182,11 +165,7 @@ def cells(line: str, form: RecordingFormat) -> list[str]:
 
 
 def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
-    """Our columns among those of a file, each with its position.
-
-    Raises:
-        RecordingError: one of ours is there twice.
-    """
+    """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
     positions = {}
     for ours in COLUMNS:
         if ours in VELOCITIES:
@@ -200,11 +179,7 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
 
 
 def tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
-    """Reads a file.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
+    """Reads a file; raises RecordingError with the place and the remedy."""
     header_rows, names = _header(file, form)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
@@ -220,14 +195,11 @@ def table_of(
     form: RecordingFormat,
     tick: float | None,
 ) -> ColumnTable:
-    """Turns lines of numbers into a table.
+    """Turns lines of numbers into a table; raises RecordingError where a line cannot be read, or there is none.
 
     Args:
         chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
-
-    Raises:
-        RecordingError: a line cannot be read, or there is none.
     """
     if not block[1].strip():
         raise RecordingError(file, "has a header but no rows", "record again")

@@ -22,12 +22,9 @@ def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] =
 def explain(
     file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
 ) -> RecordingError:
-    """The error for a block that could not be read: its first line that is to blame.
+    """The error for lines that could not be read: the first that is to blame.
 
-    Args:
-        file: file that the block is from.
-        wanted: positions of the fields that must be numbers.
-        cause: what the parser said, for damage that is not understood here.
+    `wanted` are positions of fields that must be numbers; `cause` is what the parser said of other damage.
     """
     first, data = block
     last = first + data.count(b"\n")

@@ -45,11 +45,7 @@ _LEAST_FILETIME = 1.26e17
 
 
 def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file: one table for each clock.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
+    """Reads a file: one table for each clock; raises RecordingError with the place and the remedy."""
     lines = read_head(file)
     form = form.model_copy(update={"delimiter": _separator(file, lines[0], form)})
     header_rows, names, positions = _layout(file, lines, form)

@@ -80,13 +80,8 @@ class RetimedMotion:
 def retime(path: Trajectory, case: Case) -> RetimedMotion:
     """The motion along a path, never faster, inside the limits of rates and accelerations of coordinates and struts.
 
-    Args:
-        path: a motion from rest to rest; its pace, not its shape, is changed.
-        case: gives the limits.
-
-    Raises:
-        UntimedMotion: the path does not begin and end at rest, is not finite, or no pace satisfies the limits.
-        CaseError: the case has no machine or no limits.
+    Its pace, not its shape, is changed. Raises UntimedMotion where the path does not begin and end at rest, is not
+    finite, or no pace satisfies the limits.
     """
     try:
         from toppra.algorithm import TOPPRA  # takes 0.7 s to import
@@ -119,11 +114,7 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
 
 
 def keeps_pace(path: Trajectory, case: Case) -> bool:
-    """Whether a motion satisfies the limits of rates and accelerations of coordinates and struts at its own pace.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
+    """Whether a motion satisfies the limits of rates and accelerations of coordinates and struts at its own pace."""
     rows = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     return _worst(path.at(np.linspace(0.0, path.duration, rows + 1)), case) <= 1.0 + 1e-6
 
