@@ -242,16 +242,13 @@ def _origin(element: Element, of: str) -> Array:
 
 
 def _vector(element: Element, key: str, of: str, default: str | None = None) -> Array:
-    text = element.get(key, default)
-    words = [] if text is None else text.split()
-    if len(words) != 3:
+    if (text := element.get(key, default)) is None or len(text.split()) != 3:
         _refuse(element, f"{key} of the {of} is {text!r}; give three numbers")
-    return np.array([_checked(element, word, f"{key} of the {of}") for word in words])
+    return np.array([_checked(element, word, f"{key} of the {of}") for word in text.split()])
 
 
 def _number(element: Element, key: str, of: str) -> float:
-    text = element.get(key)
-    if text is None:
+    if (text := element.get(key)) is None:
         _refuse(element, f"the {of} has no {key}; add it")
     return _checked(element, text.strip(), f"{key} of the {of}")
 

@@ -184,7 +184,12 @@ class Stream:
         changed = crowded(gaps)
         if changed is not None or np.any(off & ~gaps):
             row = int(np.argmax(off & ~gaps)) if changed is None else changed
-            raise RecordingError(_uneven(f"{self.source}, {self.lines.place(row + 1)}", steps, usual, off, row))
+            more = f" (and {off.sum() - 1} more that differ)" if off.sum() > 1 else ""
+            raise RecordingError(
+                f"{self.source}, {self.lines.place(row + 1)}, t_s",
+                f"step of {steps[row] * 1e3:.4g} ms{more}, not a gap, where the run has {usual * 1e3:.4g} ms",
+                "export the run at one rate",
+            )
         return float(steps[~gaps].mean())
 
 
@@ -249,7 +254,7 @@ def listed(names: Iterable[str]) -> str:
 UNIFORMITY = 0.05
 GAP = 1.5  # steps between two samples, from which on others were lost between them
 HOST_GAP = 5.0  # the same where a host stamps what it receives: so far its stamps stray from equal steps
-_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # numbers of steps that distinguish a changed rate from a gap
+_FEW_STEPS = 5  # steps that distinguish a changed rate from a gap
 _SEEN = 15  # stamps of a host that distinguish a lost sample from a late one
 
 
@@ -322,18 +327,3 @@ def crowded(gaps: Flags) -> int | None:
     if not many.any():
         return None
     return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))
-
-
-def _uneven(place: str, steps: Array, usual: float, off: Flags, row: int) -> str:
-    """What to say of a clock that is not uniform: another rate, or single steps that differ."""
-    count = int(off.sum())
-    local_step = float(np.median(steps[row : row + _TYPICAL_STEPS]))
-    text = f"{place}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has {usual * 1e3:.4g} ms"
-    if (
-        count >= _FEW_STEPS
-        and off[row : row + _TYPICAL_STEPS].mean() > 0.5
-        and abs(local_step - usual) > UNIFORMITY * usual
-    ):
-        return f"{text}; the sampling rate changes: export the run at one rate"
-    more = f", and at {count - 1} more places" if count > 1 else ""
-    return f"{text}{more}, which is not a gap either; export the run at one rate"

@@ -1,29 +1,17 @@
 """Traces that controllers write as text: CSV exports of the TwinCAT 3 Scope, and files of LinuxCNC's halsampler.
 
-TwinCAT: a header of channels, then columns of values, each group with its own clock.
+TwinCAT: a header of channels, then columns of values, each group with its own clock. Verified with genuine exports of
+Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description (infosys.beckhoff.com, TE13xx,
+"Export to csv"): line 1 is `Name`, the separator and the scope's name; a second line that starts with `Name` lists
+the channels, and each `Name` in it stands above a clock. Up to 17 more lines about the channels follow, a comment in
+them may run over several lines. Stamps are ms from the first sample, or FILETIME where Full Timestamp is on. Where a
+channel has ended, its fields are a blank, or missing at the end of the line. A line `EOF` may follow. Not verified:
+Full Timestamp, marker tables and trigger information (switch them off), Interpolation = Shift value, array channels,
+other versions.
 
-Verified with genuine exports of Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description
-(infosys.beckhoff.com, TE13xx, "Export to csv"): line 1 is `Name`, the separator and the scope's name; `Starttime of
-export` has a FILETIME (100 ns ticks since 1601); a second line that starts with `Name` lists the channels, and each
-`Name` in it stands above a clock: one for each channel (Timelines = All) or for neighbours of one sample time. Up to
-17 more lines about the channels follow, a comment in them may run over several lines. Stamps are ms from the first
-sample, or FILETIME where Full Timestamp is on. Where a channel has ended, its fields are a blank, or missing at the end
-of the line. A line `EOF` may follow. Numbers have commas or points by a setting of their own: the case states it.
-
-Not verified with a genuine file: Full Timestamp, marker tables and trigger information (switch them off), Interpolation
-= Shift value, Timelines = None (refused), array channels, other versions of Scope.
-
-SINUMERIK traces exported as text are read as other text is (`text.tables`), with every property that differs between
-exports stated by the case. No export of our own was at hand and no manual that describes the file was found. What
-public programs that read such files show (searched November 2026): SINUMERIK Operate saves a trace session as XML
-(`traceSession/traceData/dataFrame` with `dataSignal` and `rec`, three programs agree), which is not read here: export
-it as text. One group of programs reads CSV with commas and points, one line of names, a first column `time` in seconds
-and names such as `+/Nck/!SD/nckServoDataActPos1stEnc32 [u1; 1]`; another reads files whose names stand above the
-numbers, one line a signal, so that there are more header lines than signals. Delimiter, decimal sign, header rows and
-the clock's unit therefore have no default here; header rows, times in ms from the first sample and trailing rows are
-read as the case says, and `column_names` names the columns where the header has no single line of names. Unverified:
-whether any export repeats the time for each signal, or leaves fields empty where signals have different cycles; empty
-fields are refused with their line.
+SINUMERIK traces exported as text are read as other text is (`text.tables`). No genuine export was at hand and no manual
+that describes the file was found; public programs that read such files (searched November 2026) differ in delimiter,
+decimal sign, header and clock, so that the case states them. SINUMERIK Operate's own XML is not read.
 """
 
 from collections.abc import Iterator, Mapping

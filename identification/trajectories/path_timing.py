@@ -27,12 +27,10 @@ CHECK_RATE = 20_000.0  # [1/s] at which that is checked
 ROUNDER = 5e-4  # a motion that must be stretched is stretched by this much more: peaks lie between instants too
 AT_REST = 1e-6  # share of the rate limits
 
-_REASONS = {
-    "FailUncontrollable": "no pace keeps all limits somewhere on the path: the path bends too sharply or leaves the "
-    "machine's reach there",
-    "ErrForwardPassFail": "rounding errors grew too large on this path; change it slightly",
-    "ErrShortPath": "the path is too short",
-}
+_NO_PACE = (
+    "the path cannot be re-timed: no pace keeps all limits somewhere on it: it bends too sharply or leaves the "
+    "machine's reach there"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,15 +97,14 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
     end = min(planned, _largest_pace(solver.compute_feasible_sets()[-1]))
     start = min(planned, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
     if not (start > 0.0 and end > 0.0):
-        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+        raise UntimedMotion(_NO_PACE)
     solver.compute_parameterization(start, end)
-    code = solver.problem_data.return_code
-    paces = solver.problem_data.sd_vec
-    if code.name != "Ok" or paces is None or not np.isfinite(paces).all():
-        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS.get(code.name, code.value)}")
-    lengths = 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
-    if not np.isfinite(lengths).all():
-        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+    code, paces = solver.problem_data.return_code, solver.problem_data.sd_vec
+    if code.name not in ("Ok", "FailUncontrollable"):
+        raise UntimedMotion(f"the path cannot be re-timed ({code.value}); change it slightly")
+    lengths = np.full(steps, np.nan) if paces is None else 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
+    if code.name != "Ok" or not np.isfinite(lengths).all():
+        raise UntimedMotion(_NO_PACE)
     motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
     slower = _stretch(motion, case)
     return RetimedMotion(path, shares, motion.times * slower, paces / slower)
