@@ -97,7 +97,7 @@ class Model:
     def at_state(self, state: State) -> ca.SX:
         """A of (21) from what it depends on, shape (6, u)."""
         cartesian = ca.horzcat(ca.SX(6, 0), *(b.columns(state) for b in self.blocks if b.cartesian))
-        if state.joints.is_empty():
+        if not state.struts:
             at_sensors = ca.DM(np.linalg.inv(self.structure)) @ cartesian  # J^T
         else:
             at_sensors = ca.solve(structure(state), cartesian)
