@@ -168,7 +168,8 @@ def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
-        hint = "write decimal points, not commas, and " if _decimal_comma(path) else ""
+        comma = re.search(rf"^\s*\w+\s*=\s*{_COMMA}\s*(#.*)?$", path.read_text("utf-8-sig"), re.MULTILINE)
+        hint = "write decimal points, not commas, and " if comma else ""
         raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
         return model.model_validate(data)
@@ -218,24 +219,14 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
         return str(problem["ctx"]["error"]) if "ctx" in problem else problem["msg"]
     if kind == "too_short" or kind == "too_long":
         expected = problem.get("ctx", {}).get("actual_length", "?")
-        hint = "; a decimal comma counts as two entries, write a point" if _whole_numbers(value) else ""
+        whole = isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
+        hint = "; a decimal comma counts as two entries, write a point" if whole else ""
         return f"has {expected} entries; {problem['msg'].lower()}{hint}"
     if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
         return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
     if kind in _TYPES:
         return f"{value!r}: is not {_TYPES[kind]}"
     return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
-
-
-def _decimal_comma(path: Path) -> bool:
-    """Whether a value of the file is a single number with a comma."""
-    return any(
-        re.fullmatch(rf"\s*\w+\s*=\s*{_COMMA}\s*(#.*)?", line) for line in path.read_text("utf-8-sig").splitlines()
-    )
-
-
-def _whole_numbers(value: object) -> bool:
-    return isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
 
 
 def _unknown_key(key: str, keys: list[str]) -> str:
@@ -260,16 +251,11 @@ def _siblings(model: type[BaseModel], location: tuple[int | str, ...]) -> Iterab
     for part in location[:-1]:
         if not isinstance(part, str) or part not in model.model_fields:
             continue
-        inner = _model_of(model.model_fields[part].annotation, tags)
-        if inner is not None:
-            model = inner
+        inner = _within(model.model_fields[part].annotation)
+        models = [c for c in inner if isinstance(c, type) and issubclass(c, BaseModel)]
+        if models:  # of several the one that a tag names
+            model = next((c for c in models if c.__name__ in tags), models[0])
     return model.model_fields
-
-
-def _model_of(annotation: Any, tags: set[str]) -> type[BaseModel] | None:
-    """The class of a table; of several the one that a tag names."""
-    models = [c for c in _within(annotation) if isinstance(c, type) and issubclass(c, BaseModel)]
-    return next((c for c in models if c.__name__ in tags), models[0] if models else None)
 
 
 def _within(annotation: Any) -> Iterator[Any]:

@@ -219,7 +219,11 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
     moving = [body for body in bodies if body.link]
     for box in chain.keep_out:
         if moving:
-            columns = [_from_box(body, box.corners) for body in moving]
+            columns = [
+                distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], box.corners)[:, 0]
+                - (body.radius + body.way)
+                for body in moving
+            ]
             limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
             yield Quantity.clear(limit, tuple(body.name for body in moving), np.column_stack(columns), box.vicinity)
     pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
@@ -238,11 +242,6 @@ def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float
     speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
     way = (speed + acceleration * half / 2) * half
     return _Body(link, body.name, ends[0][0], ends[0][1], body.radius_mm * MM, way)
-
-
-def _from_box(body: _Body, corners: Array) -> Array:
-    distances = distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], corners)
-    return np.asarray(distances[:, 0] - body.radius - body.way)
 
 
 def _between(one: _Body, other: _Body) -> Array:

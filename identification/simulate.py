@@ -13,7 +13,7 @@ import numpy as np
 
 from cases.errors import CaseError
 from cases.schema import Case
-from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
+from cases.sensors import Disturbances, RigidBody, Truth, together
 from cases.units import DEG, MM, Array
 from identification.model import (
     acceleration_to_force,
@@ -125,14 +125,6 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
     return np.array([rigid, expected_forces(model, vibration, u) - rigid, fields[0] + weight * fields[1]])
 
 
-def _quantised(drives: Array, case: Case, simulation: Simulation) -> Array:
-    steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
-    result = drives.copy()
-    for k in np.flatnonzero(steps):
-        result[:, k] = np.round(drives[:, k] / steps[k]) * steps[k]
-    return result
-
-
 def simulate_recording(
     case: Case,
     execution: Execution,
@@ -178,7 +170,9 @@ def sensed(
     trigger = np.zeros(len(t), dtype=bool)
     for start, end in trigger_times:
         trigger |= (t >= start) & (t < end)
-    return Recording(source, t, _quantised(struts, case, simulation), None, forces, trigger), parts
+    steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
+    read = np.where(steps > 0.0, np.round(struts / np.where(steps > 0.0, steps, 1.0)) * steps, struts)
+    return Recording(source, t, read, None, forces, trigger), parts
 
 
 def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:

@@ -100,7 +100,8 @@ def moving_struts(
         speed = ca.dot(direction, moving)
         at_joint = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
         vectors = (direction, (moving - speed * direction) / length, at_joint)
-        struts.append(StrutState(ca.SX(ca.DM(joint)), *(turn.T @ vector for vector in vectors), length, speed))
+        n, turning, specific = (turn.T @ vector for vector in vectors)
+        struts.append(StrutState(ca.SX(ca.DM(joint)), n, turning, specific, length, speed))
     return state._replace(struts=tuple(struts))
 
 

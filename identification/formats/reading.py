@@ -146,7 +146,8 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
     """Streams whose samples coincide as one."""
     result: list[Stream] = []
     for stream in streams:
-        same = next((k for k, s in enumerate(result) if _coincide(s, stream)), None)
+        times = stream.t if stream.t is not None else stream.rows
+        same = next((k for k, s in enumerate(result) if np.array_equal(s.rows if s.t is None else s.t, times)), None)
         if same is None:
             result.append(stream)
         else:
@@ -156,12 +157,6 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
             names = (*result[same].missing_in, *stream.missing_in)
             result[same] = replace(result[same], missing=missing, missing_in=names, **more)
     return result
-
-
-def _coincide(one: Stream, other: Stream) -> bool:
-    if one.t is None or other.t is None:
-        return one.t is other.t and one.rows == other.rows
-    return np.array_equal(one.t, other.t)
 
 
 def _require_one_time(streams: Sequence[Stream]) -> None:

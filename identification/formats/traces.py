@@ -77,7 +77,9 @@ def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int,
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
         raise RecordingError(file, "has no second line that starts with Name", "export it with its header")
-    first = next((k for k in range(top + 1, len(lines)) if _is_data(lines[k], form.separator)), None)
+    rows = (split(line.decode(errors="replace"), form.separator) for line in lines[top + 1 :])
+    filled = ([field.replace(",", ".", 1) for field in row if field.strip()] for row in rows)
+    first = next((k for k, row in enumerate(filled, top + 1) if row and all(map(is_number, row))), None)
     if first is None:
         raise RecordingError(file, "has a header but no rows of numbers", "export the recording again")
     names = cells(decoded(file, lines[: top + 1], form)[top], form)
@@ -90,12 +92,6 @@ def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int,
             positions = select(file, [*symbols, *names][: len(names)], form) | positions
     positions.pop(CLOCK, None)
     return first, names, positions
-
-
-def _is_data(line: bytes, separator: str) -> bool:
-    """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
-    fields = [f for f in split(line.decode(errors="replace"), separator) if f.strip()]
-    return bool(fields) and all(is_number(f.replace(",", ".", 1)) for f in fields)
 
 
 def _filled(block: Block, count: int, delimiter: str) -> Block:

@@ -106,7 +106,10 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
     if code.name != "Ok" or not np.isfinite(lengths).all():
         raise UntimedMotion(_NO_PACE)
     motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
-    slower = _stretch(motion, case)
+    # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
+    count = int(np.ceil(min(motion.duration, path.duration) * CHECK_RATE)) + 1
+    worst = _worst(motion.at(np.linspace(0.0, motion.duration, count)), case)  # between gridpoints
+    slower = worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
     return RetimedMotion(path, shares, motion.times * slower, paces / slower)
 
 
@@ -114,15 +117,6 @@ def keeps_pace(path: Trajectory, case: Case) -> bool:
     """Whether a motion satisfies the limits of rates and accelerations of coordinates and struts at its own pace."""
     rows = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     return _worst(path.at(np.linspace(0.0, path.duration, rows + 1)), case) <= 1.0 + 1e-6
-
-
-def _stretch(motion: RetimedMotion, case: Case) -> float:
-    """Factor by which the whole motion must last longer where it exceeds a limit between gridpoints, at least 1."""
-    # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
-    lasting = min(motion.duration, motion.path.duration)
-    m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(lasting * CHECK_RATE)) + 1))
-    worst = _worst(m, case)
-    return worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
 
 
 def _worst(m: Motion, case: Case) -> float:
