@@ -8,6 +8,7 @@ names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -157,18 +158,13 @@ def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None
 
     Raises FileProblem where the entry is damaged.
     """
-    entry = record.get("poses_m_rad")
-    if not entry:
+    if not (entry := record.get("poses_m_rad")):
         return None
-    try:
+    with suppress(TypeError, ValueError):
         poses = np.array(entry, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise FileProblem("recording.json: poses_m_rad", f"{error}; run the program again") from error
-    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
-        raise FileProblem(
-            "recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again"
-        )
-    return poses
+        if poses.shape[1:] == (coordinates,) and np.isfinite(poses).all():
+            return poses
+    raise FileProblem("recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again")
 
 
 def about_case(case: Case) -> dict[str, Any]:

@@ -14,20 +14,16 @@ from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.recording_format import (
     ACCELEROMETER,
-    BAR_FORCES,
     CLOCK,
     DRIVES,
-    JOINT_ANGLES,
-    JOINT_WAYS,
     OVERRIDE,
     ROTATION,
+    SHIFTED,
     STRUTS,
     TEMPERATURE,
     TRIGGER,
-    WRENCH,
     RecordingFormat,
     Role,
-    StreamName,
     units_of,
 )
 from cases.schema import Case
@@ -43,15 +39,6 @@ from identification.formats.table import (
     shown,
 )
 from identification.formats.text_errors import without
-
-# Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
-_SHIFTED: dict[StreamName, tuple[str, ...]] = {
-    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS),
-    "pose": POSE,
-    "rotation": ROTATION,
-    "accelerometer": ACCELEROMETER,
-    "forces": (*BAR_FORCES, *WRENCH),
-}
 
 
 def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
@@ -106,7 +93,7 @@ def start_of(table: ColumnTable) -> Fraction:
     """
     assert table.stamps is not None
     shifts = {
-        table.form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}
+        table.form.clock.offset_s.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}
     }
     if len(shifts) > 1:
         raise RecordingError(
