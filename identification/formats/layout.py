@@ -12,7 +12,7 @@ from cases.recording_format import RecordingFormat
 from identification.formats.looked import Column
 from identification.formats.naming import unit_of
 from identification.formats.table import is_number, is_value, split, unreadable
-from identification.formats.text import LONGEST_LINE, cells, read_head, read_lines, table_of
+from identification.formats.text import LONGEST_LINE, cells, read_head, section_of, table_of
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SAMPLE = 200  # lines from which the fields are known
@@ -63,8 +63,8 @@ def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
         settings |= {"trailing_rows": trailing} if trailing else {}
     settings |= {"encoding": encoding} if encoding != "utf-8" else {}
     wanted = {str(k): k for k in range(count) if numeric[k] and (names[k] or not names_row)}
-    block = read_lines(file, first, trailing, len(wanted))
-    values = table_of(file, block, names, wanted, form, None).values if wanted else {}
+    lines_of_numbers = section_of(file, first, trailing, len(wanted))
+    values = table_of(file, lines_of_numbers, names, wanted, form, None).values if wanted else {}
     numbers = {wanted[k]: column for k, column in values.items() if np.isfinite(column).any()}
     if blank_at_end and not numeric[-1]:
         names = names[:-1]

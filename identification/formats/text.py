@@ -6,6 +6,7 @@ the numbers, and what it cannot read is reported by one message with line, colum
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -16,6 +17,7 @@ from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
 from identification.formats.table import (
     Block,
     ColumnTable,
+    Lines,
     lines_of,
     missing_fields,
     require_file,
@@ -57,7 +59,23 @@ def read_head(file: Path) -> list[bytes]:
     return [line.removesuffix(b"\r") for line in lines]
 
 
-def read_lines(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Block:
+class Section(NamedTuple):
+    """Lines of a file that lie below its header and above its trailing rows, and stay there until they are needed."""
+
+    file: Path
+    first: int  # number of its first line, counted from 1
+    rows: int  # number of lines
+    start: int  # where it starts and ends in the file [byte]
+    end: int
+
+    def text(self) -> Block:
+        """The lines themselves."""
+        with self.file.open("rb") as stream:
+            stream.seek(self.start)
+            return self.first, stream.read(self.end - self.start)
+
+
+def section_of(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Section:
     """The lines of a text file below its header, without trailing rows and blank lines at the end.
 
     Of `trailing_rows` blank lines do not count; `columns` of it are wanted. Raises RecordingError where it cannot be
@@ -68,15 +86,23 @@ def read_lines(file: Path, header_rows: int, trailing_rows: int, columns: int) -
         with file.open("rb") as stream:
             for _ in range(header_rows):
                 stream.readline(LONGEST_LINE)
-            start = stream.tell()
+            start = stream.tell() if header_rows else len(_MARK) * (stream.read(len(_MARK)) == _MARK)
+            stream.seek(start)
             if len(stream.readline(LONGEST_LINE)) == LONGEST_LINE:
                 raise RecordingError(f"{file}, line {first}", "is longer than a million characters", "not a CSV table")
-            require_room(file, 1 + sum(part.count(b"\n") for part in iter(lambda: stream.read(PART), b"")), columns)
             stream.seek(start)
-            data = stream.read()
+            breaks = sum(part.count(b"\n") for part in iter(lambda: stream.read(PART), b""))
+            require_room(file, 1 + breaks, columns)
+            size, length, lines, tail = stream.tell(), LONGEST_LINE, b"", b""
+            while not lines and len(tail) < size - start:  # more of the end, where all of it is left out
+                stream.seek(max(size - length, start))
+                tail = stream.read()
+                lines, length = _without_end(tail, trailing_rows), 4 * length
     except OSError as error:
         raise unreadable(file, error) from error
-    return first, _without_end(data if header_rows else data.removeprefix(_MARK), trailing_rows)
+    left_out = tail[len(lines) :]
+    count = breaks - left_out.count(b"\n") + bool(lines and not lines.endswith(b"\n"))
+    return Section(file, first, count, start, size - len(left_out))
 
 
 def _without_end(data: bytes, trailing_rows: int) -> bytes:
@@ -94,23 +120,26 @@ def _without_end(data: bytes, trailing_rows: int) -> bytes:
 
 def parse(
     file: Path,
-    block: Block,
+    lines: Section | Block,
     form: RecordingFormat,
     fields: Sequence[str],
     numbers: Iterable[int],
     stamps: Sequence[int],
-) -> Mapping[int, pa.ChunkedArray]:
+) -> dict[int, pa.ChunkedArray]:
     """The wanted columns of lines by position: numbers as float64, stamps as int64 or float64, as the file writes them.
 
     `fields` are the names of all fields of a line. Raises RecordingError with the line and value that cannot be read.
     """
     positions = list(dict.fromkeys([*numbers, *stamps]))
     names = [str(k) for k in range(len(fields))]
+    if isinstance(lines, Section):
+        source, size = pa.OSFile(str(file)).get_stream(lines.start, lines.end - lines.start), PART
+    else:  # one block, so that the kind of stamps follows from all of them
+        source, size = pa.BufferReader(lines[1]), len(lines[1])
     try:
         table = pacsv.read_csv(
-            pa.BufferReader(block[1]),
-            # one block, so that the kind of stamps follows from all of them
-            read_options=pacsv.ReadOptions(column_names=names, use_threads=False, block_size=len(block[1])),
+            source,
+            read_options=pacsv.ReadOptions(column_names=names, use_threads=False, block_size=size),
             parse_options=pacsv.ParseOptions(delimiter=form.separator),
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in numbers},
@@ -121,15 +150,18 @@ def parse(
             ),
         )
     except (pa.ArrowException, UnicodeDecodeError) as error:
-        for part in _halves(block):  # the damage is in one of them
+        if isinstance(lines, Section):
+            return parse(file, lines.text(), form, fields, numbers, stamps)
+        for part in _halves(lines):  # the damage is in one of them
             parse(file, part, form, fields, numbers, stamps)
-        raise explain(file, block, fields, positions, form, str(error)) from error
+        raise explain(file, lines, fields, positions, form, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
     for k in stamps:
         if pa.types.is_null(columns[k].type):
             columns[k] = columns[k].cast(pa.float64())
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
-            raise explain(file, block, fields, positions, form, f"column {k} holds no numbers")
+            text = lines.text() if isinstance(lines, Section) else lines
+            raise explain(file, text, fields, positions, form, f"column {k} holds no numbers")
     return columns
 
 
@@ -183,13 +215,13 @@ def tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
     header_rows, names = _header(file, form)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
-    block = read_lines(file, header_rows, form.trailing_rows, len(chosen))
-    return [table_of(file, block, names, chosen, form, tick)]
+    lines = section_of(file, header_rows, form.trailing_rows, len(chosen))
+    return [table_of(file, lines, names, chosen, form, tick)]
 
 
 def table_of(
     file: Path,
-    block: Block,
+    lines: Section | Block,
     names: Sequence[str],
     chosen: Mapping[str, int],
     form: RecordingFormat,
@@ -201,22 +233,26 @@ def table_of(
         chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
     """
-    if not block[1].strip():
+    if not (lines.rows if isinstance(lines, Section) else lines[1].strip()):
         raise RecordingError(file, "has a header but no rows", "record again")
     positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
     at = chosen.get(CLOCK)
-    columns = parse(file, block, form, names, positions.values(), [] if at is None else [at])
+    columns = parse(file, lines, form, names, positions.values(), [] if at is None else [at])
     rows = len(next(iter(columns.values())))
-    stamps, lines = None if tick is None else np.arange(rows), lines_of(block, rows)
+    stamps = None if tick is None else np.arange(rows)
+    if isinstance(lines, Section):
+        places = Lines(lines.first) if lines.rows == rows else lines_of(lines.text(), rows)
+    else:
+        places = lines_of(lines, rows)
     if at is not None:
-        clock = columns[at]
+        clock = columns.pop(at)
         if clock.null_count:
             row = int(np.argmin(clock.is_valid().to_numpy()))
-            place = f"{file}, {lines.place(row)}, {shown(names[at])}"
+            place = f"{file}, {places.place(row)}, {shown(names[at])}"
             raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
         stamps = clock.to_numpy()
-    values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
-    return ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, lines)
+    values = {ours: columns.pop(k).to_numpy() for ours, k in positions.items()}  # each is copied, then let go
+    return ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, places)
 
 
 def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:

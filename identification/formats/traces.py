@@ -23,7 +23,7 @@ import pyarrow as pa
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.table import Block, ColumnTable, Stamps, is_number, lines_of, split
-from identification.formats.text import cells, decoded, parse, read_head, read_lines, select, table_of
+from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of
 from identification.formats.text_errors import without
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
@@ -44,7 +44,7 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
         raise RecordingError(file, without(channels, form))
     labels = [f"time of {(*names, 'nothing')[k + 1]}" if k in clocks else name for k, name in enumerate(names)]
     wanted = sorted(set(clock_of.values()))
-    block = read_lines(file, header_rows, form.trailing_rows, len(positions) + len(wanted))
+    block = section_of(file, header_rows, form.trailing_rows, len(positions) + len(wanted)).text()
     filled = _filled(block, len(names), form.separator)
     if not filled[1].strip():
         raise RecordingError(file, "has a header but no rows", "export the recording again")
@@ -160,7 +160,7 @@ def halsampler_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
     tick = form.tick if CLOCK in chosen else form.clock.period
     if numbered:
         chosen.setdefault(CLOCK, 0)
-    block = read_lines(file, form.header_rows or 0, form.trailing_rows, len(chosen))
+    block = section_of(file, form.header_rows or 0, form.trailing_rows, len(chosen)).text()
     return [table_of(file, _without_overruns(file, block, CLOCK in chosen), names, chosen, form, tick)]
 
 

@@ -83,7 +83,9 @@ def test_lines_are_those_between_header_and_trailing_rows(
 ) -> None:
     lines = [str(k).encode() * n for k, n in enumerate(lengths)]
     file = written(tmp_path, b"\n".join(lines) + b"\n" * newline or b"\n")
-    first, data = text.read_lines(file, above, below, 1)
+    section = text.section_of(file, above, below, 1)
+    first, data = section.text()
+    assert section.rows == len(data.splitlines())
     found = {k: line for k, line in enumerate(data.split(b"\n"), first) if line}
     filled = [k for k, line in enumerate(lines) if line and k >= above]
     assert found == {k + 1: lines[k] for k in filled[: max(len(filled) - below, 0)]}
