@@ -84,16 +84,9 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
-    """The case that an artefact names.
+    """The case that entries of an artefact's file name; `again` says what makes such an artefact anew.
 
-    Args:
-        file: file of the artefact.
-        about: its entries.
-        again: what makes such an artefact anew.
-
-    Raises:
-        CaseError: it cannot be read.
-        FileProblem: the artefact names none, or one that is not there.
+    Raises CaseError where it cannot be read, FileProblem where the artefact names none.
     """
     name = about.get("case_file", about.get("case"))
     if not isinstance(name, str) or not name:
@@ -106,10 +99,8 @@ def case_of(file: Path, about: Mapping[str, Any], again: str) -> Case:
 def changes_since(about: Mapping[str, Any], now: Mapping[str, Any], case_hash: str) -> list[str]:
     """What the case had when an artefact was computed and has no longer: key, old value, new value.
 
-    Args:
-        about: entries of the artefact.
-        now: values of the case today, by dotted key.
-        case_hash: case hash of the case today, for artefacts of earlier versions, which know no more.
+    `now` are the values of the case today by dotted key; the hash is for artefacts of earlier versions, which know no
+    more.
     """
     then = about.get(KEPT)
     if not isinstance(then, Mapping):
@@ -124,14 +115,8 @@ def require_unchanged(
 ) -> tuple[str, ...]:
     """What to write into everything that is made of an artefact, where it is stale; nothing where it is not.
 
-    Args:
-        file: file of the artefact.
-        about: its entries.
-        now: values of the case today, by dotted key.
-        again: what makes such an artefact anew.
-
-    Raises:
-        FileProblem: the case has changed, and `stale` is not set.
+    `now` are the values of the case today by dotted key; `again` says what makes such an artefact anew. Raises
+    FileProblem where the case has changed, and `stale` is not set.
     """
     changes = changes_since(about, now, case.hash)
     earlier = tuple(str(s) for s in about.get("stale", ()))

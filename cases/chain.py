@@ -6,17 +6,17 @@ from the base to the sensor. Coordinates are the positions of the joints.
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import field_validator, model_validator
+from pydantic import AfterValidator, field_validator, model_validator
 
 from cases.machine import KeepOut, MotionLimits, Tool
 from cases.sensors import RigidBody
-from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, si
+from cases.tables import Number, Part, Positive, Range, Vector, frozen, kind_of, own_units, si
 from cases.units import DEG, MM, Array
 
 MOST_JOINTS = 12
@@ -86,17 +86,15 @@ class Joint(ChainFrame):
 
     @model_validator(mode="after")
     def _of_its_kind(self) -> "Joint":
-        unit = {"deg": "mm", "mm": "deg"}[_unit(self.kind)]
-        for key in (f"position_{unit}", f"home_{unit}", "force_N" if unit == "mm" else "torque_Nm"):
+        own, other = ("deg", "mm") if self.turns else ("mm", "deg")
+        position, home = f"position_{own}", f"home_{own}"
+        foreign = [f"position_{other}", f"home_{other}", "force_N" if self.turns else "torque_Nm"]
+        for key in (*foreign, position) if self.kind == "continuous" else foreign:
             if getattr(self, key) is not None:
                 raise ValueError(f"{self.name} is {self.kind} and has no {key}; remove it or change the kind")
-        position, home = f"position_{_unit(self.kind)}", f"home_{_unit(self.kind)}"
         if getattr(self, home) is None:
             raise ValueError(f"{self.name}: {home} is missing; say where its programs begin and end")
-        if self.kind == "continuous":
-            if self.position_deg is not None:
-                raise ValueError(f"{self.name} is continuous and has no position_deg; remove it, or write revolute")
-        elif getattr(self, position) is None:
+        if getattr(self, position) is None and self.kind != "continuous":
             also = ', or write kind = "continuous"' if self.kind == "revolute" else ""
             raise ValueError(f"{self.name}: {position} is missing; give the lower and upper end of the joint{also}")
         low, high = self.position
@@ -134,10 +132,20 @@ class Joint(ChainFrame):
         return self.torque_Nm or self.force_N or math.inf
 
 
+Joints = TypeVar("Joints", bound="tuple[Joint, ...] | tuple[JointLimit, ...]")
+
+
+def _distinct(joints: Joints) -> Joints:
+    names = [joint.name for joint in joints]
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise ValueError(f"has two joints {twice[0]}; each joint has a name of its own")
+    return joints
+
+
 class Chain(Part):
     """Joints from the base to the sensor."""
 
-    joints: tuple[Joint, ...]
+    joints: Annotated[tuple[Joint, ...], AfterValidator(_distinct)]
     """Joints from the base to the sensor."""
     sensor: ChainFrame = ChainFrame()
     """The sensor frame {P} in the last joint's moved frame."""
@@ -153,7 +161,6 @@ class Chain(Part):
     def _some(cls, value: tuple[Joint, ...]) -> tuple[Joint, ...]:
         if not 1 <= len(value) <= MOST_JOINTS:
             raise ValueError(f"are {len(value)}; list 1 to {MOST_JOINTS}, from the base to the sensor")
-        _require_distinct(joint.name for joint in value)
         return value
 
     @property
@@ -219,28 +226,45 @@ class JointLimit(Part):
 
     @model_validator(mode="after")
     def _complete(self) -> "JointLimit":
-        turning = ("position_deg", "velocity_deg_s", "acceleration_rad_s2", "jerk_rad_s3")
-        sliding = ("position_mm", "velocity_mm_s", "acceleration_m_s2", "jerk_m_s3")
-        keys = {key for key in (*turning, *sliding) if getattr(self, key) is not None}
-        if keys & set(turning) and keys & set(sliding):
-            one, other = next(k for k in turning if k in keys), next(k for k in sliding if k in keys)
-            raise ValueError(f"{self.name} has {one} and {other}; a joint either turns or slides, remove one of them")
-        pair = sliding if keys & set(sliding) else turning
-        missing = [key for key in pair if key not in keys]
-        if missing:
+        turning, sliding = ([key for key in keys if getattr(self, key) is not None] for keys in (_TURNING, _SLIDING))
+        if turning and sliding:
+            both = f"{turning[0]} and {sliding[0]}"
+            raise ValueError(f"{self.name} has {both}; a joint either turns or slides, remove one of them")
+        if missing := [key for key in self.keys if key not in (*turning, *sliding)]:
             raise ValueError(f"{self.name}: {', '.join(missing)} missing; add what an excitation may use of it")
-        low, high = self.position_deg or self.position_mm or (0.0, 0.0)
+        position = self.keys[0]
+        low, high = getattr(self, position)
         if not low < 0.0 < high:
             raise ValueError(
-                f"{self.name}: {pair[0]} = {_range((low, high))} does not contain 0; positions are relative to home, "
+                f"{self.name}: {position} = {_range((low, high))} does not contain 0; positions are relative to home, "
                 "widen it"
             )
         return self
 
     @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of its position and the derivatives."""
+        return _TURNING if all(getattr(self, key) is None for key in _SLIDING) else _SLIDING
+
+    @property
     def turns(self) -> bool:
         """Whether its position is an angle."""
-        return self.position_deg is not None
+        return self.keys is _TURNING
+
+
+_TURNING = ("position_deg", "velocity_deg_s", "acceleration_rad_s2", "jerk_rad_s3")
+_SLIDING = ("position_mm", "velocity_mm_s", "acceleration_m_s2", "jerk_m_s3")
+
+
+def _of_joints(order: int) -> cached_property[Array]:
+    """Limits of the joints' positions, or of a derivative, in SI."""
+
+    def values(limits: "JointMotionLimits") -> Array:
+        keys = [joint.keys[order] for joint in limits.joints]
+        stated = [getattr(joint, key) for joint, key in zip(limits.joints, keys, strict=True)]
+        return frozen(np.transpose(stated) * own_units(keys))
+
+    return cached_property(values)
 
 
 class JointMotionLimits(Part):
@@ -248,14 +272,8 @@ class JointMotionLimits(Part):
 
     of_pose: ClassVar[bool] = False
     """Whether the coordinates are the pose of a platform; these are the machine's own axes."""
-    joints: tuple[JointLimit, ...]
+    joints: Annotated[tuple[JointLimit, ...], AfterValidator(_distinct)]
     """Limits of the joints, in the order of the chain."""
-
-    @field_validator("joints")
-    @classmethod
-    def _distinct(cls, value: tuple[JointLimit, ...]) -> tuple[JointLimit, ...]:
-        _require_distinct(limit.name for limit in value)
-        return value
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -272,27 +290,14 @@ class JointMotionLimits(Part):
         """Which coordinates are angles, shape (n,)."""
         return np.array([joint.turns for joint in self.joints])
 
-    @cached_property
-    def pose(self) -> Array:
-        """Lower and upper limit relative to home, shape (2, n) [rad or m]."""
-        ends = [j.position_deg or j.position_mm for j in self.joints]
-        return frozen(np.array(ends).T * np.where(self.turns, DEG, MM))
-
-    @cached_property
-    def rate(self) -> Array:
-        """Largest rate of each coordinate, shape (n,) [rad/s or m/s]."""
-        most = [j.velocity_deg_s or j.velocity_mm_s for j in self.joints]
-        return frozen(np.array(most) * np.where(self.turns, DEG, MM))
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Largest second derivative of each coordinate, shape (n,) [rad/s^2 or m/s^2]."""
-        return frozen([j.acceleration_rad_s2 or j.acceleration_m_s2 for j in self.joints])
-
-    @cached_property
-    def jerk(self) -> Array:
-        """Largest third derivative of each coordinate, shape (n,) [rad/s^3 or m/s^3]."""
-        return frozen([j.jerk_rad_s3 or j.jerk_m_s3 for j in self.joints])
+    pose: ClassVar = _of_joints(0)
+    """Lower and upper limit relative to home, shape (2, n) [rad or m]."""
+    rate: ClassVar = _of_joints(1)
+    """Largest rate of each coordinate, shape (n,) [rad/s or m/s]."""
+    acceleration: ClassVar = _of_joints(2)
+    """Largest second derivative of each coordinate, shape (n,) [rad/s^2 or m/s^2]."""
+    jerk: ClassVar = _of_joints(3)
+    """Largest third derivative of each coordinate, shape (n,) [rad/s^3 or m/s^3]."""
 
     @property
     def limits_jerk(self) -> bool:
@@ -301,9 +306,7 @@ class JointMotionLimits(Part):
 
     def without_jerk(self) -> "JointMotionLimits":
         """The limits for a controller whose accelerations step: the jerk is unlimited."""
-        free = [
-            joint.model_copy(update={"jerk_rad_s3" if joint.turns else "jerk_m_s3": math.inf}) for joint in self.joints
-        ]
+        free = [joint.model_copy(update={joint.keys[3]: math.inf}) for joint in self.joints]
         return JointMotionLimits.model_construct(joints=tuple(free))
 
 
@@ -328,7 +331,7 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
         )
         return
     for joint, limit, (low, high) in zip(chain.joints, limits.joints, limits.pose.T + chain.home[:, None], strict=True):
-        key = f"position_{_unit(joint.kind)}"
+        key = "position_deg" if joint.turns else "position_mm"
         if joint.turns != limit.turns:
             yield f"limits.motion.joints: {joint.name} is {joint.kind}; give {key} and the units that go with it"
         elif low < joint.position[0] or high > joint.position[1]:
@@ -338,21 +341,9 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
             )
 
 
-def _columns(joints: "Sequence[Joint | JointLimit]") -> tuple[str, ...]:
+def _columns(joints: Sequence[Joint | JointLimit]) -> tuple[str, ...]:
     return tuple(f"q{k}_{'deg' if joint.turns else 'mm'}" for k, joint in enumerate(joints, 1))
-
-
-def _unit(kind: str) -> str:
-    return "mm" if kind == "prismatic" else "deg"
 
 
 def _range(ends: Sequence[float]) -> str:
     return f"[{ends[0]:g}, {ends[1]:g}]"
-
-
-def _require_distinct(names: Iterable[str]) -> None:
-    previous: set[str] = set()
-    for name in names:
-        if name in previous:
-            raise ValueError(f"has two joints {name}; each joint has a name of its own")
-        previous.add(name)

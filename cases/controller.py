@@ -112,7 +112,18 @@ SinumerikName = Annotated[
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
-class SinumerikAxes(Part):
+class BlockMemory(Part):
+    """What controllers that read programs block by block hold, and keep by themselves."""
+
+    shortest_block_ms: Positive
+    """The controller's cycle, or block cycle time: shorter blocks starve it."""
+    most_blocks: Annotated[int, Field(strict=True, ge=10)]
+    """What its program memory holds."""
+    controller_keeps: Promises
+    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
+
+
+class SinumerikAxes(BlockMemory):
     """Settings of SINUMERIK programs in the machine's own axes, of a chain that is named as they are."""
 
     table: ClassVar = "sinumerik"
@@ -121,12 +132,6 @@ class SinumerikAxes(Part):
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
-    shortest_block_ms: Positive
-    """The controller's block cycle time: shorter blocks starve it."""
-    most_blocks: Annotated[int, Field(strict=True, ge=10)]
-    """What its program memory holds."""
-    controller_keeps: Promises
-    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
 
 
 class Sinumerik(SinumerikAxes):
@@ -192,7 +197,7 @@ TwinCatName = Annotated[
 MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_free)]
 
 
-class TwinCatAxes(Part):
+class TwinCatAxes(BlockMemory):
     """Settings of TF5200 / ISG programs in the machine's own axes, of a chain that is named as they are."""
 
     table: ClassVar = "twincat"
@@ -205,12 +210,6 @@ class TwinCatAxes(Part):
     """M function that the PLC makes the trigger's beginning of; it needs a synchronisation type (P-CHAN-00041)."""
     trigger_off_m: MFunction
     """The same for the trigger's end."""
-    shortest_block_ms: Positive
-    """The controller's cycle: shorter blocks starve it."""
-    most_blocks: Annotated[int, Field(strict=True, ge=10)]
-    """What its program memory holds."""
-    controller_keeps: Promises
-    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
 
     @model_validator(mode="after")
     def _two_functions(self) -> "TwinCatAxes":

@@ -103,12 +103,9 @@ def free_name(path: Path, separator: str = "-") -> Path:
 
 
 def output_place(named: Path | None, usual: Path, overwrite: bool, separator: str = "-") -> Path:
-    """Where a command writes: the place that was named, else the usual one, or a free name beside it.
+    """Where a command writes: the place that was named with -o, else the usual one, or a free name beside it.
 
-    Args:
-        named: place given with -o; None where none was given.
-        overwrite: whether the usual place may be replaced.
-        separator: between the usual name and the number of a free one.
+    `separator` stands between the usual name and the number of a free one.
     """
     if named is not None:
         return named
@@ -120,15 +117,12 @@ def _refuse_to_replace(path: Path, content: str) -> NoReturn:
 
 
 def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
-    """Refuses, before the work starts, an output file that could not be written.
+    """Raises FileProblem, before the work starts, for an output file that could not be written, or has a wrong ending.
 
     Args:
         suffixes: endings that it may have, in lower case; upper case in `path` is as good.
         inputs: what the work reads, which is never overwritten.
         overwrite: whether a file that stands there may be replaced.
-
-    Raises:
-        FileProblem: wrong ending, something stands there, it is one of the inputs, or the place cannot be written.
     """
     allowed = tuple(suffixes)
     if path.suffix.lower() not in allowed:
@@ -145,17 +139,11 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
 
 
 def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
-    """Refuses, before the work starts, an output folder that could not be written.
+    """Raises FileProblem, before the work starts, for an output folder that could not be written.
 
     A folder that stands there is replaced only if it is empty, or of the same kind and `overwrite` is set, so that no
-    slip of `-o` wipes a folder that is not ours, or another result of ours.
-
-    Args:
-        inputs: what the work reads; none of it may be in the folder that is replaced.
-        overwrite: whether a folder of the same kind that stands there may be replaced.
-
-    Raises:
-        FileProblem: something else stands there, it is or holds one of the inputs, or the place cannot be written.
+    slip of `-o` wipes a folder that is not ours, or another result of ours. None of `inputs`, which the work reads, may
+    be in it.
     """
     if path.resolve() == Path.cwd() or path.resolve() in Path.cwd().parents:
         raise FileProblem(path, "is the folder that you work in", "name a new one with -o")
@@ -195,13 +183,8 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
     """Yields an empty folder to fill; it takes the place of `path` only when the block ends without an error.
 
     With `overwrite`, a folder of the same kind is replaced as a whole. Without, what another command has written there
-    in the meantime stays, and the new folder appears under a free name beside it.
-
-    Args:
-        overwrite: whether a folder of the same kind that stands there is replaced.
-
-    Raises:
-        FileProblem: the place cannot be written, holds something that is not ours, or was taken in the meantime.
+    in the meantime stays, and the new folder appears under a free name beside it: FileProblem names that, or why the
+    place cannot be written.
     """
     check_folder(path, kind, overwrite=True)
     with _writing(path):

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, model_validator
+from pydantic import Field, model_validator
 
 from cases.tables import NonNegative, Number, Part, Positive, PositiveVector, Range, Vector, frozen, own_units, si
 from cases.units import DEG, MM, Array, Flags
@@ -64,16 +64,10 @@ class Ring(Part):
         return np.array([[self.radius_mm * np.cos(t), self.radius_mm * np.sin(t), self.z_mm] for t in angles]) * MM
 
 
-def _six_points(value: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, float, float], ...]:
-    if len(value) != 6:
-        raise ValueError(f"has {len(value)} points, a hexapod has 6; list one [x, y, z] for each strut, in strut order")
-    return value
-
-
 class Joints(Part):
     """Six points, listed one by one or as a ring; exactly one of the two."""
 
-    points_mm: Annotated[tuple[Vector, ...], AfterValidator(_six_points)] | None = None
+    points_mm: Annotated[tuple[Vector, ...], Field(min_length=6, max_length=6)] | None = None
     """[x, y, z] of each joint, in strut order."""
     ring: Ring | None = None
     """Joints on a circle, in three pairs."""

@@ -100,6 +100,11 @@ def _separator(value: str) -> str:
 Separator = Annotated[str, AfterValidator(_separator)]
 Count = Annotated[int, Field(strict=True, ge=0)]
 StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
+SHIFTED: Mapping[StreamName, tuple[str, ...]] = {
+    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), "pose": POSE, "rotation": ROTATION,
+    "accelerometer": ACCELEROMETER, "forces": (*BAR_FORCES, *WRENCH),
+}  # fmt: skip
+"""Columns whose clock `clock.offset_s` may shift, by the names that it uses."""
 
 
 class Clock(Part):

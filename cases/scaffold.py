@@ -5,7 +5,7 @@ import inspect
 import json
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
 
@@ -204,9 +204,6 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
-_OF_A_HEXAPOD = frozenset({"validate"})
-_IN_AXES = frozenset({"post --dialect linuxcnc", "post --dialect sinumerik", "post --dialect twincat"})
-_OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
 _NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
@@ -216,35 +213,41 @@ def readiness(case: Case) -> dict[str, tuple[str, ...]]:
     if case.setup == "1a":  # Figure 1: the sensor frame stands
         still = ("a sensor frame that moves (setup is 1a)",)
         return {command: still if command in _OF_A_MOVING_FRAME else () for command in NEEDS}
-    return {name: tuple(_lacks(case, name, keys)) for name, keys in NEEDS.items()}
+    return {name: _lacks(case, name, keys) for name, keys in NEEDS.items()}
 
 
-def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
-    """Keys that a command misses, or the machine that it is for."""
-    if case.chain is not None and command in _OF_A_HEXAPOD:
-        yield "a hexapod (the machine is a chain)"
-    elif case.sensor_frame.struts is not None and command == "validate":
-        yield "sensors in the platform (they sit in the struts)"
-    elif case.hexapod is not None and command in _OF_A_CHAIN:
-        yield "a chain of joints (the machine is a hexapod)"
-    elif case.chain is not None and command in _IN_AXES and not set(case.chain.names) <= set("XYZABC"):
-        yield "joints that are named as axes, X, Y, Z, A, B, C"
-    elif (
-        case.chain is not None
-        and command == "post --dialect urscript"
-        and [j.kind for j in case.chain.joints] != ["revolute"] * 6
-    ):
-        yield "six joints that turn between ends"
-    else:
-        yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))
+_OTHER_MACHINES: tuple[tuple[tuple[str, ...], Callable[[Case], bool], str], ...] = (
+    (("validate",), lambda case: case.chain is not None, "a hexapod (the machine is a chain)"),
+    (
+        ("validate",),
+        lambda case: case.sensor_frame.struts is not None,
+        "sensors in the platform (they sit in the struts)",
+    ),
+    (
+        ("post --dialect urscript", "post --dialect ros2"),
+        lambda case: case.hexapod is not None,
+        "a chain of joints (the machine is a hexapod)",
+    ),
+    (
+        ("post --dialect linuxcnc", "post --dialect sinumerik", "post --dialect twincat"),
+        lambda case: case.chain is not None and not set(case.chain.names) <= set("XYZABC"),
+        "joints that are named as axes, X, Y, Z, A, B, C",
+    ),
+    (
+        ("post --dialect urscript",),
+        lambda case: case.chain is not None and [j.kind for j in case.chain.joints] != ["revolute"] * 6,
+        "six joints that turn between ends",
+    ),
+)
+"""Commands, the machines that they are not for, and what they are for."""
 
 
-def _missing(case: Case, keys: tuple[str, ...]) -> Iterator[str]:
-    """Keys that the case lacks; of a table that is missing as a whole its own name only."""
-    for key in keys:
-        above = key.rpartition(".")[0]
-        if not _has(case, key) and not (above in keys and not _has(case, above)):
-            yield key
+def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> tuple[str, ...]:
+    """Keys that a command misses, of a table that is missing its own name only, or the machine that it is for."""
+    if wanted := [words for commands, refuses, words in _OTHER_MACHINES if command in commands and refuses(case)]:
+        return (wanted[0],)
+    missing = [key for key in keys if not _has(case, key) and (case.chain is None or key not in _NOT_OF_A_CHAIN)]
+    return tuple(key for key in missing if key.rpartition(".")[0] not in missing)
 
 
 def _has(case: Case, key: str) -> bool:

@@ -123,10 +123,8 @@ class SensorFrame(Part):
         """J^-T of (2), six sensor forces -> force and moment on the platform in {P}, shape (6, 6).
 
         Columns (n_k; h_k x n_k) of bars [-, m], n_k along bar k from its lower point h_k to its upper one; 1 of a
-        sensor that reads the support's push, -1 of one that reads the load's pull.
-
-        Raises:
-            ValueError: of sensors in struts it depends on the pose (`strut_sensors.structure`).
+        sensor that reads the support's push, -1 of one that reads the load's pull. Raises ValueError for sensors in
+        struts.
         """
         if self.bars is not None:
             lower, upper = self.bars.lower.points, self.bars.upper.points

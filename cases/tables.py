@@ -159,20 +159,17 @@ def lasting_name(name: str) -> str:
 
 
 def read_tables(model: type[Tables], path: Path, all_by: str = "") -> Tables:
-    """Reads a TOML file and validates it by the model of its tables.
+    """Reads a TOML file and validates it by the model of its tables; raises CaseError for what is wrong with it.
 
-    Args:
-        all_by: command that lists all problems, for a file that has several.
-
-    Raises:
-        CaseError: the file cannot be read, is not TOML, or a key is unknown or has an invalid value.
+    `all_by` is the command that lists all problems, for a file that has several.
     """
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
-        hint = "write decimal points, not commas, and " if _decimal_comma(path) else ""
+        comma = re.search(rf"^\s*\w+\s*=\s*{_COMMA}\s*(#.*)?$", path.read_text("utf-8-sig"), re.MULTILINE)
+        hint = "write decimal points, not commas, and " if comma else ""
         raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
         return model.model_validate(data)
@@ -222,24 +219,14 @@ def _words(model: type[BaseModel], problem: ErrorDetails) -> str:
         return str(problem["ctx"]["error"]) if "ctx" in problem else problem["msg"]
     if kind == "too_short" or kind == "too_long":
         expected = problem.get("ctx", {}).get("actual_length", "?")
-        hint = "; a decimal comma counts as two entries, write a point" if _whole_numbers(value) else ""
+        whole = isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
+        hint = "; a decimal comma counts as two entries, write a point" if whole else ""
         return f"has {expected} entries; {problem['msg'].lower()}{hint}"
     if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
         return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
     if kind in _TYPES:
         return f"{value!r}: is not {_TYPES[kind]}"
     return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
-
-
-def _decimal_comma(path: Path) -> bool:
-    """Whether a value of the file is a single number with a comma."""
-    return any(
-        re.fullmatch(rf"\s*\w+\s*=\s*{_COMMA}\s*(#.*)?", line) for line in path.read_text("utf-8-sig").splitlines()
-    )
-
-
-def _whole_numbers(value: object) -> bool:
-    return isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
 
 
 def _unknown_key(key: str, keys: list[str]) -> str:
@@ -264,16 +251,11 @@ def _siblings(model: type[BaseModel], location: tuple[int | str, ...]) -> Iterab
     for part in location[:-1]:
         if not isinstance(part, str) or part not in model.model_fields:
             continue
-        inner = _model_of(model.model_fields[part].annotation, tags)
-        if inner is not None:
-            model = inner
+        inner = _within(model.model_fields[part].annotation)
+        models = [c for c in inner if isinstance(c, type) and issubclass(c, BaseModel)]
+        if models:  # of several the one that a tag names
+            model = next((c for c in models if c.__name__ in tags), models[0])
     return model.model_fields
-
-
-def _model_of(annotation: Any, tags: set[str]) -> type[BaseModel] | None:
-    """The class of a table; of several the one that a tag names."""
-    models = [c for c in _within(annotation) if isinstance(c, type) and issubclass(c, BaseModel)]
-    return next((c for c in models if c.__name__ in tags), models[0] if models else None)
 
 
 def _within(annotation: Any) -> Iterator[Any]:

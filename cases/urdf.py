@@ -31,15 +31,8 @@ _COORDINATES = {"revolute": 1, "continuous": 1, "prismatic": 1, "fixed": 0, "pla
 def read_urdf(file: Path, flange: str | None) -> tuple[str, list[tuple[Joint, JointLimit]], ChainFrame]:
     """The root link, the joints that move a link, from the root on, and the link in the last one's moved frame.
 
-    Joints and their limits are those of a case, as far as a URDF states them: some of their keys are missing.
-
-    Args:
-        file: URDF, expanded where it was xacro.
-        flange: name of the link that carries the sensor.
-
-    Raises:
-        CaseError: the file cannot be read or is not a sound tree, no such link, or a joint on the way is not sound; one
-            line names file, line, value and remedy.
+    Joints and their limits are those of a case, as far as a URDF states them: some of their keys are missing. Raises
+    CaseError where the file is not a sound tree, or not sound on the way to the link `flange` that carries the sensor.
     """
     root = _parsed(file)
     links = _named(root, "link")
@@ -249,16 +242,13 @@ def _origin(element: Element, of: str) -> Array:
 
 
 def _vector(element: Element, key: str, of: str, default: str | None = None) -> Array:
-    text = element.get(key, default)
-    words = [] if text is None else text.split()
-    if len(words) != 3:
+    if (text := element.get(key, default)) is None or len(text.split()) != 3:
         _refuse(element, f"{key} of the {of} is {text!r}; give three numbers")
-    return np.array([_checked(element, word, f"{key} of the {of}") for word in words])
+    return np.array([_checked(element, word, f"{key} of the {of}") for word in text.split()])
 
 
 def _number(element: Element, key: str, of: str) -> float:
-    text = element.get(key)
-    if text is None:
+    if (text := element.get(key)) is None:
         _refuse(element, f"the {of} has no {key}; add it")
     return _checked(element, text.strip(), f"{key} of the {of}")
 

@@ -48,12 +48,8 @@ CRITERIA: dict[str, Callable[[Array], float]] = {
 def singular_values(information: Array, names: Sequence[str]) -> Array:
     """Singular values of the scaled regressor behind an information matrix, descending, shape (u,).
 
-    Args:
-        information: F = A^T W A in a scaling, shape (u, u).
-        names: names of the parameters, for the message.
-
-    Raises:
-        IdentificationError: F is singular; the message names the parameters that are not determined.
+    `information` is F = A^T W A in a scaling, shape (u, u). Raises IdentificationError where F is singular, with the
+    parameters that are not determined.
     """
     values, directions = np.linalg.eigh(information)
     # F squares the regressor: its eigenvalues are known to u eps of the largest.
@@ -81,11 +77,7 @@ def box_middle(case: Case) -> tuple[Array, Array]:
 
 
 def uniform_states(case: Case, count: int, seed: int) -> tuple[Array, Array, Array]:
-    """Independent uniform states of the motion box of a case: coordinates, rates and accelerations, shapes (n, k).
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
+    """Independent uniform states of the motion box of a case: coordinates, rates and accelerations, shapes (n, k)."""
     home, box = case.need_motion("the reference scaling")
     shape = (count, len(home))
     draw = np.random.default_rng(seed)
@@ -168,11 +160,7 @@ class Identifiability:
 
 
 def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
-    """Analyses a regressor.
-
-    Args:
-        regressors: A_j, shape (n, 6, u), weighted if channels differ in unit.
-    """
+    """Analyses a regressor A_j, shape (n, 6, u), weighted if channels differ in unit."""
     matrix = regressors.reshape(-1, regressors.shape[2])
     norms = np.linalg.norm(matrix, axis=0)
     scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
@@ -189,10 +177,9 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
 
 
 def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
-    """Splits the directions that are not seen into groups of parameters that share none of them.
+    """Splits the directions that are not seen into groups of parameters that some hidden direction mixes.
 
-    Two parameters belong together where some hidden direction mixes them. The projector onto the hidden space does not
-    depend on the basis the decomposition chose for it, and its blocks are the groups.
+    The projector onto the hidden space does not depend on the basis that the decomposition chose for it.
     """
     projector = hidden.T @ hidden
     involved = np.flatnonzero(np.diag(projector) > INVOLVED**2)

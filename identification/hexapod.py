@@ -9,11 +9,11 @@ from typing import ClassVar
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from cases.units import Array
+from cases.units import Array, Flags
 from identification.machine_limits import hexapod_shares
 from identification.symbolic import FrameMotion, Kinematics, Share, over_samples, rotation, rpy, twist, twist_rate
 
@@ -21,8 +21,6 @@ from identification.symbolic import FrameMotion, Kinematics, Share, over_samples
 # rounding (1e-16 relative to 1 m).
 STRUT_TOLERANCE = 1e-12  # [m]
 MOST_STEPS = 25
-CLOSE = 2e-3  # [m, rad] between cubic and linear interpolation, where the cubic one is trusted: a motion, no jump
-COARSE = 8  # every 8th sample is solved from home, the ones between start from their interpolation
 
 
 class StrutsDoNotClose(IdentificationError):
@@ -153,12 +151,11 @@ class Hexapod:
     def poses(self, lengths: ArrayLike) -> Array:
         """Forward kinematics (7), the assembly that is reached from home: poses of struts, shapes (n, 6) [m, rad].
 
-        Newton's method for all samples at once: every 8th from home, the rest from the interpolation between these.
-
-        Raises:
-            StrutsDoNotClose: the struts cannot close; the message names the first such sample.
+        Raises StrutsDoNotClose with the first sample whose struts cannot close.
         """
-        return self._assembled(np.asarray(lengths, dtype=float))[0]
+        poses, _, closed = self._newton(np.asarray(lengths, dtype=float))
+        _require_closed(closed, lengths)
+        return poses
 
     drives, coordinates = strut_lengths, poses
 
@@ -170,33 +167,12 @@ class Hexapod:
         most = np.full(6, limits.strut_velocity_m_s), np.full(6, limits.strut_acceleration_m_s2)
         return over_samples(self.strut_motion, pose, rates, accelerations)[1:], most
 
-    def _assembled(self, lengths: Array, start: Array | None = None) -> tuple[Array, Array]:
-        """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose.
-
-        From `start` where it is near enough, shape (n, 6).
-        """
-        if start is not None:
-            poses, jacobians, closed = self._newton(lengths, start)
-            if closed.all():
-                return poses, jacobians
-        count = len(lengths)
-        coarse = np.unique(np.r_[np.arange(0, count, COARSE), count - 1])
-        at_coarse, _, closed = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)))
-        start = np.tile(self.home, (count, 1))
-        if closed.any():
-            start = _between(np.arange(count), coarse[closed], at_coarse[closed])
-        poses, jacobians, closed = self._newton(lengths, start)
-        if not closed.all():
-            first = int(np.argmin(closed))
-            raise StrutsDoNotClose(first, lengths[first])
-        return poses, jacobians
-
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # samples that diverge are given up
-    def _newton(self, lengths: Array, start: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Poses, J_Hex^-1 there, and for which samples the struts close."""
-        pose, closed = start.copy(), np.zeros(len(start), dtype=bool)
-        jacobians = np.empty((len(start), 6, 6))
-        active = np.arange(len(pose))
+    def _newton(self, lengths: Array) -> tuple[Array, Array, Flags]:
+        """Poses by Newton's method from home, J_Hex^-1 there, and for which samples the struts close."""
+        count = len(lengths)
+        pose, jacobians, closed = np.tile(self.home, (count, 1)), np.empty((count, 6, 6)), np.zeros(count, dtype=bool)
+        active = np.arange(count)
         for _ in range(MOST_STEPS):
             estimate, jacobian = over_samples(self.inverse_jacobian, pose[active])
             error = lengths[active] - estimate
@@ -217,38 +193,35 @@ class Hexapod:
             pose[active] = over_samples(self.newton_step, pose[active], step)[0]
         return pose, jacobians, closed
 
-    def earlier(self, motion: Kinematics, time: float) -> Array:
-        """Poses a short time before, up to its cube, shape (n, 6)."""
-        back = time**2 / 2.0 * motion.twist_rate - time * motion.twist
-        return over_samples(self.newton_step, motion.pose, back)[0]
-
-    def kinematics(
-        self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None
-    ) -> Kinematics:
+    def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
         """Pose, twist and twist rate from strut motion, shapes (n, 6) [m, m/s, m/s^2]: (7), (8), (9).
 
         (9) is used in the equivalent form v' = J_Hex (q'' - d/dt(J_Hex^-1) v), since J_Hex is known by its inverse.
-        `start` are poses near by, where they are known. Raises StrutsDoNotClose.
+        Raises StrutsDoNotClose.
         """
-        pose, jacobian = self._assembled(np.asarray(lengths, dtype=float), start)
-        return self._moving(pose, jacobian, np.asarray(velocities), np.asarray(accelerations))
+        motion, closed = self.kinematics_where_closed(*map(np.asarray, (lengths, velocities, accelerations)))
+        _require_closed(closed, lengths)
+        return motion
 
     def kinematics_where_closed(
         self, lengths: Array, velocities: Array, accelerations: Array
-    ) -> tuple[Kinematics, NDArray[np.bool_]]:
-        """Kinematics of samples whose struts need not close, in any order, each solved from home; and which close.
+    ) -> tuple[Kinematics, Flags]:
+        """Kinematics of samples whose struts need not close, in any order; and which close.
 
         They mean nothing where struts do not close.
         """
-        pose, jacobian, closed = self._newton(lengths, np.tile(self.home, (len(lengths), 1)))
+        pose, jacobian, closed = self._newton(lengths)
         pose[~closed], jacobian[~closed] = self.home, np.eye(6)
-        return self._moving(pose, jacobian, velocities, accelerations), closed
-
-    def _moving(self, pose: Array, jacobian: Array, velocities: Array, accelerations: Array) -> Kinematics:
-        twist_ = np.linalg.solve(jacobian, velocities[:, :, None])[:, :, 0]
-        drift = over_samples(self.jacobian_drift, pose, twist_)[0]
+        moving = np.asarray(np.linalg.solve(jacobian, velocities[:, :, None])[:, :, 0], dtype=np.float64)
+        drift = over_samples(self.jacobian_drift, pose, moving)[0]
         rate = np.linalg.solve(jacobian, (accelerations - drift)[:, :, None])[:, :, 0]
-        return Kinematics(pose, np.asarray(twist_, dtype=np.float64), np.asarray(rate, dtype=np.float64))
+        return Kinematics(pose, moving, np.asarray(rate, dtype=np.float64)), closed
+
+
+def _require_closed(closed: Flags, lengths: ArrayLike) -> None:
+    if not closed.all():
+        first = int(np.argmin(closed))
+        raise StrutsDoNotClose(first, np.asarray(lengths)[first])
 
 
 @lru_cache(maxsize=32)
@@ -256,18 +229,3 @@ def _of_joints(joints: bytes, home: bytes) -> Hexapod:
     """The hexapod with these joints, made once, so that its CasADi functions are built once."""
     base, platform = np.frombuffer(joints).reshape(2, 6, 3)
     return Hexapod(base, platform, np.frombuffer(home))
-
-
-def _between(index: NDArray[np.int_], knots: NDArray[np.int_], poses: Array) -> Array:
-    """Poses of some samples, shape (n,), between those that are known: cubic in a motion, linear across jumps.
-
-    `knots` are the samples whose poses are known, ascending, shape (k,).
-    """
-    linear = np.column_stack([np.interp(index, knots, poses[:, k]) for k in range(6)])
-    if len(knots) < 4:
-        return linear
-    from scipy.interpolate import CubicSpline
-
-    cubic = np.asarray(CubicSpline(knots, poses)(np.clip(index, knots[0], knots[-1])))
-    trusted = np.abs(cubic - linear).max(axis=1) < CLOSE
-    return np.where(trusted[:, None], cubic, linear)

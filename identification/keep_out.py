@@ -11,9 +11,7 @@ from cases.units import MM, Array
 def distance_of_points(points: Array, corners: Array) -> Array:
     """Distance along the axis that separates point and box most, below 0 inside, shape (..) [m].
 
-    Args:
-        points: shape (.., 3) [m].
-        corners: lower and upper corner of the box, shape (2, 3) [m].
+    `points` have the shape (.., 3), lower and upper corner of the box (2, 3) [m].
     """
     return np.asarray(np.maximum(corners[0] - points, points - corners[1]).max(axis=-1))
 
@@ -22,12 +20,7 @@ def distance_of_segments(start: Array, way: Array, corners: Array) -> Array:
     """The least distance that a point of each segment start + s way, 0 <= s <= 1, has, shape (n, k) [m].
 
     Exact: along a segment the distance is the largest of six affine functions of s, so that its minimum lies at an end
-    or where two of them meet.
-
-    Args:
-        start: shape (k, 3) or (n, k, 3) [m].
-        way: shape (n, k, 3) [m].
-        corners: lower and upper corner of the box, shape (2, 3) [m].
+    or where two of them meet. Shapes: start (k, 3) or (n, k, 3), way (n, k, 3), corners (2, 3) [m].
     """
     half = (corners[1] - corners[0]) / 2
     x = [np.ascontiguousarray(start[..., k] - corners[:, k].mean()) for k in range(3)]  # far quicker than by rows of 3
@@ -59,15 +52,8 @@ def guarded(workspace: Workspace) -> tuple[str, ...]:
 def distances(box: KeepOut, workspace: Workspace, origin: Array, turn: Array, base: Array, strut: Array) -> Array:
     """Distances of the platform's origin and joints, of struts and tools from a box, shape (n, 13 and more) [m].
 
-    Below 0 inside; in the order of `guarded`.
-
-    Args:
-        box: the box.
-        workspace: gives the tools and the radius of the struts.
-        origin: origin of {P}, shape (n, 3) [m].
-        turn: R, shape (n, 3, 3).
-        base: joints of the base, shape (6, 3) [m].
-        strut: vectors from these to the joints of the platform, shape (n, 6, 3) [m].
+    Below 0 inside; in the order of `guarded`. Shapes: origin of {P} (n, 3), R (n, 3, 3), base joints (6, 3), struts
+    from these to the platform's joints (n, 6, 3) [m].
     """
     points = distance_of_points(np.concatenate([origin[:, None], strut + base], axis=1), box.corners)
     struts = distance_of_segments(base, strut, box.corners) - workspace.strut_radius_mm * MM

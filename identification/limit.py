@@ -138,11 +138,6 @@ class Quantity:
         ratio = np.nan_to_num(np.maximum(0.0, 1.0 - values / reach), nan=np.inf)
         return cls(of, labels, values, np.zeros((2, len(labels))), ratio)
 
-    def limit_of(self, row: int, column: int) -> float:
-        """The limit on whose side of the middle a value lies."""
-        low, high = self.limits[:, column]
-        return float(high if self.values[row, column] >= (low + high) / 2 else low)
-
 
 class Status(StrEnum):
     """How a limit is ensured."""

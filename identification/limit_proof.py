@@ -219,12 +219,12 @@ def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     column = int(np.argmax(quantity.ratio.max(axis=0)))
     row = int(np.argmax(quantity.ratio[:, column]))
     kind = quantity.of.kind
-    low, high = (float(limit[column] * kind.scale) for limit in quantity.limits)
+    value, low, high = (float(v * kind.scale) for v in (quantity.values[row, column], *quantity.limits[:, column]))
     return LimitCheck(
         quantity.of,
         quantity.labels[column],
-        float(quantity.values[row, column] * kind.scale),
-        quantity.limit_of(row, column) * kind.scale,
+        value,
+        high if value >= (low + high) / 2 else low,
         kind.unit,
         float(quantity.ratio[row, column]),
         float(t[row]),

@@ -145,14 +145,11 @@ def chain_frames(motion: Motion, chain: Chain) -> Frames:
     count, frames = len(motion.t), []
     total: _Frames = (np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4)))
     for k, joint in enumerate(chain.joints):
-        total = _fixed(total, _placed(joint))
         total = _times(total, _moved(joint, motion.pose[:, k], motion.rates[:, k], motion.accelerations[:, k]))
         frames.append(total)
-    return [*frames, _fixed(total, _placed(chain.sensor))]
-
-
-def _fixed(before: _Frames, then: Array) -> _Frames:
-    return before[0] @ then, before[1] @ then, before[2] @ then
+    to_sensor = _placed(chain.sensor)
+    first, second, third = (frame @ to_sensor for frame in total)
+    return [*frames, (first, second, third)]
 
 
 def _times(before: _Frames, then: _Frames) -> _Frames:
@@ -170,7 +167,7 @@ def _placed(place: Place) -> Array:
 
 
 def _moved(joint: Joint, position: Array, rate: Array, acceleration: Array) -> _Frames:
-    """What a joint adds: a screw along or a turn about z, between a frame whose z is the axis and back."""
+    """What a joint adds: its place, and a screw along or a turn about z of a frame whose z is the axis, and back."""
     aligned = np.eye(4)
     axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
     across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
@@ -185,8 +182,8 @@ def _moved(joint: Joint, position: Array, rate: Array, acceleration: Array) -> _
         frames[0][:, :3, :3] = np.eye(3)
         for frame, value in zip(frames, (position, rate, acceleration), strict=True):
             frame[:, 2, 3] = value
-    back = aligned.T
-    return aligned @ frames[0] @ back, aligned @ frames[1] @ back, aligned @ frames[2] @ back
+    before, back = _placed(joint) @ aligned, aligned.T
+    return before @ frames[0] @ back, before @ frames[1] @ back, before @ frames[2] @ back
 
 
 class _Body(NamedTuple):
@@ -219,7 +216,11 @@ def body_clearances(t: Array, frames: Frames, chain: Chain) -> Iterable[Quantity
     moving = [body for body in bodies if body.link]
     for box in chain.keep_out:
         if moving:
-            columns = [_from_box(body, box.corners) for body in moving]
+            columns = [
+                distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], box.corners)[:, 0]
+                - (body.radius + body.way)
+                for body in moving
+            ]
             limit = Limit(LimitKind.DISTANCE_FROM_BOX, box.name)
             yield Quantity.clear(limit, tuple(body.name for body in moving), np.column_stack(columns), box.vicinity)
     pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
@@ -238,11 +239,6 @@ def _body(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float
     speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
     way = (speed + acceleration * half / 2) * half
     return _Body(link, body.name, ends[0][0], ends[0][1], body.radius_mm * MM, way)
-
-
-def _from_box(body: _Body, corners: Array) -> Array:
-    distances = distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], corners)
-    return np.asarray(distances[:, 0] - body.radius - body.way)
 
 
 def _between(one: _Body, other: _Body) -> Array:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.machine import HexapodMachine, MotionLimits, Workspace
+from cases.machine import HexapodMachine, MotionLimits, Workspace, turned
 from cases.schema import Case
 from cases.units import DEG, Array
 from identification.keep_out import distances, guarded
@@ -56,7 +56,12 @@ class LimitedHexapod:
         yield Quantity.between(LimitKind.STRUT_VELOCITY, _STRUTS, along, -v, v)
         yield Quantity.between(LimitKind.STRUT_ACCELERATION, _STRUTS, second, -a, a)
         direction = strut / length[:, :, None]
-        yield from _joint_angles(direction, normal, workspace)
+        for kind, normals, largest in (
+            (LimitKind.BASE_JOINT_ANGLE, np.array([0.0, 0.0, 1.0]), workspace.base_joint_angle_deg),
+            (LimitKind.PLATFORM_JOINT_ANGLE, normal[:, None], workspace.platform_joint_angle_deg),
+        ):  # between struts and the normals of base and platform; 0 is straight up
+            angle = np.arccos(np.clip(np.sum(direction * normals, axis=2), -1.0, 1.0))
+            yield Quantity.between(kind, _STRUTS, angle, -largest * DEG * six, largest * DEG * six)
         yield _singularity(motion, strut, direction, machine)
 
     def fastest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
@@ -98,44 +103,24 @@ def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, A
 
 
 def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace: Workspace) -> Iterable[Quantity]:
-    """Distance of platform, struts and tools from each box, along the axis that separates them most.
-
-    The share is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal. Struts are
-    lines from joint to joint, with the radius that the case says around them, tools likewise. At 1 m/s
-    a distance is at most 0.05 mm smaller between two instants of 10 kHz.
-    """
+    """Distance of platform, struts and tools from each box; at 1 m/s at most 0.05 mm smaller between two instants."""
     for box in workspace.keep_out:
         labels = guarded(workspace)
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
         yield Quantity.clear(Limit(LimitKind.DISTANCE_FROM_BOX, box.name), labels, distance, box.vicinity)
 
 
-def _joint_angles(direction: Array, normal: Array, workspace: Workspace) -> Iterable[Quantity]:
-    """Angles between struts and the normals of base and platform; 0 is straight up."""
-    at_base = np.arccos(np.clip(direction[:, :, 2], -1.0, 1.0))
-    at_platform = np.arccos(np.clip(np.einsum("nki,ni->nk", direction, normal), -1.0, 1.0))
-    for kind, angle, limit in (
-        (LimitKind.BASE_JOINT_ANGLE, at_base, workspace.base_joint_angle_deg * DEG),
-        (LimitKind.PLATFORM_JOINT_ANGLE, at_platform, workspace.platform_joint_angle_deg * DEG),
-    ):
-        yield Quantity.between(kind, _STRUTS, angle, np.full(6, -limit), np.full(6, limit))
-
-
 def _determinant(direction: Array, arms: Array) -> Array:
     return np.asarray(np.linalg.det(np.concatenate([direction, np.cross(arms, direction)], axis=2)))
 
 
-def _at_home(machine: HexapodMachine) -> float:
-    """det(J^-1) at home."""
-    standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
-    strut, _, _, _ = strut_vectors(standing, rotation_motion(standing), machine)
-    direction = strut / np.linalg.norm(strut, axis=2)[:, :, None]
-    return float(_determinant(direction, strut + machine.base.points - machine.home.vector[:3])[0])
-
-
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
     """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
+    home = machine.home.vector
+    at_home = (machine.platform.points @ turned(home[3:]).T)[None]
+    standing = home[:3] + at_home - machine.base.points
+    unit = standing / np.linalg.norm(standing, axis=2)[:, :, None]
     arms = strut + machine.base.points - motion.pose[:, None, :3]
-    determinant = (_determinant(direction, arms) / _at_home(machine))[:, None]
+    determinant = (_determinant(direction, arms) / _determinant(unit, at_home))[:, None]
     ratio = np.nan_to_num(1.0 - determinant, nan=np.inf)
     return Quantity(Limit(LimitKind.SINGULARITY), ("",), determinant, np.zeros((2, 1)), ratio)

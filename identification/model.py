@@ -97,7 +97,7 @@ class Model:
     def at_state(self, state: State) -> ca.SX:
         """A of (21) from what it depends on, shape (6, u)."""
         cartesian = ca.horzcat(ca.SX(6, 0), *(b.columns(state) for b in self.blocks if b.cartesian))
-        if state.joints.is_empty():
+        if not state.struts:
             at_sensors = ca.DM(np.linalg.inv(self.structure)) @ cartesian  # J^T
         else:
             at_sensors = ca.solve(structure(state), cartesian)
@@ -142,12 +142,8 @@ class Model:
     def wrenches(self, forces: Array, poses: Array | None) -> Array:
         """Force and moment on the platform of sensor forces, about the origin of {P} and in its axes, shape (n, 6).
 
-        Args:
-            forces: shape (n, 6) [N, or N and N m].
-            poses: shape (n, 6) [m, rad]; only sensors in struts need them.
-
-        Raises:
-            ValueError: sensors in struts, and no poses.
+        Forces, shape (n, 6) [N, or N and N m], of sensors in struts need poses, shape (n, 6) [m, rad], else ValueError
+        is raised.
         """
         if self.struts is None:
             return np.asarray(forces @ self.structure.T)
@@ -165,22 +161,15 @@ class Model:
     def matrices(self, positions: ArrayLike, rotations: ArrayLike, twists: ArrayLike, rates: ArrayLike) -> Array:
         """A for every sample, shape (n, 6, u).
 
-        Args:
-            positions: shape (n, 3) [m].
-            rotations: shape (n, 3, 3).
-            twists: shape (n, 6) [m/s, rad/s].
-            rates: their time derivatives, shape (n, 6) [m/s^2, rad/s^2].
+        Of positions (n, 3) [m], rotations (n, 3, 3), twists and their time derivatives (n, 6) [m/s, rad/s, m/s^2,
+        rad/s^2].
         """
         columns = np.asarray(rotations, dtype=float).transpose(0, 2, 1).reshape(-1, 9)
         return over_samples(self.regressor, positions, columns, twists, rates)[0]
 
 
 def machine_of(case: Case) -> Machine:
-    """The machine of a case.
-
-    Raises:
-        CaseError: the case has no machine, or one that does not move the sensors.
-    """
+    """The machine of a case; raises CaseError where it has none, or one that does not move the sensors."""
     return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
 
 

@@ -14,12 +14,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Coordinates of a machine and their time derivatives, one row a sample.
+    """Coordinates of a machine and their time derivatives, one row a sample; ValueError for other shapes.
 
     Those of a hexapod are (x, y, z, roll, pitch, yaw) of its platform, those of a chain the positions of its joints.
-
-    Raises:
-        ValueError: shapes that do not belong together.
     """
 
     t: Array  # time, shape (n,) [s]
@@ -70,8 +67,7 @@ class TimedPoints:
     def through(cls, times: ArrayLike, poses: ArrayLike) -> "TimedPoints":
         """Interpolates between times, shape (k,) [s], and coordinates, shape (k, c) [m or rad].
 
-        Raises:
-            ValueError: fewer than two points, or times that do not increase from 0.
+        Raises ValueError for fewer than two points, or times that do not increase from 0.
         """
         from scipy.interpolate import make_interp_spline  # half a second that programs of moves can do without
 

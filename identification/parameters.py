@@ -31,6 +31,17 @@ class Parameter(NamedTuple):
     unit: str
 
 
+class StrutState(NamedTuple):
+    """Motion of a strut with the platform, in {P}, as expressions."""
+
+    joint: ca.SX  # platform joint, shape (3,) [m]
+    direction: ca.SX  # n from base to platform joint, shape (3,)
+    turning: ca.SX  # n', shape (3,) [1/s]
+    specific: ca.SX  # acceleration of the platform joint less gravity, shape (3,) [m/s^2]
+    length: ca.SX  # l [m]
+    speed: ca.SX  # l' [m/s]
+
+
 class State(NamedTuple):
     """What the regressor of one sample depends on, as expressions."""
 
@@ -41,13 +52,7 @@ class State(NamedTuple):
     specific: ca.SX  # acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2]
     omega: ca.SX  # angular velocity in {P}, shape (3,) [rad/s]
     alpha: ca.SX  # angular acceleration in {P}, shape (3,) [rad/s^2]
-    # motion of the struts with the platform, in {P}; no columns where the sensors do not sit in them
-    joints: ca.SX = ca.SX(3, 0)  # platform joints, shape (3, struts) [m]
-    direction: ca.SX = ca.SX(3, 0)  # n from base to platform joint, shape (3, struts)
-    turning: ca.SX = ca.SX(3, 0)  # n', shape (3, struts) [1/s]
-    specific_at_joints: ca.SX = ca.SX(3, 0)  # accelerations of these less gravity, shape (3, struts) [m/s^2]
-    length: ca.SX = ca.SX(1, 0)  # l, shape (1, struts) [m]
-    speed: ca.SX = ca.SX(1, 0)  # l', shape (1, struts) [m/s]
+    struts: tuple[StrutState, ...] = ()  # none where the sensors do not sit in them
 
 
 class Block(NamedTuple):
@@ -151,12 +156,7 @@ class PhysicalForm:
     map: ca.Function  # u -> (physical parameters, their derivative with respect to u)
 
     def of(self, linear: ArrayLike, covariance: ArrayLike) -> tuple[Array, Array]:
-        """Physical parameters and their covariance, propagated to first order.
-
-        Args:
-            linear: u, shape (u,).
-            covariance: covariance of u, shape (u, u).
-        """
+        """Physical parameters and their covariance, to first order, from those of u, shapes (u,) and (u, u)."""
         values, jacobian = (r.full() for r in self.map(np.asarray(linear, dtype=float)))
         return values[:, 0], jacobian @ np.asarray(covariance) @ jacobian.T
 

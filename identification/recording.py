@@ -8,6 +8,7 @@ names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -142,9 +143,7 @@ def require_recording(path: Path) -> None:
 def record_of(path: Path) -> Mapping[str, Any]:
     """Entries of recording.json in a folder; empty where `path` is not such a folder.
 
-    Raises:
-        RecordingError: there is nothing at `path`.
-        FileProblem: recording.json is damaged.
+    Raises RecordingError where nothing is there, FileProblem where recording.json is damaged.
     """
     try:
         path.stat()
@@ -157,21 +156,15 @@ def record_of(path: Path) -> Mapping[str, Any]:
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
     """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
 
-    Raises:
-        FileProblem: the entry is damaged.
+    Raises FileProblem where the entry is damaged.
     """
-    entry = record.get("poses_m_rad")
-    if not entry:
+    if not (entry := record.get("poses_m_rad")):
         return None
-    try:
+    with suppress(TypeError, ValueError):
         poses = np.array(entry, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise FileProblem("recording.json: poses_m_rad", f"{error}; run the program again") from error
-    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
-        raise FileProblem(
-            "recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again"
-        )
-    return poses
+        if poses.shape[1:] == (coordinates,) and np.isfinite(poses).all():
+            return poses
+    raise FileProblem("recording.json: poses_m_rad", f"are not poses of {coordinates} numbers; run the program again")
 
 
 def about_case(case: Case) -> dict[str, Any]:

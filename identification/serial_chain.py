@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.chain import Chain
+from cases.machine import turned
 from cases.schema import Case
 from cases.sensors import RigidBody
 from cases.units import Array
@@ -101,17 +102,15 @@ class SerialChain:
         """
         *links, sensor = self._links(q, rates, accelerations)
         force, moment = ca.SX(3, 1), ca.SX(3, 1)  # of all behind a joint, the moment about the origin of {B}
-        bodies = [*(joint.link for joint in self.chain.joints), load]
-        torques = []
-        for k in range(self.count, -1, -1):
-            frame, body = ([*links, sensor][k], bodies[k])
-            if body is not None:
-                f, m = _inertial(frame, body, gravity)
+        torques: list[ca.SX] = []
+        if load is not None:
+            force, moment = _inertial(sensor, load, gravity)
+        for frame, joint in zip(reversed(links), reversed(self.chain.joints), strict=True):
+            if joint.link is not None:
+                f, m = _inertial(frame, joint.link, gravity)
                 force, moment = force + f, moment + m
-            if k < self.count:
-                about = moment - ca.cross(frame.p, force)
-                torques.append(ca.dot(frame.axis, about if self.chain.joints[k].turns else force))
-        return ca.vertcat(*reversed(torques))
+            torques.insert(0, ca.dot(frame.axis, moment - ca.cross(frame.p, force) if joint.turns else force))
+        return ca.vertcat(*torques)
 
     def _links(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Iterator[_Link]:
         """The moved frame of each joint, then {P}, which has the last joint's axis."""
@@ -157,21 +156,14 @@ class SerialChain:
         position, turn, _, _ = self.frame(q, still, still)
         return ca.Function("chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], {"cse": True})
 
-    def kinematics(
-        self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None
-    ) -> Kinematics:
+    def kinematics(self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
         """Pose, twist and twist rate of {P} from the motion of the joints, shapes (k, n), one row a sample.
 
         Where the pitch is a right angle the roll is 0.
         """
-        del start
         position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)
         turns = columns.reshape(-1, 3, 3).transpose(0, 2, 1)
         return Kinematics(np.hstack([position.reshape(-1, 3), _angles(turns)]), twist, twist_rate)
-
-    def earlier(self, motion: Kinematics, time: float) -> None:
-        """None: poses follow from the joints without a search."""
-        del motion, time
 
 
 def _angles(turns: Array) -> Array:
@@ -199,15 +191,8 @@ def _carried(r: ca.SX, omega: ca.SX, alpha: ca.SX) -> ca.SX:
 
 def _turned(angles: Array) -> Array:
     """R = Rz(yaw) Ry(pitch) Rx(roll); right angles give zeros and ones without rounding."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(angles), np.cos(angles)
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-    turn: Array = about_z @ about_y @ about_x
-    whole = np.round(turn)
-    close = np.abs(turn - whole) < ROUNDING
-    turn[close] = whole[close]
-    return turn
+    turn = turned(angles)
+    return np.where(np.abs(turn - np.round(turn)) < ROUNDING, np.round(turn), turn)
 
 
 def _about(axis: Array, angle: ca.SX) -> ca.SX:

@@ -13,7 +13,7 @@ import numpy as np
 
 from cases.errors import CaseError
 from cases.schema import Case
-from cases.sensors import Disturbances, RigidBody, Simulation, Truth, together
+from cases.sensors import Disturbances, RigidBody, Truth, together
 from cases.units import DEG, MM, Array
 from identification.model import (
     acceleration_to_force,
@@ -52,8 +52,7 @@ UNDISTURBED = Circumstances()
 def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
     """The first `weights` weights of a case mounted on its machine, with or without its disturbances.
 
-    Raises:
-        CaseError: the case has fewer weights, or no disturbances.
+    Raises CaseError where the case has fewer weights, or no disturbances.
     """
     payloads = () if case.payloads is None else case.payloads.weights
     if not 0 <= weights <= len(payloads):
@@ -72,11 +71,8 @@ def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:
 def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> Array:
     """Force errors that depend on the pose: two smooth random fields of the machine, shape (2, n, 6).
 
-    The first is that of the platform itself [N], the second that of each newton that is mounted on it.
-
-    Args:
-        home: pose from which the machine's poses are counted, shape (6,) [m, rad].
-        poses: shape (n, 6) [m, rad].
+    The first is that of the platform itself [N], the second that of each newton that is mounted on it. Poses, shape (n,
+    6) [m, rad], count from home.
     """
     reduced = (poses - home) / _lengths(disturbances)
     fields = []
@@ -90,13 +86,7 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> Array:
 
 
 def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
-    """Covariance over machines of a sensor's error between poses, shape (n, n) [N^2].
-
-    Args:
-        home: pose from which the machine's poses are counted, shape (6,) [m, rad].
-        poses: shape (n, 6) [m, rad].
-        weight: weight of what is on the platform [N].
-    """
+    """Covariance over machines of a sensor's error between poses, under a weight [N], shape (n, n) [N^2]."""
     reduced = (poses - home) / _lengths(disturbances)
     squares = squared_distances(reduced, reduced)
     variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
@@ -115,15 +105,8 @@ the struts then, shape (n, 6) [m], and the motion of the sensors when they are s
 def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> Array:
     """Parts of the true forces of a motion, shape (3, n, 6) [N], whose sum they are.
 
-    (18) of the motion that the drives made, what the vibration of the structure adds, and the error that depends on the
-    pose.
-
-    Args:
-        motion: motion of the drives, at n instants.
-        step: step between them [s].
-
-    Raises:
-        CaseError: the case describes no simulated machine.
+    (18) of the motion that the drives made at n instants, a step [s] apart, what the vibration of the structure adds,
+    and the error that depends on the pose. Raises CaseError where the case describes no simulated machine.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
     model = identification_model(case, full_model(case))
@@ -142,14 +125,6 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
     return np.array([rigid, expected_forces(model, vibration, u) - rigid, fields[0] + weight * fields[1]])
 
 
-def _quantised(drives: Array, case: Case, simulation: Simulation) -> Array:
-    steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
-    result = drives.copy()
-    for k in np.flatnonzero(steps):
-        result[:, k] = np.round(drives[:, k] / steps[k]) * steps[k]
-    return result
-
-
 def simulate_recording(
     case: Case,
     execution: Execution,
@@ -158,16 +133,7 @@ def simulate_recording(
     source: str = "simulation",
     around: Circumstances = UNDISTURBED,
 ) -> Recording:
-    """What the machine would have recorded of a run.
-
-    Args:
-        execution: the motion that the controller executed.
-        trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
-        source: name of the recording, for messages.
-
-    Raises:
-        CaseError: the case describes no simulated machine.
-    """
+    """What the machine would have recorded of an executed motion; arguments as in `moved` and `sensed`."""
     return sensed(case, moved(case, execution, around, seed), trigger_times, seed, source, around)[0]
 
 
@@ -190,9 +156,6 @@ def sensed(
     Args:
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
         source: name of the recording, for messages.
-
-    Raises:
-        CaseError: the case describes no simulated machine.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
     t, struts, motion = run
@@ -207,16 +170,16 @@ def sensed(
     trigger = np.zeros(len(t), dtype=bool)
     for start, end in trigger_times:
         trigger |= (t >= start) & (t < end)
-    return Recording(source, t, _quantised(struts, case, simulation), None, forces, trigger), parts
+    steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
+    read = np.where(steps > 0.0, np.round(struts / np.where(steps > 0.0, steps, 1.0)) * steps, struts)
+    return Recording(source, t, read, None, forces, trigger), parts
 
 
 def truth_rows(case: Case, estimate: "Estimate") -> list[dict[str, Any]]:
     """Truth, estimate, standard deviation and error of each physical parameter, SI units.
 
-    The standard deviation is the larger of (28) and the autocorrelation-robust one.
-
-    Raises:
-        CaseError: the case describes no simulated machine.
+    The standard deviation is the larger of (28) and the autocorrelation-robust one. Raises CaseError without a
+    simulation.
     """
     model = estimate.model
     u = linear_parameters(model, case.need_simulation("the comparison with the truth").parameters)

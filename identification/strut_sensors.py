@@ -22,9 +22,11 @@ import numpy as np
 from cases.sensors import StrutSensors
 from cases.units import Array
 from identification.hexapod import Hexapod
-from identification.parameters import Block, Parameter, State
+from identification.parameters import Block, Parameter, State, StrutState
 from identification.symbolic import rotation
 
+_Wrench = Callable[[State, StrutState], ca.SX]
+"""Force and moment on the platform for a unit of a strut's parameter, shape (6,)."""
 SLOW = 1e-3  # [rad/s] below which Coulomb friction of a joint, which has no value at rest, grows with the rate
 
 
@@ -56,11 +58,7 @@ class StrutLayout:
         return np.asarray(ca.DM(self.structure_at(ca.SX(ca.DM(self.hexapod.home)))).full())
 
     def with_struts(self, body: Mapping[str, float], moving: bool) -> dict[str, float]:
-        """The nominal values of all that a model with these blocks has, by name.
-
-        Args:
-            body: what is known of the body on the platform, by name.
-        """
+        """Nominal values of all that a model with these blocks has, by name, from those of the body."""
         s = self.sensors
         values = dict(body)
         if s.at == "drive":
@@ -92,7 +90,7 @@ def moving_struts(
         gravity: gravity in {B}, shape (3,) [m/s^2].
     """
     velocity, omega, acceleration, alpha = twist[:3], twist[3:], twist_rate[:3], twist_rate[3:]
-    columns: list[list[ca.SX]] = [[], [], [], [], []]
+    struts = []
     for base, joint in zip(hexapod.base, hexapod.platform, strict=True):
         arm = turn @ ca.DM(joint)
         strut = position + arm - ca.DM(base)
@@ -102,16 +100,14 @@ def moving_struts(
         speed = ca.dot(direction, moving)
         at_joint = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
         vectors = (direction, (moving - speed * direction) / length, at_joint)
-        for column, entry in zip(columns, (*(turn.T @ vector for vector in vectors), length, speed), strict=True):
-            column.append(entry)
-    names = ("direction", "turning", "specific_at_joints", "length", "speed")
-    of_struts = {name: ca.horzcat(*column) for name, column in zip(names, columns, strict=True)}
-    return state._replace(joints=ca.SX(ca.DM(hexapod.platform.T)), **of_struts)
+        n, turning, specific = (turn.T @ vector for vector in vectors)
+        struts.append(StrutState(ca.SX(ca.DM(joint)), n, turning, specific, length, speed))
+    return state._replace(struts=tuple(struts))
 
 
 def structure(state: State) -> ca.SX:
     """The columns (n_i; p_i x n_i) in {P}: forces in the struts -> force and moment on the platform, shape (6, 6)."""
-    return _wrench(state, state.direction)
+    return ca.horzcat(*(_wrench(strut, strut.direction) for strut in state.struts))
 
 
 def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: bool = False) -> tuple[Block, ...]:
@@ -123,7 +119,7 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: boo
         viscous: whether the joints have viscous friction.
         coulomb: whether the joints have Coulomb friction.
     """
-    kinds: list[tuple[str, str, Callable[[State], ca.SX]]] = [] if at_drive else [("mu", "kg", _rod_mass)]
+    kinds: list[tuple[str, str, _Wrench]] = [] if at_drive else [("mu", "kg", _rod_mass)]
     kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
     kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]
     if viscous:
@@ -133,86 +129,56 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: boo
     return tuple(_block(name, unit, columns, each) for name, unit, columns in kinds)
 
 
-def _block(name: str, unit: str, columns: Callable[[State], ca.SX], each: bool) -> Block:
+def _block(name: str, unit: str, wrench: _Wrench, each: bool) -> Block:
     """The block of wrenches that each strut adds, shape (6, 6), or of their sum."""
+
+    def columns(state: State) -> ca.SX:
+        added = ca.horzcat(*(wrench(state, strut) for strut in state.struts))
+        return added if each else ca.sum2(added)
+
     names = [f"{name}_{k}" for k in range(1, 7)] if each else [name]
-    added = columns if each else lambda state: ca.sum2(columns(state))
-    return Block(tuple(Parameter(name, unit) for name in names), added, True)
+    return Block(tuple(Parameter(name, unit) for name in names), columns, True)
 
 
-def _wrench(s: State, forces: ca.SX, moments: ca.SX | None = None) -> ca.SX:
-    """Force and moment about the origin of {P} of forces in the platform joints, shapes (3, 6) -> (6, 6)."""
-    arms = [ca.cross(s.joints[:, k], forces[:, k]) for k in range(6)]
-    about = ca.horzcat(*arms) if moments is None else ca.horzcat(*arms) + moments
-    return ca.vertcat(forces, about)
+def _wrench(strut: StrutState, force: ca.SX) -> ca.SX:
+    """Force and moment about the origin of {P} of a force in the platform joint, shape (6,)."""
+    return ca.vertcat(force, ca.cross(strut.joint, force))
 
 
-def _across(s: State, vectors: ca.SX) -> ca.SX:
-    """The parts of vectors across the struts, shape (3, 6)."""
-    return vectors - s.direction * _along(s.direction, vectors)
+def _across(strut: StrutState, vector: ca.SX) -> ca.SX:
+    return vector - strut.direction * ca.dot(strut.direction, vector)
 
 
-def _along(one: ca.SX, other: ca.SX) -> ca.SX:
-    """Scalar products column by column, repeated in three rows, shape (3, 6)."""
-    return ca.repmat(ca.sum1(one * other), 3, 1)
+def _bending(state: State, strut: StrutState) -> ca.SX:
+    """The part of n'' across the strut, shape (3,) [1/s^2]."""
+    return (_across(strut, strut.specific + state.gravity) - 2 * strut.speed * strut.turning) / strut.length
 
 
-def _bending(s: State) -> ca.SX:
-    """The part of n'' across the struts, shape (3, 6) [1/s^2]."""
-    across = _across(s, s.specific_at_joints + _weight(s))
-    return (across - 2 * _three(s.speed) * s.turning) / _three(s.length)
+def _rod_mass(_: State, strut: StrutState) -> ca.SX:
+    return _wrench(strut, _across(strut, strut.specific))
 
 
-def _weight(s: State) -> ca.SX:
-    """Gravity, the same in each column, shape (3, 6) [m/s^2]."""
-    return ca.repmat(s.gravity, 1, 6)
+def _first_moment(state: State, strut: StrutState) -> ca.SX:
+    inert = -2 * strut.length * _bending(state, strut) - 2 * strut.speed * strut.turning
+    return _wrench(strut, (inert + _across(strut, state.gravity)) / strut.length)
 
 
-def _three(row: ca.SX) -> ca.SX:
-    return ca.repmat(row, 3, 1)
+def _first_moment_at_drive(state: State, strut: StrutState) -> ca.SX:
+    along = strut.direction * ca.dot(strut.turning, strut.turning)
+    return _first_moment(state, strut) + _wrench(strut, along)
 
 
-def _rod_mass(s: State) -> ca.SX:
-    return _wrench(s, _across(s, s.specific_at_joints))
+def _inertia(state: State, strut: StrutState) -> ca.SX:
+    return _wrench(strut, _bending(state, strut) / strut.length)
 
 
-def _first_moment(s: State) -> ca.SX:
-    length = _three(s.length)
-    inert = -2 * length * _bending(s) - 2 * _three(s.speed) * s.turning
-    return _wrench(s, (inert + _across(s, _weight(s))) / length)
+def _tube(state: State, strut: StrutState) -> ca.SX:
+    return _wrench(strut, -_across(strut, state.gravity) / strut.length)
 
 
-def _first_moment_at_drive(s: State) -> ca.SX:
-    along = s.direction * _along(s.turning, s.turning)
-    return _first_moment(s) + _wrench(s, along)
-
-
-def _inertia(s: State) -> ca.SX:
-    return _wrench(s, _bending(s) / _three(s.length))
-
-
-def _tube(s: State) -> ca.SX:
-    return _wrench(s, -_across(s, _weight(s)) / _three(s.length))
-
-
-def _spin(s: State) -> ca.SX:
-    """Angular velocities n x n' of the struts, shape (3, 6) [rad/s]."""
-    return ca.horzcat(*(ca.cross(s.direction[:, k], s.turning[:, k]) for k in range(6)))
-
-
-def _lateral(s: State, moments: ca.SX) -> ca.SX:
-    """Forces across the struts that balance moments of their joints, shape (3, 6)."""
-    forces = [ca.cross(s.direction[:, k], moments[:, k]) / s.length[k] for k in range(6)]
-    return ca.horzcat(*forces)
-
-
-def _friction(s: State, platform: bool, coulomb: bool) -> ca.SX:
-    """Force and moment on the platform of friction in the struts' joints at the platform, or at the base."""
-    rates = _spin(s) - ca.repmat(s.omega, 1, 6) if platform else _spin(s)
-    moments = -(_directions(rates) if coulomb else rates)
-    return _wrench(s, _lateral(s, moments), moments if platform else None)
-
-
-def _directions(rates: ca.SX) -> ca.SX:
-    """Unit vectors of angular velocities; shorter where they are `SLOW`."""
-    return rates / _three(ca.sqrt(ca.sum1(rates**2) + SLOW**2))
+def _friction(state: State, strut: StrutState, platform: bool, coulomb: bool) -> ca.SX:
+    """Force and moment on the platform of friction in the strut's joint at the platform, or at the base."""
+    rate = ca.cross(strut.direction, strut.turning) - (state.omega if platform else 0)
+    moment = -rate / (ca.sqrt(ca.sumsqr(rate) + SLOW**2) if coulomb else 1)
+    balance = _wrench(strut, ca.cross(strut.direction, moment) / strut.length)
+    return balance + ca.vertcat(ca.SX(3, 1), moment) if platform else balance

@@ -233,13 +233,8 @@ class Machine(Protocol):
     def coordinates(self, drives: ArrayLike, /) -> Array:
         """The coordinates of measured drives, shapes (k, n) [m or rad]; raises IdentificationError without any."""
 
-    def kinematics(
-        self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None, /
-    ) -> Kinematics:
+    def kinematics(self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, /) -> Kinematics:
         """Motion of the load's frame from that of the drives, shapes (k, n) [m or rad].
 
-        From poses near by, where they are known, shape (k, 6). Raises IdentificationError where no coordinates do.
+        Raises IdentificationError where no coordinates have such drives.
         """
-
-    def earlier(self, motion: Kinematics, time: float) -> Array | None:
-        """Poses about a short time [s] before, for `start`, shape (k, 6); None where they are not needed."""

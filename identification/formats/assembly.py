@@ -14,20 +14,16 @@ from cases.errors import RecordingError
 from cases.machine import POSE
 from cases.recording_format import (
     ACCELEROMETER,
-    BAR_FORCES,
     CLOCK,
     DRIVES,
-    JOINT_ANGLES,
-    JOINT_WAYS,
     OVERRIDE,
     ROTATION,
+    SHIFTED,
     STRUTS,
     TEMPERATURE,
     TRIGGER,
-    WRENCH,
     RecordingFormat,
     Role,
-    StreamName,
     units_of,
 )
 from cases.schema import Case
@@ -44,24 +40,12 @@ from identification.formats.table import (
 )
 from identification.formats.text_errors import without
 
-# Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
-_SHIFTED: dict[StreamName, tuple[str, ...]] = {
-    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS),
-    "pose": POSE,
-    "rotation": ROTATION,
-    "accelerometer": ACCELEROMETER,
-    "forces": (*BAR_FORCES, *WRENCH),
-}
-
 
 def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
     """Channels of a table in SI; samples that were lost, a few at a time, are rows of it too.
 
-    Args:
-        origin: what becomes time 0, see `start_of`.
-
-    Raises:
-        RecordingError: a value cannot be what it should, or columns are missing.
+    `origin` becomes time 0, see `start_of`. Raises RecordingError where a value cannot be what it should, or columns
+    are missing.
     """
     t = None
     if table.stamps is not None:
@@ -105,12 +89,11 @@ def stream_of(table: ColumnTable, case: Case, origin: Fraction) -> Stream:
 def start_of(table: ColumnTable) -> Fraction:
     """Time of the first sample [s], exact: a double has too few digits for epochs in ns.
 
-    Raises:
-        RecordingError: columns of one clock are shifted by different times.
+    Raises RecordingError where columns of one clock are shifted by different times.
     """
     assert table.stamps is not None
     shifts = {
-        table.form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}
+        table.form.clock.offset_s.get(name, 0.0) for name, columns in SHIFTED.items() if {*columns} & {*table.values}
     }
     if len(shifts) > 1:
         raise RecordingError(
@@ -228,12 +211,7 @@ def switched(values: Array) -> Flags | None:
 
 
 def _switch(table: ColumnTable, trigger: Array) -> Flags:
-    """Whether the trigger is on, shape (n,).
-
-    Raises:
-        RecordingError: it has more than two levels; the message names the first value that is neither 0 nor the usual
-            other one.
-    """
+    """Whether the trigger is on, shape (n,); raises RecordingError where it has more than two levels."""
     flags = switched(trigger)
     if flags is not None:
         return flags
@@ -301,13 +279,7 @@ _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # a lost
 
 
 def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, ...]]:
-    """A table in which every value is finite, the rows in which one stands for nothing, and the columns in which.
-
-    Rows have the shape (n,), None: there are none; columns are named as in the file.
-
-    Raises:
-        RecordingError: a column lacks too many values to be a channel with some damage.
-    """
+    """A table in which all is finite, rows in which a value stands for nothing, shape (n,), and its columns."""
     values: dict[str, Array] = {}
     missing = np.zeros(table.rows, dtype=bool)
     columns: tuple[str, ...] = ()
@@ -333,10 +305,7 @@ def _marked(table: ColumnTable) -> tuple[ColumnTable, Flags | None, tuple[str, .
 
 
 def _with_lost_rows(stream: Stream) -> Stream:
-    """The stream with rows for samples that were lost, a few at a time: so a filter can pass them.
-
-    Longer gaps stay gaps. Stamps that a host gives jitter; of these nothing can be said about single samples.
-    """
+    """The stream with rows for samples that were lost, a few at a time, so that a filter can pass them."""
     if stream.t is None or len(stream.t) < MOST_PUT_BACK:
         return stream
     steps = np.diff(stream.t)

@@ -22,7 +22,16 @@ from cases.errors import RecordingError
 from cases.recording_format import CLOCK, TICKS, WRENCH, Clock, RecordingFormat
 from cases.schema import Case
 from cases.units import Array
-from identification.formats.table import ColumnTable, Lines, Stamps, equal_steps, listed, shown, unreadable
+from identification.formats.table import (
+    ColumnTable,
+    Lines,
+    Stamps,
+    equal_steps,
+    listed,
+    require_room,
+    shown,
+    unreadable,
+)
 from identification.formats.text import select
 from identification.formats.text_errors import without
 
@@ -51,11 +60,7 @@ def bag_format(case: Case) -> RecordingFormat:
 
 
 def bag_tables(bag: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a bag in the format of `bag_format`: a table of each topic.
-
-    Raises:
-        RecordingError: it cannot be read, or no topic, or more than one, has what is wanted.
-    """
+    """Reads a bag in the format of `bag_format`: a table of each topic; raises RecordingError."""
     with opened(bag) as reader:
         topics = {what: topic_of(bag, reader, what, form.ros.get(what)) for what in KINDS}
         theirs = [form.file_name(ours) for ours in form.columns if ours not in (*WRENCH, CLOCK)]
@@ -92,11 +97,7 @@ def topics_of(reader: "AnyReader", what: Topic) -> list[str]:
 
 
 def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) -> str:
-    """The topic that is stated, or the only one of its kind.
-
-    Raises:
-        RecordingError: there is none, or there are several and none is stated.
-    """
+    """The topic that is stated, or the only one of its kind; raises RecordingError where there are none or several."""
     possible = topics_of(reader, what)
     if stated in possible or (stated is None and len(possible) == 1):
         return stated or possible[0]
@@ -111,8 +112,7 @@ def topic_of(bag: Path, reader: "AnyReader", what: Topic, stated: str | None) ->
 def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]) -> tuple[Stamps, Array]:
     """Stamps, shape (n,) [ns], and positions of some joints, shape (n, k) [rad or m].
 
-    Raises:
-        RecordingError: no message has all of these joints.
+    Raises RecordingError where no message has all of these joints.
     """
     stamps, rows, others = array("q"), array("d"), dict[str, None]()
     for stamp, message in _messages(reader, topic):
@@ -134,8 +134,7 @@ def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]
 def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Array, str]:
     """Stamps, shape (n,) [ns], forces and moments, shape (n, 6) [N, N m], and the frame that they are in.
 
-    Raises:
-        RecordingError: the frame changes.
+    Raises RecordingError where the frame changes.
     """
     stamps, rows, frames = array("q"), array("d"), dict[str, None]()
     for stamp, message in _messages(reader, topic):
@@ -182,31 +181,22 @@ def _table(
     return replace(table, stamps=stamps[0] + np.rint(instants / form.tick).astype(np.int64))
 
 
-def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file, row group by row group.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
+def parquet_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+    """Reads a file; raises RecordingError with the place and the remedy."""
     import pyarrow as pa
     import pyarrow.parquet as pq  # costs 50 ms, and few need it
 
-    count = 0
     try:
         with pq.ParquetFile(file) as parquet:
-            names = tuple(parquet.schema_arrow.names)
+            names, rows = tuple(parquet.schema_arrow.names), parquet.metadata.num_rows
             chosen = select(file, names, form)
             clock = [names[chosen.pop(CLOCK)]] if CLOCK in chosen else []
             if not chosen:
                 raise RecordingError(file, without(names, form))
-            for group in range(parquet.num_row_groups):
-                batch = parquet.read_row_group(group, columns=[*(names[k] for k in chosen.values()), *clock])
-                values = {ours: _numbers(file, names[k], batch) for ours, k in chosen.items()}
-                stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
-                if stamps is None and form.clock.period is not None:
-                    stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
-                yield ColumnTable(str(file), form, names, values, stamps, tick, Lines(count + 1, word="row"))
-                count += batch.num_rows
+            if not rows:
+                raise RecordingError(file, "has columns but no rows", "record again")
+            require_room(file, rows, len(chosen))
+            table = parquet.read(columns=[*(names[k] for k in chosen.values()), *clock])
     except (pa.ArrowException, OSError, ValueError) as error:
         if isinstance(error, RecordingError):
             raise
@@ -214,31 +204,34 @@ def parquet_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             raise unreadable(file, error) from error
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
         raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
-    if not count:
-        raise RecordingError(file, "has columns but no rows", "record again")
+    values = {ours: _numbers(file, names[k], table) for ours, k in chosen.items()}
+    stamps, tick = _stamps(file, clock[0], table, form.tick) if clock else (None, 0.0)
+    if stamps is None and form.clock.period is not None:
+        stamps, tick = np.arange(rows), form.clock.period
+    return [ColumnTable(str(file), form, names, values, stamps, tick, Lines(1, word="row"))]
 
 
-def _numbers(file: Path, name: str, batch: "pa.Table") -> Array:
+def _numbers(file: Path, name: str, table: "pa.Table") -> Array:
     import pyarrow as pa
 
-    column = batch.column(name)
+    column = table.column(name)
     kind = column.type
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
         raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
     return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
 
 
-def _stamps(file: Path, name: str, batch: "pa.Table", tick: float, above: int) -> tuple[Stamps, float]:
-    """Time stamps below so many rows, and the duration of one unit of them [s]."""
+def _stamps(file: Path, name: str, table: "pa.Table", tick: float) -> tuple[Stamps, float]:
+    """Time stamps, and the duration of one unit of them [s]."""
     import pyarrow as pa
 
-    column = batch.column(name)
+    column = table.column(name)
     kind = column.type
     if column.null_count:
         row = int(np.argmin(column.is_valid().to_numpy()))
-        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {above + row + 1}", "remove the row")
+        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {row + 1}", "remove the row")
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
         return column.cast(pa.int64()).to_numpy(), TICKS[kind.unit]
     if pa.types.is_integer(kind):
         return column.cast(pa.int64()).to_numpy(), tick
-    return _numbers(file, name, batch), tick
+    return _numbers(file, name, table), tick

@@ -1,6 +1,5 @@
 """The layout of an unknown text file: separator, decimal sign, where numbers begin and end, which line names them."""
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,27 +10,23 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
 from identification.formats.looked import Column
-from identification.formats.reading import whole
+from identification.formats.naming import unit_of
 from identification.formats.table import is_number, is_value, split, unreadable
-from identification.formats.text import SIZE, cells, read_blocks, read_head, rows_of
+from identification.formats.text import LONGEST_LINE, cells, read_head, section_of, table_of
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SAMPLE = 200  # lines from which the fields are known
 _NUMERIC = 0.7  # share of a column's fields, from which on it is numeric
 _TAIL = 1 << 14  # bytes at the end in which lines without numbers are looked for
-_UNIT = re.compile(
-    r"[\[(]?(s|ms|us|µs|ns|mm|m|um|µm|nm|cm|in|N|kN|mN|Nm|N\*m|N m|Nmm|kNm|deg|°|rad|mrad|%|-|V|mm/s|m/s)?[\])]?"
-)
 
 
 def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
     """Columns of a text file with the units in its header, settings for `[recording]` that read it, and what is odd.
 
-    Raises:
-        RecordingError: it cannot be read, or holds no table of numbers that the readers know.
+    Raises RecordingError where it holds no table of numbers that the readers know.
     """
     raw = read_head(file)
-    if len(raw) > 1 and file.stat().st_size > SIZE // 4:
+    if len(raw) > 1 and file.stat().st_size >= LONGEST_LINE:
         raw = raw[:-1]  # what was read ends somewhere in this line
     encoding, lines = _decoded(file, raw)
     while lines and not lines[-1].strip():
@@ -44,7 +39,10 @@ def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
     names_row = max(k for k, row in enumerate(head, 1) if row[:1] == ["Name"]) if scope else _names_row(head, count)
     names = head[names_row - 1] if names_row else [f"column {k}" for k in range(1, count + 1)]
     below = (row for row in head[names_row:] if len(row) == count and any(row))
-    units = next((row for row in below if all(map(_UNIT.fullmatch, row))), [""] * len(names))
+    units = next(
+        (row for row in below if all(not cell or unit_of(cell) or cell.strip("[()] ") in "-V" for cell in row)),
+        [""] * len(names),
+    )
     blank_at_end = not scope and form.separator == " " and not first and lines[0].endswith(" ")
     trailing, cut_off = _below(file, form, numeric)
     odd = []
@@ -65,8 +63,8 @@ def look_at_text(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
         settings |= {"trailing_rows": trailing} if trailing else {}
     settings |= {"encoding": encoding} if encoding != "utf-8" else {}
     wanted = {str(k): k for k in range(count) if numeric[k] and (names[k] or not names_row)}
-    blocks = read_blocks(file, first, trailing)
-    values = whole(list(rows_of(file, blocks, names, wanted, form, None))).values if wanted else {}
+    lines_of_numbers = section_of(file, first, trailing, len(wanted))
+    values = table_of(file, lines_of_numbers, names, wanted, form, None).values if wanted else {}
     numbers = {wanted[k]: column for k, column in values.items() if np.isfinite(column).any()}
     if blank_at_end and not numeric[-1]:
         names = names[:-1]

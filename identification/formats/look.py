@@ -30,11 +30,12 @@ from cases.schema import Case
 from cases.units import Array
 from identification.formats.assembly import switched
 from identification.formats.layout import look_at_text
-from identification.formats.looked import RATES, Column, Look, look_at_bag, oddities, strut_range
+from identification.formats.looked import Column, Look, look_at_bag, oddities, strut_range
 from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import bag_of, is_bag, is_parquet, read_run, read_tables
 
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
+_RATES = (20.0, 50_000.0)  # rows per second that recorders have
 _USUAL_RATE = 1000.0
 _FORCES_OVER_WEIGHT = (0.02, 50.0)  # how much forces change in a motion, over the weight that is moved
 _MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
@@ -52,8 +53,22 @@ def look(file: Path | str, case: Case | None = None) -> Look:
         RecordingError: the file cannot be read, or holds no table of numbers.
     """
     file = bag_of(Path(file))
+    cutoff = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
     if is_bag(file):
-        return _bag(file, case)
+        bag_columns, settings, odd = look_at_bag(file, case)
+        settings["filter_cutoff_Hz"] = cutoff
+        result = Look(file, len(bag_columns[0].values), bag_columns, settings, (), True)
+        problem = "name the robot with --case, for the order of its joints" if case is None else None
+    else:
+        result, odd = _table(file, case, cutoff)
+        problem = None
+    if (problem := problem or _problem(file, result.settings, case)) is not None:
+        odd.append(f"not read with these settings: {problem}")
+    return replace(result, odd=tuple(odd), reads=problem is None)
+
+
+def _table(file: Path, case: Case | None, cutoff: float) -> tuple[Look, list[str]]:
+    """The look at a text or a Parquet file, and what is odd."""
     columns, settings, odd = _parquet(file) if is_parquet(file) else look_at_text(file)
     names = [column.name for column in columns]
     numbers = {k: column.values for k, column in enumerate(columns) if len(column.values)}
@@ -70,7 +85,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     guessed = _by_values(names, numbers, places, case)
     units |= _units(numbers, places, units, case, guessed)
     _add_meaning(settings, names, places, units)
-    settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
+    settings["filter_cutoff_Hz"] = cutoff
     ours = {k: name for name, k in places.items()}
     columns = [
         replace(column, ours=ours.get(k), unit=_unit(ours.get(k), units), guessed=ours.get(k) in guessed)
@@ -79,27 +94,13 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     ]
     rows = max((len(values) for values in numbers.values()), default=0)
     result = Look(file, rows, tuple(columns), settings, (), True)
-    if result.rate is not None and result.rate < 5.0 * settings["filter_cutoff_Hz"]:
+    if result.rate is not None and result.rate < 5.0 * cutoff:
         settings["filter_cutoff_Hz"] = float(f"{0.19 * result.rate:.2g}")  # the low-pass takes a fifth at most
     if result.rate is not None and not 0.99 < result.rate / _USUAL_RATE < 1.01:
         settings["rate_Hz"] = float(f"{result.rate:.4g}")
     elif result.rate is None and rows > _STANDSTILLS:
         settings["clock"] = {"period_ms": 1e3 / (case.recording.rate_Hz if case is not None else _USUAL_RATE)}
-    return _tried(result, [*odd, *oddities(result, case)], _problem(file, settings, case))
-
-
-def _bag(bag: Path, case: Case | None) -> Look:
-    columns, settings, odd = look_at_bag(bag, case)
-    settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
-    problem = "name the robot with --case, for the order of its joints" if case is None else None
-    result = Look(bag, len(columns[0].values), columns, settings, (), True)
-    return _tried(result, odd, problem or _problem(bag, settings, case))
-
-
-def _tried(result: Look, odd: Sequence[str], problem: str | None) -> Look:
-    """The look with what is odd, and with why the file is not read with its settings."""
-    unread = [f"not read with these settings: {problem}"] if problem else []
-    return replace(result, odd=(*odd, *unread), reads=problem is None)
+    return result, [*odd, *oddities(result, case)]
 
 
 def _parquet(file: Path) -> tuple[list[Column], dict[str, Any], list[str]]:
@@ -191,7 +192,7 @@ def _units(
         step = float(np.median(np.diff(clock))) if len(clock) > 1 else 0.0
         names = ("filetime",) if step > 0.0 and 1e17 < clock[0] < 1e18 else ("s", "ms", "us", "ns")
         rates = {u: 1.0 / (step * TICKS[u]) for u in names if step > 0.0}
-        possible = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
+        possible = [u for u, rate in rates.items() if _RATES[0] <= rate <= _RATES[1]]
         take((CLOCK,), min(possible, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)), default=None))
     if struts := unstated(STRUTS):
         take(STRUTS, _strut_unit(struts, case))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cases.files import toml_value
-from cases.recording_format import CLOCK, DRIVES, ROLE_OF, STRUTS, TICKS, TRIGGER, WRENCH, Role, units_of
+from cases.recording_format import CLOCK, ROLE_OF, STRUTS, TICKS, TRIGGER, WRENCH, Role, units_of
 from cases.schema import Case
 from cases.units import MM, Array, as_html
 from identification.formats.assembly import switched
@@ -26,7 +26,6 @@ from identification.formats.binary import (
 from identification.formats.naming import matched
 from identification.formats.table import Stamps, listed, lost_samples, shown, usual_step
 
-RATES = (20.0, 50_000.0)  # rows per second that recorders have
 AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_BLANK = 1e-3  # share of a column, from which on its empty fields are reported
 
@@ -102,8 +101,9 @@ def oddities(look: Look, case: Case | None) -> Iterator[str]:
         yield f"no clock: {period:g} ms between rows is a guess; state the recorder's period in clock.period_ms"
     elif clock is None:
         yield "no clock: each row is taken for an averaged standstill; of a motion state clock.period_ms"
-    else:
-        yield from _clock_oddities(clock, look.rate)
+    elif (gaps := lost_samples(clock.values)).any():
+        count, places, first = int(gaps.sum()), int(np.count_nonzero(gaps)), int(np.argmax(gaps > 0)) + 1
+        yield f"{shown(clock.name)}: {count} samples are missing at {places} places, first after row {first}"
     if clock is not None and clock.guessed:
         yield (
             f"{shown(clock.name)}: its unit {clock.unit} is a guess from its steps; if it counts samples, leave it out "
@@ -113,22 +113,15 @@ def oddities(look: Look, case: Case | None) -> Iterator[str]:
         yield "no trigger: the whole motion is evaluated, the ways from and to home too"
     if TRIGGER in columns:
         on = switched(np.nan_to_num(columns[TRIGGER].values))
-        if on is None:
-            yield f"{shown(columns[TRIGGER].name)}: has more than two levels: not a switch; leave it out of columns"
-        elif not on.any():
+        if on is not None and not on.any():
             yield f"{shown(columns[TRIGGER].name)}: is never on, so nothing would be evaluated; leave it out of columns"
-        elif on[-1]:
+        elif on is not None and on[-1]:
             yield f"{shown(columns[TRIGGER].name)}: is still on in the last row; was the recorder stopped too early?"
-    if DRIVES[0] in columns:
-        yield (
-            "drive positions: state drives = { sign = [1.0, ..], offset_mm = [..] }, for strut length = sign times "
-            "position plus offset"
-        )
     for column in look.columns:
         if not len(column.values):
             yield f"{shown(column.name)}: holds text; where it is the time, export it as a number"
-    for column in columns.values():
-        yield from _column_oddities(column)
+        elif column.ours is not None:
+            yield from _column_oddities(column)
     guesses = [c.name for c in look.columns if c.guessed and c.ours != CLOCK]
     if guesses:
         names = ", ".join(map(shown, guesses))
@@ -157,30 +150,11 @@ def strut_range(case: Case | None) -> tuple[float, float] | None:
     return usual / AROUND_HOME, usual * AROUND_HOME
 
 
-def _clock_oddities(clock: Column, rate: float | None) -> Iterator[str]:
-    steps = np.diff(clock.values)
-    if len(steps) and not np.all(steps > 0.0):
-        row = int(np.argmin(steps > 0.0)) + 1
-        now, then = clock.values[row], clock.values[row - 1]
-        yield f"{shown(clock.name)}: {now:.10g} comes after {then:.10g} in row {row + 1} of the numbers"
-        return
-    gaps = lost_samples(clock.values)
-    if gaps.any():
-        count, places = int(gaps.sum()), int(np.count_nonzero(gaps))
-        first = int(np.argmax(gaps > 0)) + 1
-        yield f"{shown(clock.name)}: {count} samples are missing at {places} places, first after row {first}"
-    if rate is not None and not RATES[0] <= rate <= RATES[1]:
-        yield f"{rate:.3g} rows per second, by this clock: is its unit right?"
-
-
 def _column_oddities(column: Column) -> Iterator[str]:
-    values = column.values
-    if not len(values):
-        return
-    blank = 1.0 - float(np.isfinite(values).mean())
+    good = column.values[np.isfinite(column.values)]
+    blank = 1.0 - len(good) / len(column.values)
     if blank > _MOST_BLANK:
         yield f"{shown(column.name)}: {100 * blank:.3g} % of its fields hold no number"
-    good = values[np.isfinite(values)]
     if column.ours not in (TRIGGER, CLOCK) and len(good) > 1 and not np.ptp(good):
         yield f"{shown(column.name)}: never changes ({good[0]:g}); a channel that is not connected?"
 
@@ -192,11 +166,7 @@ _MOST_JITTER = 0.2  # share of a step, from which on jitter is reported
 def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[str, Any], list[str]]:
     """Columns, settings for `[recording]`, and what is odd; the sensor's readings are those at the joints' stamps.
 
-    Args:
-        case: the machine that it was recorded on; without one the order of the joints is unknown.
-
-    Raises:
-        RecordingError: it is damaged, or lacks joints or a sensor.
+    Without a case the order of the joints is unknown. Raises RecordingError where joints or a sensor are missing.
     """
     chain = None if case is None else case.chain
     columns_of = {} if chain is None else dict(zip(chain.names, chain.columns, strict=True))

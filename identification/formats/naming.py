@@ -12,10 +12,12 @@ from cases.recording_format import (
     DRIVE_VELOCITIES,
     DRIVES,
     OVERRIDE,
+    ROLE_UNITS,
     ROTATION,
     STRUT_VELOCITIES,
     STRUTS,
     TEMPERATURE,
+    TICKS,
     TRIGGER,
     WRENCH,
 )
@@ -24,8 +26,7 @@ _UNITS = {
     "µm": "um", "µs": "us", "μm": "um", "μs": "us", "sec": "s", "msec": "ms", "°": "deg", "grad": "deg", "N*m": "Nm",
     "N m": "Nm", "N·m": "Nm", "N*mm": "Nmm",
 }  # fmt: skip
-_KNOWN = ("s", "ms", "us", "ns", "mm", "m", "um", "nm", "cm", "in", "N", "kN", "mN", "Nm", "Nmm", "kNm", "deg", "rad",
-          "mrad", "%", "mm/s", "m/s", "mm/min", "m/min")  # fmt: skip
+_KNOWN = {*TICKS, *(unit for units in ROLE_UNITS.values() for unit in units)} - {"filetime", "1"}
 _BRACKETED = re.compile(r"[\[(<]\s*([^\])>]*?)\s*[\])>]")
 _SUFFIX = re.compile(r"(?<=[A-Za-z0-9])[_ /]+([A-Za-zµμ%/]+)$")
 _WRENCH = re.compile(r"wrench|force|kraft|(?:^|_)fts?(?:_|$)")
@@ -63,15 +64,11 @@ _OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
 
 
 def named(theirs: str, unit: str = "") -> tuple[str | None, str | None]:
-    """Our name of a column and the unit that its own name states; None where it says nothing.
-
-    Args:
-        unit: what a line of units says of it.
-    """
+    """Our name of a column and the unit that its own name, or a line of units, states; None where it says nothing."""
     if theirs in COLUMNS:
         return theirs, None
     match = _BRACKETED.search(theirs)
-    symbol = unit_of(unit.strip("[]() ")) or (unit_of(match[1]) if match else None)
+    symbol = unit_of(unit) or (unit_of(match[1]) if match else None)
     bare = _BRACKETED.sub("", theirs).strip()
     suffix = _SUFFIX.search(bare)
     if symbol is None and suffix and unit_of(suffix[1]):
@@ -85,8 +82,8 @@ def _is_command(theirs: str) -> bool:
 
 
 def unit_of(text: str) -> str | None:
-    """A unit as hexcite writes it; None where it is not known."""
-    unit = _UNITS.get(text, text)
+    """A unit as hexcite writes it, in brackets or not; None where it is not known."""
+    unit = _UNITS.get(text := text.strip("[]() "), text)
     return unit if unit in _KNOWN else None
 
 

@@ -4,7 +4,7 @@ The case names the format; the first bytes say whether a file is Parquet.
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -18,13 +18,12 @@ from cases.recording_format import ROTATION, RecordingFormat
 from cases.schema import Case
 from identification.formats import binary, text, traces
 from identification.formats.assembly import require_clock, start_of, stream_of
-from identification.formats.table import ColumnTable, Stream, require_file, unreadable
+from identification.formats.table import ColumnTable, Stream, require_file, require_room, unreadable
 from identification.formats.text_errors import without
 
-BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
 
-_READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[ColumnTable]]] = {
+_READERS: dict[str, Callable[[Path, RecordingFormat], Iterable[ColumnTable]]] = {
     "csv": text.tables,
     "halsampler": traces.halsampler_tables,
     "twincat-scope": traces.scope_tables,
@@ -32,37 +31,14 @@ _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[ColumnTable]]] = 
 }
 
 
-def read_tables(file: Path, form: RecordingFormat, in_memory: int = 0) -> tuple[ColumnTable, ...]:
-    """Reads a file: one table for each clock in it.
-
-    Args:
-        in_memory: count of the numbers of the run's other files, which are in memory already.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
-    """
+def read_tables(file: Path, form: RecordingFormat) -> tuple[ColumnTable, ...]:
+    """Reads a file: one table for each clock in it; raises RecordingError with the place and the remedy."""
     reader = _READERS[form.format]
     if is_bag(file):
         reader = binary.bag_tables
     elif is_parquet(file):
         reader = binary.parquet_tables
-    most = free_memory() // (2 * BYTES)
-    batches: dict[tuple[str, ...], list[ColumnTable]] = {}
-    numbers = in_memory
-    for table in reader(file, form):
-        batches.setdefault(tuple(table.values), []).append(table)
-        numbers += table.rows * len(table.values)
-        if numbers > most:
-            others = " and the files before it" if in_memory else ""
-            size = sum(part.stat().st_size for part in _files(file))
-            raise RecordingError(
-                f"{file}{others}",
-                f"{size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
-                f"to evaluate these takes more than half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
-                f"cut the run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or "
-                "free memory",
-            )
-    return tuple(whole(parts) for parts in batches.values())
+    return tuple(reader(file, form))
 
 
 def is_parquet(file: Path) -> bool:
@@ -79,47 +55,19 @@ def _files(place: Path) -> list[Path]:
     return sorted(place.iterdir()) if is_bag(place) else [place]
 
 
-def free_memory() -> int:
-    """Memory that can be used without swapping [bytes]; 2^60 where the system does not report it."""
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
-    except (OSError, StopIteration):
-        return 1 << 60
-
-
-def whole(parts: Sequence[ColumnTable]) -> ColumnTable:
-    """Batches of one clock, one after the other."""
-    first = parts[0]
-    if len(parts) == 1:
-        return first
-    stamps: list[Any] = [part.stamps for part in parts if part.stamps is not None]
-    return replace(
-        first,
-        values={name: np.concatenate([part.values[name] for part in parts]) for name in first.values},
-        stamps=np.concatenate(stamps) if stamps else None,
-        lines=replace(first.lines, skipped=tuple(k for part in parts for k in part.lines.skipped)),
-    )
-
-
 def read_run(paths: Sequence[Path], case: Case) -> tuple[Stream, ...]:
-    """Reads the files of one run, recognised by their columns.
+    """The streams of one run from its files in any order, that of the forces first; columns say what they hold.
 
-    Args:
-        paths: paths in any order; at least one.
-        case: says which columns to expect and how the files write them.
-
-    Returns:
-        The streams of the run, that of the forces first; files whose samples coincide are joined.
-
-    Raises:
-        RecordingError: anything that prevents the use of the run; several files of one kind; no common time.
+    Files whose samples coincide are joined. Raises RecordingError for anything that prevents the use of the run.
     """
     if not paths:
         raise RecordingError("no recording is named; give the files of one run")
     tables: list[ColumnTable] = []
     for path in paths:
-        tables += read_tables(*_file_of(path, case), sum(table.rows * len(table.values) for table in tables))
+        file, form = _file_of(path, case)
+        others = sum(table.rows * len(table.values) for table in tables)
+        tables += (own := read_tables(file, form))
+        require_room(file, max(table.rows for table in own), sum(len(table.values) for table in own), others)
     for table in tables:
         require_clock(table)  # before the first of them is taken for the run's beginning
     origin = min((start_of(table) for table in tables if table.stamps is not None), default=Fraction(0))
@@ -198,7 +146,8 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
     """Streams whose samples coincide as one."""
     result: list[Stream] = []
     for stream in streams:
-        same = next((k for k, s in enumerate(result) if _coincide(s, stream)), None)
+        times = stream.t if stream.t is not None else stream.rows
+        same = next((k for k, s in enumerate(result) if np.array_equal(s.rows if s.t is None else s.t, times)), None)
         if same is None:
             result.append(stream)
         else:
@@ -208,12 +157,6 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
             names = (*result[same].missing_in, *stream.missing_in)
             result[same] = replace(result[same], missing=missing, missing_in=names, **more)
     return result
-
-
-def _coincide(one: Stream, other: Stream) -> bool:
-    if one.t is None or other.t is None:
-        return one.t is other.t and one.rows == other.rows
-    return np.array_equal(one.t, other.t)
 
 
 def _require_one_time(streams: Sequence[Stream]) -> None:

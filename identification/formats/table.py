@@ -90,7 +90,7 @@ def is_number(text: str) -> bool:
 
 
 Block = tuple[int, bytes]
-"""Number of a line, counted from 1, and whole lines from there on; only the last of a file may lack its line break."""
+"""Number of a line, counted from 1, and whole lines from there on; only the last may lack its line break."""
 
 
 def lines_of(block: Block, rows: int) -> Lines:
@@ -168,9 +168,8 @@ class Stream:
     def step(self) -> float:
         """Time between samples, gaps apart [s].
 
-        Raises:
-            RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
-                differs.
+        Raises RecordingError where there is no clock, or where it is not uniform between gaps: with the first step that
+        differs.
         """
         if self.t is None:
             raise RecordingError(self.source, "has no t_s column", "its rows are standstills")
@@ -185,7 +184,12 @@ class Stream:
         changed = crowded(gaps)
         if changed is not None or np.any(off & ~gaps):
             row = int(np.argmax(off & ~gaps)) if changed is None else changed
-            raise RecordingError(_uneven(f"{self.source}, {self.lines.place(row + 1)}", steps, usual, off, row))
+            more = f" (and {off.sum() - 1} more that differ)" if off.sum() > 1 else ""
+            raise RecordingError(
+                f"{self.source}, {self.lines.place(row + 1)}, t_s",
+                f"step of {steps[row] * 1e3:.4g} ms{more}, not a gap, where the run has {usual * 1e3:.4g} ms",
+                "export the run at one rate",
+            )
         return float(steps[~gaps].mean())
 
 
@@ -200,6 +204,31 @@ def require_file(file: Path) -> None:
         raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
     if about.st_size == 0:
         raise RecordingError(file, "is empty", "record again")
+
+
+BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
+
+
+def require_room(file: Path, rows: int, columns: int, others: int = 0) -> None:
+    """Raises RecordingError where a run takes more than half of the free memory; `others` are its other numbers."""
+    most = free_memory() // (2 * BYTES)
+    if others + rows * columns > most:
+        size = sum(part.stat().st_size for part in (file.iterdir() if file.is_dir() else [file]))
+        raise RecordingError(
+            f"{file}{' and the files before it' if others else ''}",
+            f"{size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and to evaluate these takes more than "
+            f"half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
+            f"cut the run, at most {most // columns:,} rows of {columns} columns fit, or free memory",
+        )
+
+
+def free_memory() -> int:
+    """Memory that can be used without swapping [bytes]; 2^60 where the system does not report it."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration):
+        return 1 << 60
 
 
 def unreadable(file: Path, error: Exception) -> RecordingError:
@@ -225,7 +254,7 @@ def listed(names: Iterable[str]) -> str:
 UNIFORMITY = 0.05
 GAP = 1.5  # steps between two samples, from which on others were lost between them
 HOST_GAP = 5.0  # the same where a host stamps what it receives: so far its stamps stray from equal steps
-_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # numbers of steps that distinguish a changed rate from a gap
+_FEW_STEPS = 5  # steps that distinguish a changed rate from a gap
 _SEEN = 15  # stamps of a host that distinguish a lost sample from a late one
 
 
@@ -257,10 +286,7 @@ def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
     """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
 
     They are a straight line through the stamps, ascending, at least two, shape (n,) [s], which leaves room for samples
-    that were lost; behind a gap it begins anew, with the same step.
-
-    Raises:
-        RecordingError: a stamp is too far from equal steps.
+    that were lost; behind a gap it begins anew, with the same step. Raises RecordingError where a stamp is too far off.
     """
     usual = usual_step(t)
     section = np.r_[0, np.cumsum(lost_samples(t, HOST_GAP, usual) > 0)] if len(t) > 2 else np.zeros(len(t), dtype=int)
@@ -301,18 +327,3 @@ def crowded(gaps: Flags) -> int | None:
     if not many.any():
         return None
     return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))
-
-
-def _uneven(place: str, steps: Array, usual: float, off: Flags, row: int) -> str:
-    """What to say of a clock that is not uniform: another rate, or single steps that differ."""
-    count = int(off.sum())
-    local_step = float(np.median(steps[row : row + _TYPICAL_STEPS]))
-    text = f"{place}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has {usual * 1e3:.4g} ms"
-    if (
-        count >= _FEW_STEPS
-        and off[row : row + _TYPICAL_STEPS].mean() > 0.5
-        and abs(local_step - usual) > UNIFORMITY * usual
-    ):
-        return f"{text}; the sampling rate changes: export the run at one rate"
-    more = f", and at {count - 1} more places" if count > 1 else ""
-    return f"{text}{more}, which is not a gap either; export the run at one rate"

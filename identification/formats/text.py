@@ -1,12 +1,12 @@
 """Tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
 
-The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. A file is read
-in blocks of whole lines, so that memory does not grow with its length; pyarrow reads the numbers, and what it cannot
-read is reported by one message with line, column, value and remedy.
+The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8. pyarrow reads
+the numbers, and what it cannot read is reported by one message with line, column, value and remedy.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -17,19 +17,19 @@ from cases.recording_format import CLOCK, COLUMNS, VELOCITIES, RecordingFormat
 from identification.formats.table import (
     Block,
     ColumnTable,
+    Lines,
     lines_of,
     missing_fields,
     require_file,
+    require_room,
     shown,
     split,
     unreadable,
 )
-from identification.formats.text_errors import explain, not_text, unnamed
+from identification.formats.text_errors import explain, not_text, without
 
-SIZE = 1 << 22  # bytes read at a time
-# Bytes that are returned at the end of the file only, without its trailing rows: a hundred long lines.
-KEPT = 1 << 16
-_LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
+PART = 1 << 22  # bytes, of which a damage is looked for line by line
+LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
 _MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
 _NOT_TEXT = {
     b"\xff\xfe": "UTF-16 text; save it as UTF-8",
@@ -42,13 +42,12 @@ _NOT_TEXT = {
 def read_head(file: Path) -> list[bytes]:
     """The first lines of a text file without line breaks and byte order mark: more than any header has.
 
-    Raises:
-        RecordingError: there is no such file, or it is not text.
+    Raises RecordingError where there is no such file, or it is not text.
     """
     require_file(file)
     try:
         with file.open("rb") as stream:
-            data = stream.read(_LONGEST_LINE)
+            data = stream.read(LONGEST_LINE)
     except OSError as error:
         raise unreadable(file, error) from error
     for mark, kind in _NOT_TEXT.items():
@@ -60,78 +59,87 @@ def read_head(file: Path) -> list[bytes]:
     return [line.removesuffix(b"\r") for line in lines]
 
 
-def read_blocks(file: Path, header_rows: int = 0, trailing_rows: int = 0) -> Iterator[Block]:
-    """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
+class Section(NamedTuple):
+    """Lines of a file that lie below its header and above its trailing rows, and stay there until they are needed."""
 
-    Args:
-        file: a text file, see `read_head`.
-        header_rows: lines at its start to leave out.
-        trailing_rows: lines at its end to leave out, blank ones not counted.
+    file: Path
+    first: int  # number of its first line, counted from 1
+    rows: int  # number of lines
+    start: int  # where it starts and ends in the file [byte]
+    end: int
 
-    Raises:
-        RecordingError: it cannot be read, or has a line without end.
+    def text(self) -> Block:
+        """The lines themselves."""
+        with self.file.open("rb") as stream:
+            stream.seek(self.start)
+            return self.first, stream.read(self.end - self.start)
+
+
+def section_of(file: Path, header_rows: int, trailing_rows: int, columns: int) -> Section:
+    """The lines of a text file below its header, without trailing rows and blank lines at the end.
+
+    Of `trailing_rows` blank lines do not count; `columns` of it are wanted. Raises RecordingError where it cannot be
+    read.
     """
-    line = header_rows + 1
+    first = header_rows + 1
     try:
         with file.open("rb") as stream:
             for _ in range(header_rows):
-                stream.readline(_LONGEST_LINE)
-            rest = b"" if header_rows else stream.read(len(_MARK)).removeprefix(_MARK)
-            while chunk := stream.read(SIZE):
-                rest += chunk
-                end = max(len(rest) - KEPT, 0)
-                cut = rest.rfind(b"\n", 0, end) + 1
-                if cut:
-                    yield line, rest[:cut]
-                    line += rest.count(b"\n", 0, cut)
-                    rest = rest[cut:]
-                elif end > _LONGEST_LINE:
-                    raise RecordingError(
-                        f"{file}, line {line}", "is longer than a million characters", "not a CSV table"
-                    )
+                stream.readline(LONGEST_LINE)
+            start = stream.tell() if header_rows else len(_MARK) * (stream.read(len(_MARK)) == _MARK)
+            stream.seek(start)
+            if len(stream.readline(LONGEST_LINE)) == LONGEST_LINE:
+                raise RecordingError(f"{file}, line {first}", "is longer than a million characters", "not a CSV table")
+            stream.seek(start)
+            breaks = sum(part.count(b"\n") for part in iter(lambda: stream.read(PART), b""))
+            require_room(file, 1 + breaks, columns)
+            size, length, lines, tail = stream.tell(), LONGEST_LINE, b"", b""
+            while not lines and len(tail) < size - start:  # more of the end, where all of it is left out
+                stream.seek(max(size - length, start))
+                tail = stream.read()
+                lines, length = _without_end(tail, trailing_rows), 4 * length
     except OSError as error:
         raise unreadable(file, error) from error
-    if data := _without_end(rest, trailing_rows):
-        yield line, data
+    left_out = tail[len(lines) :]
+    count = breaks - left_out.count(b"\n") + bool(lines and not lines.endswith(b"\n"))
+    return Section(file, first, count, start, size - len(left_out))
 
 
 def _without_end(data: bytes, trailing_rows: int) -> bytes:
     """The lines above blank ones at the end and above the last rows that are not blank."""
-    lines = data.splitlines(keepends=True)
-    while lines:
-        blank = not lines[-1].strip(b" \t\r\n\x1a")
+    end = len(data)
+    while end:
+        start = data.rfind(b"\n", 0, end - 1) + 1
+        blank = not data[start:end].strip(b" \t\r\n\x1a")
         if not blank and trailing_rows == 0:
             break
         trailing_rows -= not blank
-        lines.pop()
-    return b"".join(lines)
+        end = start
+    return data[:end]
 
 
 def parse(
     file: Path,
-    block: Block,
+    lines: Section | Block,
     form: RecordingFormat,
     fields: Sequence[str],
     numbers: Iterable[int],
     stamps: Sequence[int],
-) -> Mapping[int, pa.ChunkedArray]:
-    """The wanted columns of a block by position: numbers as float64, stamps as int64 or float64.
+) -> dict[int, pa.ChunkedArray]:
+    """The wanted columns of lines by position: numbers as float64, stamps as int64 or float64, as the file writes them.
 
-    Args:
-        fields: names of all fields of a line, as the file calls them.
-        numbers: positions of measured values.
-        stamps: positions of clocks; they stay integers where the file writes integers.
-
-    Raises:
-        RecordingError: a line or a value cannot be read; the message names it.
+    `fields` are the names of all fields of a line. Raises RecordingError with the line and value that cannot be read.
     """
     positions = list(dict.fromkeys([*numbers, *stamps]))
     names = [str(k) for k in range(len(fields))]
+    if isinstance(lines, Section):
+        source, size = pa.OSFile(str(file)).get_stream(lines.start, lines.end - lines.start), PART
+    else:  # one block, so that the kind of stamps follows from all of them
+        source, size = pa.BufferReader(lines[1]), len(lines[1])
     try:
         table = pacsv.read_csv(
-            pa.BufferReader(block[1]),
-            # one thread: batches are small, and so the first of several errors is the one that is reported
-            read_options=pacsv.ReadOptions(column_names=names, use_threads=False),
+            source,
+            read_options=pacsv.ReadOptions(column_names=names, use_threads=False, block_size=size),
             parse_options=pacsv.ParseOptions(delimiter=form.separator),
             convert_options=pacsv.ConvertOptions(
                 column_types={str(k): pa.float64() for k in numbers},
@@ -142,22 +150,32 @@ def parse(
             ),
         )
     except (pa.ArrowException, UnicodeDecodeError) as error:
-        raise explain(file, block, fields, positions, form, str(error)) from error
+        if isinstance(lines, Section):
+            return parse(file, lines.text(), form, fields, numbers, stamps)
+        for part in _halves(lines):  # the damage is in one of them
+            parse(file, part, form, fields, numbers, stamps)
+        raise explain(file, lines, fields, positions, form, str(error)) from error
     columns = {k: table.column(str(k)) for k in positions}
     for k in stamps:
         if pa.types.is_null(columns[k].type):
             columns[k] = columns[k].cast(pa.float64())
         if not (pa.types.is_int64(columns[k].type) or pa.types.is_float64(columns[k].type)):
-            raise explain(file, block, fields, positions, form, f"column {k} holds no numbers")
+            text = lines.text() if isinstance(lines, Section) else lines
+            raise explain(file, text, fields, positions, form, f"column {k} holds no numbers")
     return columns
 
 
-def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
-    """Header lines as text.
+def _halves(block: Block) -> tuple[Block, ...]:
+    """Two halves of many lines; none of few."""
+    first, data = block
+    middle = data.rfind(b"\n", 0, len(data) // 2) + 1
+    if len(data) <= PART or not middle:
+        return ()
+    return (first, data[:middle]), (first + data.count(b"\n", 0, middle), data[middle:])
 
-    Raises:
-        RecordingError: a line is not text in the file's encoding, or ends in an unexpected way.
-    """
+
+def decoded(file: Path, lines: Sequence[bytes], form: RecordingFormat) -> list[str]:
+    """Header lines as text; raises RecordingError where one is not, or ends in an unexpected way."""
     texts = []
     for k, line in enumerate(lines, 1):
         if b"\r" in line:
@@ -179,11 +197,7 @@ def cells(line: str, form: RecordingFormat) -> list[str]:
 
 
 def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str, int]:
-    """Our columns among those of a file, each with its position.
-
-    Raises:
-        RecordingError: one of ours is there twice.
-    """
+    """Our columns among those of a file, each with its position; raises RecordingError where one is there twice."""
     positions = {}
     for ours in COLUMNS:
         if ours in VELOCITIES:
@@ -196,55 +210,49 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> dict[str,
     return positions
 
 
-def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file batch by batch.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
+def tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+    """Reads a file; raises RecordingError with the place and the remedy."""
     header_rows, names = _header(file, form)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
-    blocks = read_blocks(file, header_rows, form.trailing_rows)
-    yield from rows_of(file, blocks, names, chosen, form, tick)
+    lines = section_of(file, header_rows, form.trailing_rows, len(chosen))
+    return [table_of(file, lines, names, chosen, form, tick)]
 
 
-def rows_of(
+def table_of(
     file: Path,
-    blocks: Iterable[Block],
+    lines: Section | Block,
     names: Sequence[str],
     chosen: Mapping[str, int],
     form: RecordingFormat,
     tick: float | None,
-) -> Iterator[ColumnTable]:
-    """Turns lines of numbers into tables.
+) -> ColumnTable:
+    """Turns lines of numbers into a table; raises RecordingError where a line cannot be read, or there is none.
 
     Args:
         chosen: the fields that are wanted, our name -> position; `CLOCK` is that of the time stamps.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
-
-    Raises:
-        RecordingError: a line cannot be read, or there is none.
     """
+    if not (lines.rows if isinstance(lines, Section) else lines[1].strip()):
+        raise RecordingError(file, "has a header but no rows", "record again")
     positions = {ours: k for ours, k in chosen.items() if ours != CLOCK}
     at = chosen.get(CLOCK)
-    count = 0
-    for block in blocks:
-        columns = parse(file, block, form, names, positions.values(), [] if at is None else [at])
-        rows = len(next(iter(columns.values())))
-        values = {ours: columns[k].to_numpy() for ours, k in positions.items()}
-        stamps, lines = None if tick is None else np.arange(count, count + rows), lines_of(block, rows)
-        if at is not None:
-            clock = columns[at]
-            if clock.null_count:
-                row = int(np.argmin(clock.is_valid().to_numpy()))
-                place = f"{file}, {lines.place(row)}, {shown(names[at])}"
-                raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
-            stamps = clock.to_numpy()
-        yield ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, lines)
-        count += rows
-    if not count:
-        raise RecordingError(file, "has a header but no rows", "record again")
+    columns = parse(file, lines, form, names, positions.values(), [] if at is None else [at])
+    rows = len(next(iter(columns.values())))
+    stamps = None if tick is None else np.arange(rows)
+    if isinstance(lines, Section):
+        places = Lines(lines.first) if lines.rows == rows else lines_of(lines.text(), rows)
+    else:
+        places = lines_of(lines, rows)
+    if at is not None:
+        clock = columns.pop(at)
+        if clock.null_count:
+            row = int(np.argmin(clock.is_valid().to_numpy()))
+            place = f"{file}, {places.place(row)}, {shown(names[at])}"
+            raise RecordingError(place, "is empty where a time stamp is needed", "remove the row")
+        stamps = clock.to_numpy()
+    values = {ours: columns.pop(k).to_numpy() for ours, k in positions.items()}  # each is copied, then let go
+    return ColumnTable(str(file), form, tuple(names), values, stamps, tick or 0.0, places)
 
 
 def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:
@@ -261,5 +269,5 @@ def _header(file: Path, form: RecordingFormat) -> tuple[int, list[str]]:
         raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
     names = cells(header[row - 1], form)
     if not any(form.file_name(ours) in names for ours in COLUMNS):
-        raise unnamed(file, names, lines, form, row)
+        raise RecordingError(file, without(names, form))
     return rows, names

@@ -5,61 +5,26 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from cases.errors import RecordingError
-from cases.recording_format import COLUMNS, RecordingFormat
+from cases.recording_format import RecordingFormat
 from identification.formats.table import Block, is_number, is_value, listed, shown, split
 
 _DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
-_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
-_SEARCHED_LINES = 50  # no export known to us has a longer header
 _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
-
-
-def unnamed(
-    file: Path, names: Sequence[str], lines: Sequence[bytes], form: RecordingFormat, row: int
-) -> RecordingError:
-    """The error for a line of names that has none of ours; looks for ours elsewhere in the header.
-
-    Args:
-        row: line in which the names were sought, counted from 1.
-    """
-    ours = {form.file_name(c) for c in COLUMNS}
-    for k, line in enumerate(lines[:_SEARCHED_LINES], 1):
-        for separator, word in _SEPARATORS.items():
-            fields = {c.strip() for c in split(line.decode(form.encoding, "replace"), separator)}
-            if not (fields & ours) or len(fields) < 2:
-                continue
-            if separator != form.separator:
-                return RecordingError(
-                    f"{file}, line {k}",
-                    f"its columns are separated by {word}, where the case expects them separated by "
-                    f"{_SEPARATORS.get(form.separator, repr(form.separator))}",
-                    f"set recording.delimiter = {separator!r} in the case",
-                )
-            return RecordingError(
-                file,
-                f"the names of its columns are in line {k}, not in line {row}",
-                f"set recording.names_row = {k} in the case, and recording.header_rows to the number of lines "
-                "above the numbers",
-            )
-    return RecordingError(file, without(names, form))
 
 
 def without(names: Iterable[str], form: RecordingFormat, wanted: Sequence[str] = _TYPICAL) -> str:
     """What to say of a file with columns of some names that has none of those, by our names, that are wanted."""
     columns = listed(map(form.file_name, wanted))
-    remedy = "name them so or map them in [recording.columns] of the case, which hexcite look proposes"
+    remedy = "name them so, or state names, separator and header in [recording] of the case, as hexcite look proposes"
     return f"none of the columns {columns}; it has {listed(names)}: {remedy}"
 
 
 def explain(
     file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], form: RecordingFormat, cause: str
 ) -> RecordingError:
-    """The error for a block that could not be read: its first line that is to blame.
+    """The error for lines that could not be read: the first that is to blame.
 
-    Args:
-        file: file that the block is from.
-        wanted: positions of the fields that must be numbers.
-        cause: what the parser said, for damage that is not understood here.
+    `wanted` are positions of fields that must be numbers; `cause` is what the parser said of other damage.
     """
     first, data = block
     last = first + data.count(b"\n")

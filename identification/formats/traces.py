@@ -1,29 +1,17 @@
 """Traces that controllers write as text: CSV exports of the TwinCAT 3 Scope, and files of LinuxCNC's halsampler.
 
-TwinCAT: a header of channels, then columns of values, each group with its own clock.
+TwinCAT: a header of channels, then columns of values, each group with its own clock. Verified with genuine exports of
+Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description (infosys.beckhoff.com, TE13xx,
+"Export to csv"): line 1 is `Name`, the separator and the scope's name; a second line that starts with `Name` lists
+the channels, and each `Name` in it stands above a clock. Up to 17 more lines about the channels follow, a comment in
+them may run over several lines. Stamps are ms from the first sample, or FILETIME where Full Timestamp is on. Where a
+channel has ended, its fields are a blank, or missing at the end of the line. A line `EOF` may follow. Not verified:
+Full Timestamp, marker tables and trigger information (switch them off), Interpolation = Shift value, array channels,
+other versions.
 
-Verified with genuine exports of Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description
-(infosys.beckhoff.com, TE13xx, "Export to csv"): line 1 is `Name`, the separator and the scope's name; `Starttime of
-export` has a FILETIME (100 ns ticks since 1601); a second line that starts with `Name` lists the channels, and each
-`Name` in it stands above a clock: one for each channel (Timelines = All) or for neighbours of one sample time. Up to
-17 more lines about the channels follow, a comment in them may run over several lines. Stamps are ms from the first
-sample, or FILETIME where Full Timestamp is on. Where a channel has ended, its fields are a blank, or missing at the end
-of the line. A line `EOF` may follow. Numbers have commas or points by a setting of their own: the case states it.
-
-Not verified with a genuine file: Full Timestamp, marker tables and trigger information (switch them off), Interpolation
-= Shift value, Timelines = None (refused), array channels, other versions of Scope.
-
-SINUMERIK traces exported as text are read as other text is (`text.tables`), with every property that differs between
-exports stated by the case. No export of our own was at hand and no manual that describes the file was found. What
-public programs that read such files show (searched November 2026): SINUMERIK Operate saves a trace session as XML
-(`traceSession/traceData/dataFrame` with `dataSignal` and `rec`, three programs agree), which is not read here: export
-it as text. One group of programs reads CSV with commas and points, one line of names, a first column `time` in seconds
-and names such as `+/Nck/!SD/nckServoDataActPos1stEnc32 [u1; 1]`; another reads files whose names stand above the
-numbers, one line a signal, so that there are more header lines than signals. Delimiter, decimal sign, header rows and
-the clock's unit therefore have no default here; header rows, times in ms from the first sample and trailing rows are
-read as the case says, and `column_names` names the columns where the header has no single line of names. Unverified:
-whether any export repeats the time for each signal, or leaves fields empty where signals have different cycles; empty
-fields are refused with their line.
+SINUMERIK traces exported as text are read as other text is (`text.tables`). No genuine export was at hand and no manual
+that describes the file was found; public programs that read such files (searched November 2026) differ in delimiter,
+decimal sign, header and clock, so that the case states them. SINUMERIK Operate's own XML is not read.
 """
 
 from collections.abc import Iterator, Mapping
@@ -35,7 +23,7 @@ import pyarrow as pa
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.table import Block, ColumnTable, Stamps, is_number, lines_of, split
-from identification.formats.text import cells, decoded, parse, read_blocks, read_head, rows_of, select
+from identification.formats.text import cells, decoded, parse, read_head, section_of, select, table_of
 from identification.formats.text_errors import without
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
@@ -45,11 +33,7 @@ _LEAST_FILETIME = 1.26e17
 
 
 def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file batch by batch: one table for each clock and batch.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
+    """Reads a file: one table for each clock; raises RecordingError with the place and the remedy."""
     lines = read_head(file)
     form = form.model_copy(update={"delimiter": _separator(file, lines[0], form)})
     header_rows, names, positions = _layout(file, lines, form)
@@ -59,31 +43,19 @@ def scope_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     if not positions:
         raise RecordingError(file, without(channels, form))
     labels = [f"time of {(*names, 'nothing')[k + 1]}" if k in clocks else name for k, name in enumerate(names)]
-    groups: list[tuple[str, ...]] = []
-    for block in read_blocks(file, header_rows, form.trailing_rows):
-        filled = first, data = _filled(block, len(names), form.separator)
-        if not data.strip():
-            continue
-        wanted = sorted(set(clock_of.values()))
-        columns = parse(file, filled, form, labels, positions.values(), wanted)
-        stamps = {k: _present(file, filled, columns[k]) for k in wanted}
-        groups = groups or _groups({ours: stamps[k] for ours, k in clock_of.items()})
-        for group in groups:
-            clock = min((stamps[clock_of[ours]] for ours in group), key=len)
-            if not all(_alike(clock, stamps[clock_of[ours]]) for ours in group):
-                raise RecordingError(
-                    f"{file}, lines from {first}",
-                    f"the clocks of {', '.join(group)} part",
-                    "export them again",
-                )
-            _require_unit(file, clock, form)
-            if not len(clock):
-                continue
-            values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
-            places = lines_of(filled, len(columns[wanted[0]]))
-            yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
-    if not groups:
+    wanted = sorted(set(clock_of.values()))
+    block = section_of(file, header_rows, form.trailing_rows, len(positions) + len(wanted)).text()
+    filled = _filled(block, len(names), form.separator)
+    if not filled[1].strip():
         raise RecordingError(file, "has a header but no rows", "export the recording again")
+    columns = parse(file, filled, form, labels, positions.values(), wanted)
+    stamps = {k: _present(file, filled, columns[k]) for k in wanted}
+    places = lines_of(filled, len(columns[wanted[0]]))
+    for group in _groups({ours: stamps[k] for ours, k in clock_of.items()}):
+        clock = min((stamps[clock_of[ours]] for ours in group), key=len)
+        _require_unit(file, clock, form)
+        values = {ours: columns[positions[ours]].to_numpy()[: len(clock)] for ours in group}
+        yield ColumnTable(str(file), form, channels, values, clock, form.tick, places)
 
 
 def _separator(file: Path, line: bytes, form: RecordingFormat) -> str:
@@ -105,7 +77,9 @@ def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int,
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
         raise RecordingError(file, "has no second line that starts with Name", "export it with its header")
-    first = next((k for k in range(top + 1, len(lines)) if _is_data(lines[k], form.separator)), None)
+    rows = (split(line.decode(errors="replace"), form.separator) for line in lines[top + 1 :])
+    filled = ([field.replace(",", ".", 1) for field in row if field.strip()] for row in rows)
+    first = next((k for k, row in enumerate(filled, top + 1) if row and all(map(is_number, row))), None)
     if first is None:
         raise RecordingError(file, "has a header but no rows of numbers", "export the recording again")
     names = cells(decoded(file, lines[: top + 1], form)[top], form)
@@ -118,12 +92,6 @@ def _layout(file: Path, lines: list[bytes], form: RecordingFormat) -> tuple[int,
             positions = select(file, [*symbols, *names][: len(names)], form) | positions
     positions.pop(CLOCK, None)
     return first, names, positions
-
-
-def _is_data(line: bytes, separator: str) -> bool:
-    """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
-    fields = [f for f in split(line.decode(errors="replace"), separator) if f.strip()]
-    return bool(fields) and all(is_number(f.replace(",", ".", 1)) for f in fields)
 
 
 def _filled(block: Block, count: int, delimiter: str) -> Block:
@@ -168,8 +136,10 @@ def _alike(one: Stamps, other: Stamps) -> bool:
 
 
 def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
-    counts_ticks = bool(len(stamps)) and float(stamps[0]) >= _LEAST_FILETIME
-    if counts_ticks != (form.clock_unit == "filetime") and len(stamps):
+    if not len(stamps):
+        raise RecordingError(file, "a clock has no stamps", "export the recording again")
+    counts_ticks = float(stamps[0]) >= _LEAST_FILETIME
+    if counts_ticks != (form.clock_unit == "filetime"):
         right = "filetime" if counts_ticks else "ms"
         raise RecordingError(
             file,
@@ -182,17 +152,16 @@ _OVERRUN = b"overrun"
 _NUMBER_OF_SAMPLE = "sample number"
 
 
-def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
-    """Reads a file of LinuxCNC's halsampler batch by batch; errors as `tables`."""
+def halsampler_tables(file: Path, form: RecordingFormat) -> list[ColumnTable]:
+    """Reads a file of LinuxCNC's halsampler; errors as `tables`."""
     assert form.column_names is not None  # the case is checked
     names, numbered = _columns(file, list(form.column_names), form.separator)
     chosen = select(file, names, form)
     tick = form.tick if CLOCK in chosen else form.clock.period
     if numbered:
         chosen.setdefault(CLOCK, 0)
-    lines = read_blocks(file, form.header_rows or 0, form.trailing_rows)
-    blocks = (_without_overruns(file, block, CLOCK in chosen) for block in lines)
-    yield from rows_of(file, (b for b in blocks if b[1].strip()), names, chosen, form, tick)
+    block = section_of(file, form.header_rows or 0, form.trailing_rows, len(chosen)).text()
+    return [table_of(file, _without_overruns(file, block, CLOCK in chosen), names, chosen, form, tick)]
 
 
 def _columns(file: Path, names: list[str], separator: str) -> tuple[list[str], bool]:

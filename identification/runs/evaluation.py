@@ -96,17 +96,15 @@ class Run(Moving):
         return columns
 
     def _motions(self, *delays: float) -> Iterator[tuple[slice, list[Kinematics]]]:
-        """Motion at several delays, piece by piece; from the second on, poses are solved from those at the first."""
+        """Motion at several delays, piece by piece; raises StrutsDoNotClose with the place in the file."""
         assert self.recording.struts is not None
         requests = [(order, delay) for delay in delays for order in range(3)]
         struts = decimated(self.filter, self.recording.struts, self.rows, requests)
         for begin in range(0, len(self.rows), PIECE):
-            piece, motions = slice(begin, begin + PIECE), list[Kinematics]()
+            piece = slice(begin, begin + PIECE)
+            parts = [s[piece] for s in struts]
             try:
-                for k, delay in enumerate(delays):
-                    near = self.machine.earlier(motions[0], delay - delays[0]) if motions else None
-                    lengths, velocities, accelerations = (s[piece] for s in struts[3 * k : 3 * k + 3])
-                    motions.append(self.machine.kinematics(lengths, velocities, accelerations, near))
+                motions = [self.machine.kinematics(*parts[k : k + 3]) for k in range(0, len(parts), 3)]
             except StrutsDoNotClose as error:  # say where in the file it is
                 row = int(self.filter.margin + self.rows[begin + error.sample])
                 raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error

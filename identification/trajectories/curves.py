@@ -22,8 +22,7 @@ SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 class PolynomialMotion:
     """Polynomials sum_i c_i t^i one after the other, each on a clock of its own.
 
-    Raises:
-        ValueError: no polynomial, a duration that is not positive, or a gap between two of them.
+    Raises ValueError without any, for a duration that is not positive, or a gap between two of them.
     """
 
     table: Array  # c_i of each, shape (degree + 1, pieces, n) [m or rad over powers of seconds]
@@ -84,11 +83,7 @@ class PolynomialMotion:
 
 
 def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
-    """Moves of seven segments one after the other as what they are: a cubic polynomial a segment.
-
-    Raises:
-        ValueError: a move begins elsewhere.
-    """
+    """Moves of seven segments one after the other as what they are: a cubic polynomial a segment."""
     return PolynomialMotion.of_pieces(piece for move in moves for piece in _segments(move))
 
 
@@ -108,13 +103,10 @@ def _segments(move: StraightMove) -> Iterator[tuple[Array, float]]:
 
 @dataclass(frozen=True, slots=True)
 class Tabulated:
-    """Rows of pose, rates and accelerations at equal steps, from rest to rest.
+    """Rows of pose, rates and accelerations at equal steps, from rest to rest; ValueError for other shapes.
 
     Between rows the pose is the cubic that shares pose and rates with both; rates and accelerations, which a table
     states for themselves, go straight from row to row. Jerks are the slopes of accelerations.
-
-    Raises:
-        ValueError: fewer than two rows, or shapes that do not belong together.
     """
 
     times: Array  # shape (k,), equal steps from 0 [s]
@@ -216,15 +208,9 @@ _TO_ACCELERATION = Polynomial([0.0, 0.0, 0.0, 0.5, -1.0, 0.5])
 def run_in(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
     """Quintic run-in: matrices from the state reached (way, rate, acceleration) to value, rate, acceleration and jerk.
 
-    A series of one harmonic never rests: its rate and acceleration have no common zero. With run-in and run-out
-    it has no other harmonic than its own while it runs.
-
-    Args:
-        time: time after the start out of rest, shape (n,) [s], from 0 to duration.
-        duration: [s].
-
-    Returns:
-        Four matrices of shape (n, 3).
+    A series of one harmonic never rests: its rate and acceleration have no common zero. With run-in and run-out it has
+    no other harmonic than its own while it runs. Four matrices of shape (n, 3), at times after the start out of rest,
+    shape (n,) [s], from 0 to the duration [s].
     """
     share = time / duration
     shapes = ((_TO_WAY, 1.0), (_TO_RATE, duration), (_TO_ACCELERATION, duration**2))

@@ -85,13 +85,9 @@ def coordinate_rates() -> ca.Function:
 
 
 def executed_peaks(execution: Execution, case: Case) -> dict[LimitKind, float]:
-    """Largest share of each kinetic limit over the whole run.
+    """Largest share of each kinetic limit over the whole run, at `execution.extremes`.
 
-    Evaluated at `execution.extremes`: there, between two cycles of a controller that interpolates by cubic splines, are
-    the largest accelerations.
-
-    Raises:
-        CaseError: the case has no machine.
+    There, between two cycles of a controller that interpolates by cubic splines, are the largest accelerations.
     """
     limits = case.need_motion("the rating of a run")[1]
     instants = execution.extremes
@@ -130,11 +126,7 @@ def instants(windows: Array, rate: float = RATE) -> Array:
 
 
 def path_error(planned: Trajectory, execution: Execution, windows: Array) -> float:
-    """Largest distance of the executed position from the planned path, whatever the timing [m].
-
-    Args:
-        windows: when it ran the excitation, shape (k, 2) [s].
-    """
+    """Largest distance of the executed position from the planned path in windows, shape (k, 2) [s], at any pace [m]."""
     positions = execution.machine.positions(sample(planned, PLAN_RATE).pose)
     # Where the machine stands or only turns, a query would look at thousands of places that are all as near.
     points = positions[np.r_[True, np.any(np.diff(positions, axis=0) != 0.0, axis=1)]]
@@ -149,12 +141,8 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
     """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
 
     Controllers that run a path in short blocks add ripple above the limits; the evaluation filters it off, so that it
-    must not count as information.
-
-    Args:
-        scaling: diagonal of H, shape (u,).
-        windows: when it ran the excitation, shape (k, 2) [s].
-        cutoff: cutoff of the low-pass [Hz].
+    must not count as information. `scaling` is the diagonal of H; windows of the excitation have the shape (k, 2) [s],
+    `cutoff` is that of the low-pass [Hz].
     """
     from identification.signals import Filter  # SciPy, which programs that are only read do without
 

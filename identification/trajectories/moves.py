@@ -183,8 +183,7 @@ class StraightMove:
     ) -> "StraightMove":
         """The fastest such move within limits on each coordinate, shapes (n,); the jerk may be unlimited.
 
-        Raises:
-            ValueError: start and end are the same.
+        Raises ValueError where start and end are the same.
         """
         a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
         way = np.abs(b - a)
@@ -232,8 +231,7 @@ class Plane(Enum):
 class CircularMove:
     """An arc of the origin of {P} about an axis parallel to x, y or z; the other coordinates change in proportion.
 
-    Raises:
-        ValueError: no radius, no angle, or more than a full circle.
+    Raises ValueError without a radius or an angle, or for more than a full circle.
     """
 
     start: Array  # pose, shape (6,) [m, rad]
@@ -318,18 +316,7 @@ def fastest_circle(
     """A fast arc within limits on each coordinate, shapes (6,): near the fastest seven-segment one, never beyond.
 
     The time law is the seven-segment profile, slowed as a whole until the motion satisfies every limit on a fine grid.
-
-    Args:
-        start: pose, shape (6,) [m, rad].
-        plane: plane in which it lies.
-        centre: along the plane's axes, shape (2,) [m].
-        angle: see `CircularMove` [rad].
-        rate: limits, shape (6,).
-        acceleration: limits, shape (6,).
-        jerk: limits, shape (6,).
-
-    Raises:
-        ValueError: it cannot be slowed into its limits.
+    Other arguments as in `CircularMove`. Raises ValueError where it cannot be slowed into its limits.
     """
     pose = np.asarray(start, dtype=float)
     limits = [np.asarray(limit, dtype=float) for limit in (rate, acceleration, jerk)]

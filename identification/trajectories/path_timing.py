@@ -27,12 +27,10 @@ CHECK_RATE = 20_000.0  # [1/s] at which that is checked
 ROUNDER = 5e-4  # a motion that must be stretched is stretched by this much more: peaks lie between instants too
 AT_REST = 1e-6  # share of the rate limits
 
-_REASONS = {
-    "FailUncontrollable": "no pace keeps all limits somewhere on the path: the path bends too sharply or leaves the "
-    "machine's reach there",
-    "ErrForwardPassFail": "rounding errors grew too large on this path; change it slightly",
-    "ErrShortPath": "the path is too short",
-}
+_NO_PACE = (
+    "the path cannot be re-timed: no pace keeps all limits somewhere on it: it bends too sharply or leaves the "
+    "machine's reach there"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,13 +78,8 @@ class RetimedMotion:
 def retime(path: Trajectory, case: Case) -> RetimedMotion:
     """The motion along a path, never faster, inside the limits of rates and accelerations of coordinates and struts.
 
-    Args:
-        path: a motion from rest to rest; its pace, not its shape, is changed.
-        case: gives the limits.
-
-    Raises:
-        UntimedMotion: the path does not begin and end at rest, is not finite, or no pace satisfies the limits.
-        CaseError: the case has no machine or no limits.
+    Its pace, not its shape, is changed. Raises UntimedMotion where the path does not begin and end at rest, is not
+    finite, or no pace satisfies the limits.
     """
     try:
         from toppra.algorithm import TOPPRA  # takes 0.7 s to import
@@ -104,37 +97,26 @@ def retime(path: Trajectory, case: Case) -> RetimedMotion:
     end = min(planned, _largest_pace(solver.compute_feasible_sets()[-1]))
     start = min(planned, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
     if not (start > 0.0 and end > 0.0):
-        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+        raise UntimedMotion(_NO_PACE)
     solver.compute_parameterization(start, end)
-    code = solver.problem_data.return_code
-    paces = solver.problem_data.sd_vec
-    if code.name != "Ok" or paces is None or not np.isfinite(paces).all():
-        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS.get(code.name, code.value)}")
-    lengths = 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
-    if not np.isfinite(lengths).all():
-        raise UntimedMotion(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+    code, paces = solver.problem_data.return_code, solver.problem_data.sd_vec
+    if code.name not in ("Ok", "FailUncontrollable"):
+        raise UntimedMotion(f"the path cannot be re-timed ({code.value}); change it slightly")
+    lengths = np.full(steps, np.nan) if paces is None else 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
+    if code.name != "Ok" or not np.isfinite(lengths).all():
+        raise UntimedMotion(_NO_PACE)
     motion = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
-    slower = _stretch(motion, case)
+    # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
+    count = int(np.ceil(min(motion.duration, path.duration) * CHECK_RATE)) + 1
+    worst = _worst(motion.at(np.linspace(0.0, motion.duration, count)), case)  # between gridpoints
+    slower = worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
     return RetimedMotion(path, shares, motion.times * slower, paces / slower)
 
 
 def keeps_pace(path: Trajectory, case: Case) -> bool:
-    """Whether a motion satisfies the limits of rates and accelerations of coordinates and struts at its own pace.
-
-    Raises:
-        CaseError: the case has no machine or no limits.
-    """
+    """Whether a motion satisfies the limits of rates and accelerations of coordinates and struts at its own pace."""
     rows = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     return _worst(path.at(np.linspace(0.0, path.duration, rows + 1)), case) <= 1.0 + 1e-6
-
-
-def _stretch(motion: RetimedMotion, case: Case) -> float:
-    """Factor by which the whole motion must last longer where it exceeds a limit between gridpoints, at least 1."""
-    # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
-    lasting = min(motion.duration, motion.path.duration)
-    m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(lasting * CHECK_RATE)) + 1))
-    worst = _worst(m, case)
-    return worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
 
 
 def _worst(m: Motion, case: Case) -> float:

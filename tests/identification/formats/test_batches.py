@@ -1,7 +1,6 @@
-"""A long file is read block by block, each row with its line."""
+"""A long file is read whole, each row with its line."""
 
 from pathlib import Path
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from identification.formats import reading, text
+from identification.formats import table, text
 from identification.recording import read
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, csv, written
@@ -39,8 +38,16 @@ def test_a_bad_value_is_marked_in_its_line(row: int, tmp_path: Path) -> None:
     assert recording.lines.place(row) == f"line {row + 2}"
 
 
-def test_time_runs_forwards_across_blocks(tmp_path: Path) -> None:
-    rows = TEXT.encode()[: text.SIZE].count(b"\n") - 1  # of the first block
+@pytest.mark.parametrize("row", [1, 44_000, 59_999])
+def test_a_damage_is_named_with_its_line(row: int, tmp_path: Path) -> None:
+    lines = TEXT.splitlines()
+    lines[row + 1] = lines[row + 1].rsplit(",", 1)[0] + ",x"
+    with pytest.raises(RecordingError, match=rf"line {row + 2}, f6_N: 'x' is not a number"):
+        read(written(tmp_path, "\n".join(lines)), HEXAPOD)
+
+
+def test_time_runs_forwards(tmp_path: Path) -> None:
+    rows = 44_000
     lines = TEXT.splitlines()
     lines[rows + 1] = "0," + lines[rows + 1].split(",", 1)[1]
     with pytest.raises(RecordingError, match=rf"line {rows + 2}, t_s: 0\.000000 s .* s; time must"):
@@ -50,8 +57,8 @@ def test_time_runs_forwards_across_blocks(tmp_path: Path) -> None:
 def test_a_file_that_takes_more_than_half_of_the_free_memory_is_refused_with_its_size(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reading, "free_memory", lambda: 2 * reading.BYTES * 100_000)
-    with pytest.raises(RecordingError, match=r"0\.0\d+ GB .*free memory.* 8,333 rows .*12 columns") as caught:
+    monkeypatch.setattr(table, "free_memory", lambda: 2 * table.BYTES * 100_000)
+    with pytest.raises(RecordingError, match=r"0\.0\d+ GB .*free memory.* 7,692 rows .*13 columns") as caught:
         read(file, HEXAPOD)
     assert one_line(caught.value).startswith(str(file))
 
@@ -67,24 +74,18 @@ def test_two_gigabytes_of_nothing_are_refused_at_once(tmp_path: Path) -> None:
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
 @given(
     lengths=st.lists(st.integers(0, 40), max_size=60),
-    size=st.integers(4, 300),
     above=st.integers(0, 5),
     below=st.integers(0, 3),
     newline=st.booleans(),
 )
-def test_blocks_hold_each_line_once_with_its_number(
-    lengths: list[int], size: int, above: int, below: int, newline: bool, tmp_path: Path
+def test_lines_are_those_between_header_and_trailing_rows(
+    lengths: list[int], above: int, below: int, newline: bool, tmp_path: Path
 ) -> None:
     lines = [str(k).encode() * n for k, n in enumerate(lengths)]
     file = written(tmp_path, b"\n".join(lines) + b"\n" * newline or b"\n")
-    found = {}
-    with patch.object(text, "SIZE", size), patch.object(text, "KEPT", 400):
-        blocks = list(text.read_blocks(file, above, below))
-    for first, data in blocks:
-        for k, line in enumerate(data.split(b"\n"), first):
-            if line:
-                assert k not in found
-                found[k] = line
-    filled = [k for k, line in enumerate(lines) if line]
-    kept = filled[: len(filled) - below] if below else filled
-    assert found == {k + 1: lines[k] for k in kept if k >= above}
+    section = text.section_of(file, above, below, 1)
+    first, data = section.text()
+    assert section.rows == len(data.splitlines())
+    found = {k: line for k, line in enumerate(data.split(b"\n"), first) if line}
+    filled = [k for k, line in enumerate(lines) if line and k >= above]
+    assert found == {k + 1: lines[k] for k in filled[: max(len(filled) - below, 0)]}

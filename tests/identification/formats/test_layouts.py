@@ -80,10 +80,9 @@ def test_names_in_the_letters_of_windows_are_found(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "semicolons": (csv(RUN.numbers(), delimiter=";"), {}, r"line 1: .*separated by semicolons, .*delimiter = ';'"),
-    "tabulators": (csv(RUN.numbers(), delimiter="\t"), {}, r"separated by tabulators, .* by commas"),
-    "commas": (csv(RUN.numbers()), {"delimiter": ";"}, r"separated by commas, .* by semicolons; .*delimiter = ','"),
-    "blanks": (csv(RUN.numbers(), delimiter=" "), {}, r"separated by blanks"),
+    "semicolons": (csv(RUN.numbers(), delimiter=";"), {}, r"none of .* it has t_s;l1_mm;.*separator.* hexcite look"),
+    "commas": (csv(RUN.numbers()), {"delimiter": ";"}, r"none of .* it has t_s,l1_mm,.*separator.* hexcite look"),
+    "blanks": (csv(RUN.numbers(), delimiter=" "), {}, r"it has t_s l1_mm .*separator"),
     "decimal comma": (
         csv(RUN.numbers(), delimiter=";", decimal=","),
         {"delimiter": ";"},
@@ -100,7 +99,7 @@ WRONG = {
         {"delimiter": " "},
         r"line 3: expected 13 columns, got 15; there are several blanks between numbers: export with one",
     ),
-    "a title": ("title\n" + csv(RUN.numbers()), {}, r"names .* are in line 2, not in line 1; .*names_row = 2"),
+    "a title": ("title\n" + csv(RUN.numbers()), {}, r"it has title: .*header in .recording. .*look proposes"),
     "units below": (
         csv(RUN.numbers()).replace("\n", "\ns,mm" + ",N" * 11 + "\n", 1),
         {},
@@ -121,7 +120,7 @@ WRONG = {
     "compressed": (b"\x1f\x8b" + bytes(500), {}, r"is not a CSV table but compressed; unpack it"),
     "a picture": (b"\x89PNG\r\n\x1a\n" + bytes(500), {}, r"is not UTF-8 text|none of the columns|binary"),
     "one endless line": (b"1" * 3_000_000, {}, r"line 1: is longer than a million|none of the columns"),
-    "an endless line below": (csv(RUN.numbers()).encode() + b"1" * 6_000_000, {}, r"line 42: is longer than a million"),
+    "an endless line below": (csv(RUN.numbers()).encode() + b"1" * 6_000_000, {}, r"expected 13 columns, got 1"),
 }  # fmt: skip
 
 
