@@ -11,7 +11,7 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
-from planner.bounds.information_limit import information_limit, known_bound
+from planner.bounds.information_limit import information_limit
 from planner.families import Settings
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, without_pose_errors
@@ -25,7 +25,6 @@ from planner.vibration import BothLaws, both_laws, mean_ratio
 RIVALS = 1.02  # ratio to the D-efficiency of a plan from which another family is reported
 FULL = 0.9  # share of a limit that a good motion uses of at least one
 FEW_KNOTS = 0.9  # share of the knots that a spline can use within the jerk limits: below it more are worth their blocks
-AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] rounding of a standstill
 
 
 class PlannedMotion(NamedTuple):
@@ -65,8 +64,6 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     if planned.rival is not None:
         efficiency = planned.of_rival(parameters) * bound.efficiency(figures["logdet"])
         rival = planned.rival.family.name, efficiency
-    ends = motion.at([0.0, motion.duration])
-    at_rest = max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST
     laws = planned.laws or both_laws(case, request.model, motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     worth = Worth(
@@ -77,7 +74,6 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         logdet=figures["logdet"],
         condition=figures["condition"],
         bound=bound,
-        bound_tight=known_bound(case, model, tight=True) if at_rest else None,  # it is one of motions from rest to rest
         assumed_noise_of_channels=tuple(noise.std.tolist()),
         noise_of_accelerations=noise.shaken,
         weights=noise.weights,

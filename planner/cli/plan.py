@@ -193,16 +193,6 @@ def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
     count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once
     starts = f"; {count} start{'s' * (count > 1)}" if count else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
-    if plan.case.chain is not None or plan.case.sensor_frame.struts is not None:
-        pass  # the tighter bound is for hexapods with sensors in a frame
-    elif any(c.status is Status.STEPS for c in checks):
-        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
-    elif answer["d_efficiency_tight"] is None:
-        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
-        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
-    elif worth.bound_tight is not None:
-        value, kind = answer["d_efficiency_tight"], worth.bound_tight.label
-        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"

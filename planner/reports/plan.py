@@ -103,12 +103,6 @@ def _headline(plan: Plan) -> Markup:
         (f"{worth.condition:.3g}", "condition in reference scaling"),
         (f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
     ]
-    if worth.d_efficiency_tight is not None and worth.bound_tight is not None:
-        tight = (
-            f"{worth.d_efficiency_tight:.3f}",
-            f"D-efficiency against motions of limited jerk from rest to rest ({worth.bound_tight.label})",
-        )
-        figures.insert(2, tight)
     return tiles(*figures)
 
 
