@@ -125,27 +125,18 @@ def bound(
 
 
 def _known(file: Path, size: int) -> Bound | None:
-    """The bound in a file of the cache, or None; a damaged one is removed."""
+    """The bound in a file of the cache, or None; a damaged one, or one of another model, is removed."""
     if not file.is_file():
         return None
-    try:
-        return _read(file, size)
-    except (FileProblem, *DAMAGED):
-        with suppress(OSError):  # a cache holds nothing that cannot be computed again
-            file.unlink(missing_ok=True)
-        return None
-
-
-def _read(file: Path, size: int) -> Bound:
-    """A bound from the cache; raises where it is not one of this model."""
-    data = read_json(file, "hexcite bound")
-    bound = Bound(**data)
-    proven = [] if bound.proven_logdet is None else [bound.proven_logdet]
-    numbers = [bound.logdet, bound.dmax, bound.design_logdet, *proven]
-    fits = isinstance(bound.method, str) and isinstance(bound.certified, bool) and bound.parameters == size
-    if not (fits and np.isfinite(numbers).all() and bound.dmax > 0.0):
-        raise ValueError(f"{file}: holds no bound of {size} parameters")
-    return bound
+    with suppress(FileProblem, *DAMAGED):
+        bound = Bound(**read_json(file, "hexcite bound"))
+        proven = [] if bound.proven_logdet is None else [bound.proven_logdet]
+        fits = isinstance(bound.method, str) and isinstance(bound.certified, bool) and bound.parameters == size
+        if fits and np.isfinite([bound.logdet, bound.dmax, bound.design_logdet, *proven]).all() and bound.dmax > 0.0:
+            return bound
+    with suppress(OSError):  # a cache holds nothing that cannot be computed again
+        file.unlink(missing_ok=True)
+    return None
 
 
 def compute_bound(

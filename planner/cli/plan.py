@@ -46,7 +46,7 @@ def plan(
             "--for",
         ),
     ] = None,
-    knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second.")] = None,
+    knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second, 150 at most.")] = None,
     sequence: Annotated[
         Path | None, option("manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
     ] = None,

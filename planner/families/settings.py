@@ -83,10 +83,6 @@ class FamilySettings:
         """The shortest duration of that length or longer that the family can have [s]."""
         return max(duration, SHORTEST)
 
-    def options_for(self, duration: float) -> str:
-        """Options that a motion of this duration needs besides, as text for a message."""
-        return ""
-
 
 @checks_arguments
 @dataclass(frozen=True, slots=True)
@@ -277,7 +273,7 @@ class Spline(FamilySettings):
     """Cubic splines limited in jerk, from rest to rest.
 
     Args:
-        knots: intervals between knots, 20 to 150; None for ten a second.
+        knots: intervals between knots, 20 to 150; None for ten a second, 150 at most.
     """
 
     knots: int | None = None
@@ -292,17 +288,12 @@ class Spline(FamilySettings):
 
     def intervals(self, duration: float) -> int:
         """Number of intervals between knots."""
-        return self.knots if self.knots is not None else round(KNOTS_A_SECOND * duration)
+        return self.knots if self.knots is not None else min(round(KNOTS_A_SECOND * duration), spline.MOST)
 
     def check(self, duration: float) -> None:
-        """Raises HexciteError where the duration has no room for the fewest knots, or needs more than the most."""
+        """Raises HexciteError where the duration has no room for the fewest knots."""
         if not duration >= SHORTEST:
             raise HexciteError(f"duration {duration:g} s is too short for a spline; choose at least {SHORTEST:g} s")
-        if self.intervals(duration) > spline.MOST:
-            raise HexciteError(
-                f"{self.intervals(duration)} knots are outside {spline.FEWEST} to {spline.MOST}; choose --knots about "
-                f"120, or --duration {spline.MOST / KNOTS_A_SECOND:g} or less for {KNOTS_A_SECOND:g} a second"
-            )
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises CaseError where the case states no controller cycle: controllers time splines in whole cycles."""
@@ -321,12 +312,6 @@ class Spline(FamilySettings):
         if self.knots is None:
             return self
         return replace(self, knots=int(np.clip(round(self.knots * share), spline.FEWEST, spline.MOST)))
-
-    def options_for(self, duration: float) -> str:
-        """The option --knots where ten knots a second would be too many."""
-        if self.knots is not None or duration * KNOTS_A_SECOND <= spline.MOST:
-            return ""
-        return f" --knots {spline.MOST}"
 
 
 @checks_arguments
