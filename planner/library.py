@@ -203,7 +203,7 @@ def _missed(request: Request, best: Plan, share: float, target: TypedValue) -> B
         return Interrupted(f"the best found until then has {text}, not {target.text}: nothing was written")
     minimum = request.duration * share**2 * RESERVE
     longer = request.family.allowed_duration(float(np.ceil(minimum)))
-    remedy = f"allow --duration {longer:g}{request.family.options_for(longer)} or a wider target"
+    remedy = f"allow --duration {longer:g} or a wider target"
     if longer > LONGEST:
         remedy = f"even the longest motion, {LONGEST:g} s, would not do: set a wider target"
     return InfeasiblePlan(

@@ -10,9 +10,8 @@ from cases.chain import JointLimit
 from cases.errors import CaseError
 from cases.machine import POSE
 from cases.schema import Case
-from identification.limit import TOLERANCE, LimitCheck
-from identification.limit_proof import prove
-from identification.motion import Array, StandingPoses
+from identification.limit import TOLERANCE
+from identification.motion import Array
 from planner.reach import StaticLimits, corners_and_middles
 
 MARGIN = 1e-3  # unused share of a limit, or half of that at home: sampling cannot find every pose
@@ -74,13 +73,13 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
     sides = search.best()
     for _ in range(SHRINKS):
         box = _rounded(search.limits, sides)
-        worst, poses = _proof(case, search.limits, box, seed)
-        if worst.kept:
+        worst, limit, poses = _proof(search.limits, box, seed)
+        if worst <= 1.0 + TOLERANCE:
             units = search.limits.units
             share = float(np.prod(np.ptp(box * units, axis=0) / np.ptp(search.limits.box, axis=0)))
             keys = POSE if case.chain is None else case.chain.names
             ranges = dict(zip(keys, map(tuple, box.T.tolist()), strict=True))
-            return MotionBox(ranges, share, poses, worst.ratio, worst.name, STARTS, _joints(case, box))
+            return MotionBox(ranges, share, poses, worst, limit, STARTS, _joints(case, box))
         sides = sides * SHRINKING
     raise search.at_the_end_of_reach()
 
@@ -213,12 +212,9 @@ def _rounded(limits: StaticLimits, sides: Array) -> Array:
     return np.where(sides.reshape(2, -1) >= WHOLE, stated, inwards)
 
 
-def _proof(case: Case, limits: StaticLimits, box: Array, seed: int) -> tuple[LimitCheck, int]:
-    """The worst limit of poses at rest by `identification.limit_proof`, at many poses of the box; and their number."""
+def _proof(limits: StaticLimits, box: Array, seed: int) -> tuple[float, str, int]:
+    """The largest share of a limit at many poses of the box by `identification.limit_proof`, its name, and how many."""
     n = box.shape[1]
     starts = np.vstack([corners_and_middles(n), _drawn(np.random.default_rng(seed + 1), PROVEN, n)])
-    worst, _ = limits.worst_poses(box * limits.units, starts)
-    poses = limits.poses(box * limits.units, np.vstack([starts, worst]))
-    checks = prove(StandingPoses(poses), case, 1.0).checks
-    static = [check for check in checks if check.of in limits.kinds]
-    return max(static, key=lambda check: check.ratio), len(poses)
+    worst, shares = limits.worst_poses(box * limits.units, starts)
+    return float(shares.max()), limits.names[int(shares.argmax())], len(starts) + len(worst)

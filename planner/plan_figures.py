@@ -44,7 +44,6 @@ class Worth:
     logdet: float  # log det of the mean information, reference scaling, W = 1
     condition: float  # mu_1 / mu_u, reference scaling
     bound: Bound
-    bound_tight: Bound | None  # bound for motions from rest to rest with limited jerk, where it is known
     # standard deviation of a sample of each channel behind the predictions [N, or N and N m]
     assumed_noise_of_channels: tuple[float, ...]
     noise_of_accelerations: bool  # whether noise of the accelerations is included
@@ -59,16 +58,10 @@ class Worth:
         """D-efficiency against the box bound."""
         return self.bound.efficiency(self.logdet)
 
-    @property
-    def d_efficiency_tight(self) -> float | None:
-        """D-efficiency against the bound of motions from rest to rest, where that is known."""
-        return self.bound_tight.efficiency(self.logdet) if self.bound_tight is not None else None
-
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""
         rival = None if self.rival is None else dict(zip(_RIVAL, self.rival, strict=True))
-        efficiencies = {"d_efficiency": self.d_efficiency, "d_efficiency_tight": self.d_efficiency_tight}
-        return asdict(self) | {"rival": rival} | efficiencies
+        return asdict(self) | {"rival": rival, "d_efficiency": self.d_efficiency}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
@@ -76,11 +69,10 @@ class Worth:
         whole = dict(data)
         if isinstance(rival := data["rival"], Mapping):
             whole["rival"] = tuple(rival.get(entry) for entry in _RIVAL)
-        for key in ("bound", "bound_tight"):
-            if isinstance(entries := data[key], Mapping):  # earlier versions wrote fewer
-                logdet = entries.get("logdet")
-                absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
-                whole[key] = absent | dict(entries)
+        if isinstance(entries := data["bound"], Mapping):  # earlier versions wrote fewer
+            logdet = entries.get("logdet")
+            absent = {"parameters": parameters, "design_logdet": logdet, "proven_logdet": logdet}
+            whole["bound"] = absent | dict(entries)
         return TypeAdapter(cls).validate_python(whole)
 
 

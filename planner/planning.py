@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from time import perf_counter
 
@@ -19,7 +20,6 @@ from identification.motion import Array
 from planner.families import Family
 from planner.families.ptp import controlled, with_steps
 from planner.families.settings import Spline
-from planner.noise import without_pose_errors
 from planner.plans import Plan
 from planner.rating import PlannedMotion, rated_plan
 from planner.request import LONGEST, Request, parse_targets
@@ -41,7 +41,6 @@ from planner.search.solving import Start, Step, Task
 from planner.vibration import LIMITED_JERK, both_laws, vibration
 
 SHIPPED = Path(__file__).with_name("families") / "shipped.json"
-KEPT = 3  # number of the best orders and periods that get more starts
 FEWEST, MOST = 2, 8  # starts in a round
 
 
@@ -91,7 +90,7 @@ def _rival(request: Request, case: Case) -> list[Task]:
         require_plannable(replace(request, family=rival, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
         return []
-    (family,) = rival.families(case, request.duration)
+    family = rival.searched(case, request.duration)
     begin = shipped_start(family, case)
     return [Task(case, request.model, family, Criterion.D, request.seed, request.payload, Step.GLANCE, begin)]
 
@@ -128,20 +127,12 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Pla
         if interrupted:
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
-    best, white = starts[0], None
-    if case.sensors.pose_field is not None and not interrupted:
-        family = request.family.families(own, request.duration)[0]
-        family = family if family.settings == best.family.settings else best.family
-        plain = without_pose_errors(own)
-        task = Task(plain, request.model, family, Criterion.D, best.record.seed, request.payload,
-                    begin=shipped_start(family, case))  # fmt: skip
-        answer, interrupted = run([task], lambda _: listener(None), until)
-        white = next(_starts(answer), None)
+    best = starts[0]
     motion = best.family.motion(keep_limits(own, best.family, best.unknowns, PROOF_RATE)[0])
     report = with_steps(prove(motion, case), step_time)
     settings = {**best.family.settings, **({} if made_for is None else {"made_for": made_for})}
     other = next((s for s in _starts(results) if s.family.name != request.family.name), None)
-    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, other, white)
+    return PlannedMotion(motion, settings, report, tuple(starts), failed, interrupted, other)
 
 
 def _starts(results: Sequence[Start | Failed]) -> Iterator[Start]:
@@ -186,22 +177,20 @@ def _explored(
 ) -> Outcome:
     """Results of all starts and of tasks `beside` them, and whether Ctrl-C ended them.
 
-    Each of several orders and periods has one start first; the starts that follow go to the best of them.
-
     Args:
         case: case with the limits that its controller enforces.
         until: when to stop, on the monotonic clock [s].
     """
-    families, idle = request.family.families(case, request.duration), request.family.idle(request.criterion)
+    family, idle = request.family.searched(case, request.duration), request.family.idle(request.criterion)
     parameters, most = len(identification_model(case, request.model).names), most_starts(request)
-    seeds, settings = iter(seeds_of(request.seed, most + len(families))), [family.settings for family in families]
+    seeds = iter(seeds_of(request.seed, most))
 
-    def fresh(family: Family) -> Task:
-        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
+    def fresh(count: int) -> list[Task]:
+        own = islice(seeds, count)
+        return [Task(case, request.model, family, request.criterion, seed, request.payload) for seed in own]
 
-    first = max(len(families), min(1 + idle, most))
-    tasks = [fresh(families[k % len(families)]) for k in range(first)]
-    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
+    tasks = fresh(min(1 + idle, most))
+    tasks[0] = replace(tasks[0], begin=shipped_start(family, case))
     everything: list[Start | Failed] = []
     tasks += beside
     a_round = max(FEWEST, min(MOST, request.workers or cores()))
@@ -211,10 +200,7 @@ def _explored(
         results = [r for r in everything if isinstance(r, Failed) or r.family.name == request.family.name]
         if interrupted or time.monotonic() >= until or enough(results, request, parameters):
             return everything, interrupted
-        starts = sorted(_starts(results), key=lambda s: -s.promise)
-        ranked = dict.fromkeys(settings.index(s.family.settings) for s in starts)
-        best = [families[k] for k in ranked] or families
-        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(a_round, most - len(results)))]
+        tasks = fresh(min(a_round, most - len(results)))
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:

@@ -49,21 +49,6 @@ def total_information(regressors: Array) -> Array:
     return np.asarray(rows.T @ rows)
 
 
-def require_full_rank(regressors: Array, model: Model) -> None:
-    """Raises IdentificationError, naming the parameters, where poses, shape (n, 6, u), do not determine the model."""
-    rows = regressors.reshape(-1, regressors.shape[2])
-    singular, directions = np.linalg.svd(np.linalg.qr(rows, mode="r"))[1:]
-    zero = len(rows) * np.finfo(float).eps * singular[0]
-    rank = int(np.sum(singular > zero))
-    if rank < rows.shape[1]:
-        share = np.abs(directions[rank:]).max(axis=0)
-        hidden = [n for n, s in zip(model.names, share, strict=True) if s > 1e-3]
-        raise IdentificationError(
-            f"model {model.number}: {', '.join(hidden)} cannot be told apart by any of {len(regressors)} poses "
-            f"(rank {rank} of {rows.shape[1]}); let them turn about more axes, or choose a model without them"
-        )
-
-
 Index = NDArray[np.int64]
 
 

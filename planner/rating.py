@@ -11,12 +11,13 @@ from identification.limit import LimitKind, LimitReport, Status
 from identification.model import Model, identification_model
 from identification.motion import Array, Trajectory
 from identification.trajectories.curves import FourierMotion, needless_harmonics
-from planner.bounds.information_limit import information_limit, known_bound
+from planner.bounds.information_limit import information_limit
 from planner.families import Settings
 from planner.families.spline import enough_intervals
-from planner.noise import ExpectedNoise, expected_noise, mean_information, without_pose_errors
+from planner.noise import ExpectedNoise, expected_noise, without_pose_errors
 from planner.plan_figures import BINDING, Worth, bound_by, figures_of, predicted_std_of, worst_std
 from planner.plans import Plan
+from planner.precision import solver_words
 from planner.request import Request, parse_targets
 from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
@@ -25,7 +26,6 @@ from planner.vibration import BothLaws, both_laws, mean_ratio
 RIVALS = 1.02  # ratio to the D-efficiency of a plan from which another family is reported
 FULL = 0.9  # share of a limit that a good motion uses of at least one
 FEW_KNOTS = 0.9  # share of the knots that a spline can use within the jerk limits: below it more are worth their blocks
-AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] rounding of a standstill
 
 
 class PlannedMotion(NamedTuple):
@@ -38,7 +38,6 @@ class PlannedMotion(NamedTuple):
     failed: tuple[Failed, ...] = ()  # starts without a feasible motion
     interrupted: bool = False  # whether Ctrl-C ended the search early
     rival: Start | None = None  # start of another family, for comparison
-    white: Start | None = None  # start for white noise alone, where a case states errors of the pose
     laws: BothLaws | None = None  # errors by both time laws of the moves on a machine that is not stiff
     remark: str = ""  # what it replaces, and why: moves with steps of acceleration, or the path at another pace
 
@@ -66,8 +65,6 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
     if planned.rival is not None:
         efficiency = planned.of_rival(parameters) * bound.efficiency(figures["logdet"])
         rival = planned.rival.family.name, efficiency
-    ends = motion.at([0.0, motion.duration])
-    at_rest = max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST
     laws = planned.laws or both_laws(case, request.model, motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     worth = Worth(
@@ -78,7 +75,6 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         logdet=figures["logdet"],
         condition=figures["condition"],
         bound=bound,
-        bound_tight=known_bound(case, model, tight=True) if at_rest else None,  # it is one of motions from rest to rest
         assumed_noise_of_channels=tuple(noise.std.tolist()),
         noise_of_accelerations=noise.shaken,
         weights=noise.weights,
@@ -86,7 +82,7 @@ def rated_plan(request: Request, case: Case, planned: PlannedMotion, seconds: fl
         notes=(
             *notes(planned._replace(laws=laws), request, case, worst),
             *_noise_remarks(case, model, scaling, motion, noise, request.payload),
-            *_pose_error_remarks(case, model, scaling, planned, request, predicted),
+            *_pose_error_remarks(case, model, scaling, planned.motion, request, predicted),
         ),
         vibration=None if laws is None else laws.to_json(),
     )
@@ -119,28 +115,17 @@ def _noise_remarks(
 
 
 def _pose_error_remarks(
-    case: Case, model: Model, scaling: Array, planned: PlannedMotion, request: Request, predicted: dict[str, float]
+    case: Case, model: Model, scaling: Array, motion: Trajectory, request: Request, predicted: dict[str, float]
 ) -> tuple[str, ...]:
-    """Remarks on the cost of errors that depend on the pose, and on the information that the plan gave up for them."""
+    """A remark on the cost of errors that depend on the pose, where the case states them."""
     field = case.sensors.pose_field
     if field is None:
         return ()
-    worst = worst_std(without_pose_errors(case), model, scaling, planned.motion, request.payloads)
+    worst = worst_std(without_pose_errors(case), model, scaling, motion, request.payloads)
     times = mean_ratio(predicted, {name: std for name, (std, _) in worst.items()})
-    remark = (
-        f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
-        "noise alone (geometric mean); "
-    )
-    if planned.white is None:
-        return (remark + "D-efficiency counts white noise alone",)
-    bound, white = information_limit(case, model), planned.white
-    own, other = (
-        bound.efficiency(float(np.linalg.slogdet(mean_information(model, scaling, motion))[1]))
-        for motion in (planned.motion, white.family.motion(white.unknowns))
-    )
     return (
-        f"{remark}D-efficiency, which counts white noise alone, is {own:.3f}; a plan for it reaches "
-        f"{max(own, other):.3f}",
+        f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
+        "noise alone (geometric mean); D-efficiency counts white noise alone",
     )
 
 
@@ -157,7 +142,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
     refined = [s.record for s in planned.starts if s.record.refined]
     if refined and not planned.interrupted and not refined[0].converged:
         words.append(
-            f"the search had not converged where it ended ({refined[0].solver.words}): more --seconds or "
+            f"the search had not converged where it ended ({solver_words(refined[0].solver)}): more --seconds or "
             "--starts may find more"
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:
@@ -195,8 +180,6 @@ def notes(planned: PlannedMotion, request: Request, case: Case, worst: dict[str,
             f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
             f"jerk of the case ({limits}) do not count"
         )
-    if len(choices := {start.family.choice for start in planned.starts}) > 1:
-        words.append(f"{planned.starts[0].family.choice} is the best of {len(choices)} choices of order and period")
     if request.targets:
         predicted = {name: std for name, (std, _) in worst.items()}
         reached = (

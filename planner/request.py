@@ -108,8 +108,9 @@ class Request:
         family_settings = {name: settings[key] for key, name in names.items() if key in settings}
         # earlier versions wrote what the family's settings became, not what was asked for
         entries = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": family_settings}
+        free = "free_order", "free_period"  # of version 0.2.0
         return cls(
-            kind(**entries["family"]),
+            kind(**{name: value for name, value in entries["family"].items() if name not in free}),
             float(entries["duration_s"]),
             Criterion(data["criterion"]),
             int(data["model"]),

@@ -134,7 +134,7 @@ def rate_products(low: Array, high: Array) -> Array:
     return np.stack(columns, axis=-1)
 
 
-def enclosure_errors(low: Array, high: Array) -> tuple[Array, Array, Array]:
+def enclosure_errors(low: Array, high: Array) -> tuple[Array, Array]:
     """What control points miss over cells of angles and their rates, shapes (n, 6) [rad, rad/s].
 
     Features outside the span of 1, cos, sin are interpolated in it at the middle and both ends of an angle; what that
@@ -150,7 +150,7 @@ def enclosure_errors(low: Array, high: Array) -> tuple[Array, Array, Array]:
 
     Returns:
         Largest errors: length of that of the Gibbs vector, shape (n,); of each product of the angular velocity, shape
-        (n,); of each angle itself, shape (n, 3).
+        (n,).
     """
     half = (high[:, :3] - low[:, :3]) / 2
     ratio = np.sinc(half / np.pi)
@@ -163,4 +163,4 @@ def enclosure_errors(low: Array, high: Array) -> tuple[Array, Array, Array]:
         gibbs = np.where((q > 0.0) & (largest.max(axis=1) < np.pi / 2), 0.75 / q**4 * chain, np.inf)
     square = np.maximum(low[:, 3:] ** 2, high[:, 3:] ** 2)
     along_roll, along_pitch = 3.0 * (square[:, 1] + square[:, 2]), 3.0 * square[:, 2]
-    return np.asarray(gibbs), along_roll * angles[:, 0] + _INTERPOLATION * along_pitch * angles[:, 1], angles
+    return np.asarray(gibbs), along_roll * angles[:, 0] + _INTERPOLATION * along_pitch * angles[:, 1]

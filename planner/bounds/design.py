@@ -34,9 +34,8 @@ class Design:
 
     states: Array  # as shares of the half widths of the box, shape (n, 18)
     weights: Array  # shape (n,), adding up to 1
-    attained: float  # log det F, reference scaling; of a tight one the largest of all designs that were found
-    logdet: float  # the same, or log det F of the dual point, from which the bound counts
-    dmax: float  # largest directional derivative (tight: Lagrangian) over the box: proven, or the largest found
+    logdet: float  # log det F, reference scaling
+    dmax: float  # largest directional derivative over the box: proven, or the largest found
     proven: float  # proven upper bound of `dmax`; infinite where nothing is proven
     certified: bool  # whether `dmax` is proven to the wanted gap
 
@@ -102,7 +101,7 @@ def exchanged(
         states = np.vstack([states, fresh])
         share = min(0.5, len(fresh) / len(states))
         weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
-    return Design(states, weights, logdet, logdet, dmax, max(float(size), upper), certified)
+    return Design(states, weights, logdet, dmax, max(float(size), upper), certified)
 
 
 def directional(matrices: Array, inverse: Array) -> Array:
@@ -207,7 +206,6 @@ def climb(
     most: int,
     known: Array,
     variations: Iterable[Variation],
-    quadratic: range = range(0),
 ) -> tuple[Array, Array]:
     """Distinct local maxima of a function, coordinate by coordinate from many states.
 
@@ -215,7 +213,6 @@ def climb(
         function: states, shape (n, k) -> values, shape (n,).
         pool: states as shares of the half widths, shape (n, k), of which the best `most` are starts.
         known: further starts, shape (m, k).
-        quadratic: coordinates in which the function is quadratic: three values determine its vertex.
 
     Returns:
         States, shape (n, k), and values, shape (n,).
@@ -223,21 +220,14 @@ def climb(
     states = np.vstack([pool[np.argsort(-function(pool))[:most]], known])
     values = function(states)
 
-    def at(k: int, level: Array | float) -> tuple[Array, Array]:
+    def attempt(k: int, level: Array | float) -> None:
         trial = states.copy()
         trial[:, k] = np.clip(level, -1.0, 1.0)
-        return trial, function(trial)
-
-    def attempt(k: int, level: Array | float) -> None:
-        trial, new = at(k, level)
+        new = function(trial)
         better = new > values + 1e-9
         states[better], values[better] = trial[better], new[better]
 
     for k, levels, steps in variations:
-        if k in quadratic:
-            low, mid, high = (at(k, level)[1] for level in (-1.0, 0.0, 1.0))
-            bend = (low + high) / 2 - mid
-            attempt(k, np.where(bend < -1e-12, (low - high) / np.minimum(4 * bend, -1e-12), np.sign(high - low)))
         for level in levels:
             attempt(k, level)
         for step in steps:

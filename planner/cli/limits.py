@@ -16,11 +16,9 @@ if TYPE_CHECKING:
 def bound(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
     model: Annotated[int | None, option("Identification model; by default the largest of the machine.")] = None,
-    tight: Annotated[bool, option("Count on rest at both ends and limited jerk; minutes.", "--tight")] = False,
     time_limit: Annotated[
         float, option("Stop after this many seconds of computing; the answer is an estimate.")
     ] = 120.0,
-    renew: Annotated[bool, option("With --tight: compute it again; the tighter counts.", "--renew")] = False,
     output: Annotated[Path | None, out("File for the JSON answer as well.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
@@ -41,13 +39,12 @@ def bound(
     start = perf_counter()
     model = full_model(loaded) if model is None else model
     with console.status(f"information limit of {loaded.name}, model {model}", json) as report:
-        limit = hx.bound(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=report)
+        limit = hx.bound(loaded, model, time_limit=time_limit, renew=True, progress=report)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
         "model": model,
-        "over": "motions from rest to rest in the motion box" if tight else "motion box",
-        "tight": tight,
+        "over": "motion box",
         "weights": "equal",
         "pose_errors": None if (field := loaded.sensors.pose_field) is None else field.keys,
         "logdet_bound": limit.logdet,

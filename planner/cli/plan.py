@@ -33,10 +33,6 @@ def plan(
     duration: Annotated[float, option("Whole duration in s; a multiple of --period where that is given.")] = 12.0,
     order: Annotated[int, option("fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
     period: Annotated[float | None, option("fourier: period in s; by default about 2, to fit --duration.")] = None,
-    free_order: Annotated[bool, option("fourier: search the best order, 2 to 7.", "--free-order")] = False,
-    free_period: Annotated[
-        bool, option("fourier: search the best period of which --duration is a multiple.", "--free-period")
-    ] = False,
     centred: Annotated[bool, option("fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[
         int | None,
@@ -50,7 +46,7 @@ def plan(
             "--for",
         ),
     ] = None,
-    knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second.")] = None,
+    knots: Annotated[int | None, option("spline: intervals, 20 to 150; by default ten a second, 150 at most.")] = None,
     sequence: Annotated[
         Path | None, option("manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
     ] = None,
@@ -140,7 +136,7 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
     """Refuses options that would have no effect.
 
     Raises:
-        HexciteError: an option belongs to another family, or fixes a setting that another option leaves free.
+        HexciteError: an option belongs to another family.
     """
     from planner.families.settings import FAMILIES
     from planner.request import OWNERS
@@ -153,8 +149,6 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
             raise hx.HexciteError(
                 f"--{name} does nothing with --family {family}; leave it out, or choose --family {', '.join(owners)}"
             )
-        if given_option.startswith("free_") and (fixed := given_option.removeprefix("free_")) in given:
-            raise hx.HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
 def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:
@@ -199,16 +193,6 @@ def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
     count = len({start["seed"] for start in answer["starts"]})  # of one that was explored and refined, once
     starts = f"; {count} start{'s' * (count > 1)}" if count else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
-    if plan.case.chain is not None or plan.case.sensor_frame.struts is not None:
-        pass  # the tighter bound is for hexapods with sensors in a frame
-    elif any(c.status is Status.STEPS for c in checks):
-        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
-    elif answer["d_efficiency_tight"] is None:
-        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
-        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
-    elif worth.bound_tight is not None:
-        value, kind = answer["d_efficiency_tight"], worth.bound_tight.label
-        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"

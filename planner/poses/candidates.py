@@ -168,7 +168,7 @@ def continuous_design(case: Case, model: Model, scaling: Array, seeds: Array) ->
     pool = space.project(space.shares(seeds))
 
     def matrices_of(shares: Array) -> Array:
-        poses = space.poses(space.project(shares), np.tile(home, (len(shares), 1)))
+        poses = space.poses(space.project(shares), home)
         return np.asarray(pose_regressors(model, poses) * scaling)
 
     def largest(inverse: Array, known: Array) -> Maximum:

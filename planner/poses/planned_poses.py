@@ -6,8 +6,9 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import HexciteError, InfeasiblePlan
+from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
+from identification.criteria import singular_values
 from identification.limit import LimitReport, worst_of
 from identification.limit_proof import prove
 from identification.model import Model
@@ -19,7 +20,6 @@ from planner.pose_criteria import (
     POSE_CRITERIA,
     candidate_scaling,
     pose_regressors,
-    require_full_rank,
     total_information,
 )
 from planner.poses.candidates import (
@@ -176,10 +176,14 @@ def _choose(
 
     Raises:
         HexciteError: too many candidates for the method.
+        IdentificationError: all poses together do not determine the model.
         InfeasiblePlan: the poses are too few to determine the model.
     """
     count = request.wanted(len(poses), regressors.shape[2])
-    require_full_rank(regressors, model)
+    try:
+        singular_values(total_information(regressors), model.names)
+    except IdentificationError as error:
+        raise IdentificationError(f"model {request.model}", error.typed) from error
     criterion = POSE_CRITERIA[request.criterion]
     if request.method in ("all", "given"):
         return poses, METHODS[request.method]

@@ -18,8 +18,8 @@ from identification.criteria import Criterion
 from identification.model import Model
 from identification.motion import Array
 from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
-from planner.poses.space import JointSpace, PoseSpace, space_of, valid_poses
-from planner.precision import SolverStatus
+from planner.poses.space import Space, space_of, valid_poses
+from planner.precision import solver_status, solver_words
 from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
 
@@ -164,7 +164,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     triangle = ca.sum2(information.map(count)(shares, like)) / count
     margins = ca.vec(limits.map(count)(shares, like))
     objective = _objective(criterion.letter, len(scaling))  # it must live as long as the solver
-    low, high = space.bounds()
+    low, high = space.ends
     start = space.project(space.shares(poses))
     options = {
         "ipopt.hessian_approximation": "limited-memory",
@@ -177,7 +177,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     }
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective(triangle), "g": margins}, options)
     solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
-    status = SolverStatus(solver.stats()["return_status"]).words
+    status = solver_words(solver_status(solver.stats()["return_status"]))
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):
@@ -191,9 +191,7 @@ def _value(model: Model, scaling: Array, criterion: PoseCriterion, poses: Array)
     return float(criterion.value(total_information(pose_regressors(model, poses) * scaling)))
 
 
-def _pose_functions(
-    model: Model, scaling: Array, space: PoseSpace | JointSpace, coordinates: int
-) -> tuple[ca.Function, ca.Function]:
+def _pose_functions(model: Model, scaling: Array, space: Space, coordinates: int) -> tuple[ca.Function, ca.Function]:
     """Functions of one pose: lower triangle of its information, and margins, which must not be negative."""
     share, like, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(coordinates)
     matrix = model.coordinate_regressor(space.pose(share, like), none, none) @ ca.diag(ca.DM(scaling))

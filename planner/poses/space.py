@@ -5,6 +5,7 @@ A chain's poses are positions of joints in the box of `[limits.motion]`, clear o
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import ClassVar, Protocol
 
 import casadi as ca
 import numpy as np
@@ -17,15 +18,58 @@ from identification.limit import TOLERANCE, LimitKind, LimitReport, Quantity
 from identification.limit_proof import everything, prove_at, shares_at
 from identification.model import machine_of
 from identification.motion import Array, Motion, StandingPoses
-from identification.symbolic import rpy
+from identification.symbolic import over_samples, rotation, rpy
 from planner.search.problem import standing_limits
 
-SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model depends on it
+
+class Space(Protocol):
+    """Poses among which refinement searches, as functions of shares: coordinates of the order of one."""
+
+    case: Case
+    discs: ClassVar[tuple[slice, ...]] = ()  # pairs of shares that lie in a disc of radius 1
+
+    @property
+    def ends(self) -> Array:
+        """Lower and upper bound of each share, shape (2, m)."""
+        ...
+
+    def shares(self, poses: Array) -> Array:
+        """Shares of poses, shape (n, m)."""
+        ...
+
+    def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
+        """One pose; what no share determines is that of another, `like`, shape (k,)."""
+        ...
+
+    def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
+        """Margins at such a pose by the search's own limits, which must not be negative."""
+        return 1 - ca.fabs(standing_limits(self.case)(self.pose(share, like)))
+
+    @property
+    def size(self) -> int:
+        """Number m of shares."""
+        return int(self.ends.shape[1])
+
+    def project(self, shares: Array) -> Array:
+        """The nearest shares that lie in the space, shape (n, m): ranges first, then discs."""
+        inside = np.clip(shares, *self.ends)
+        for part in self.discs:
+            inside[:, part] /= np.maximum(np.linalg.norm(inside[:, part], axis=1, keepdims=True), 1.0)
+        return inside
+
+    def poses(self, shares: Array, like: Array) -> Array:
+        """Poses of shares, shape (n, k) [m or rad]; `like` as of `pose`, one for each or for all."""
+        own = ca.SX.sym("share", self.size), ca.SX.sym("like", like.shape[-1])
+        function = ca.Function("pose", [*own], [ca.densify(self.pose(*own))])
+        return over_samples(function, shares, np.broadcast_to(like, (len(shares), like.shape[-1])))[0]
 
 
-@dataclass(frozen=True, slots=True)
-class PoseSpace:
-    """The poses among which refinement searches: a disc, all tilts up to the largest, a range of torsion."""
+@dataclass(frozen=True)
+class PoseSpace(Space):
+    """The poses that a case's grid spans: a disc, all tilts up to the largest, a range of torsion.
+
+    Shares are x, y, two of tilt, and torsion; z stays where it is, for no static model depends on it.
+    """
 
     case: Case  # case with a hexapod
     home: Array  # position of {P} at home, shape (3,) [m]
@@ -34,6 +78,7 @@ class PoseSpace:
     high: Array  # upper end, shape (2,) [m]
     tilt: float  # tangent of half the largest tilt
     torsion: Array  # smallest and largest, shape (2,) [rad]
+    discs = slice(0, 2), slice(2, 4)
 
     @classmethod
     def of(cls, case: Case) -> "PoseSpace":
@@ -51,20 +96,14 @@ class PoseSpace:
         return float(self.torsion.mean()), half if half > 0.0 else 1.0
 
     @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return SIZE
-
-    def bounds(self) -> Array:
-        """Lower and upper bound of each coordinate, shape (2, 5)."""
+    def ends(self) -> Array:
+        """Lower and upper bound of each share, shape (2, 5)."""
         middle, half = self._torsion_middle
-        ends = np.column_stack([self.low / self.radius, self.high / self.radius]).T
-        ends = np.clip(ends, -1.0, 1.0)
-        torsion = (self.torsion - middle) / half
-        return np.column_stack([ends, [[-1.0, -1.0], [1.0, 1.0]], torsion])
+        ends = np.clip(np.vstack([self.low, self.high]) / self.radius, -1.0, 1.0)
+        return np.column_stack([ends, [[-1.0, -1.0], [1.0, 1.0]], (self.torsion - middle) / half])
 
     def shares(self, poses: Array) -> Array:
-        """Coordinates of poses, shape (n, 5)."""
+        """Shares of poses, shape (n, 5)."""
         turn = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
         normal = turn[:, :, 2]
         tilt = np.column_stack([-normal[:, 1], normal[:, 0]]) / (1.0 + normal[:, 2])[:, None]
@@ -74,42 +113,12 @@ class PoseSpace:
         torsion = (np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]) - middle) / half
         return np.column_stack([(poses[:, :2] - self.home[:2]) / self.radius, tilt / self.tilt, torsion])
 
-    def project(self, shares: Array) -> Array:
-        """The nearest shares that lie in the space, shape (n, 5): ranges first, then disc and largest tilt."""
-        low, high = self.bounds()
-        inside = np.clip(shares, low, high)
-        for part in (slice(0, 2), slice(2, 4)):
-            inside[:, part] /= np.maximum(np.linalg.norm(inside[:, part], axis=1, keepdims=True), 1.0)
-        return inside
-
-    def poses(self, shares: Array, like: Array) -> Array:
-        """Poses of coordinates, shape (n, 6) [m, rad].
-
-        Args:
-            shares: shape (n, 5).
-            like: poses at the same heights, shape (n, 6) [m, rad].
-        """
-        middle, half = self._torsion_middle
-        one, none = np.ones(len(shares)), np.zeros(len(shares))
-        tilted = Rotation.from_quat(np.column_stack([shares[:, 2:4] * self.tilt, none, one]))
-        turn = tilted * Rotation.from_rotvec(np.column_stack([none, none, middle + half * shares[:, 4]]))
-        return np.column_stack([self.home[:2] + self.radius * shares[:, :2], like[:, 2], turn.as_euler("xyz")])
-
     def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
         """One pose of the height of another, `like`, shape (6,)."""
         middle, half = self._torsion_middle
-        a, b = self.tilt * share[2], self.tilt * share[3]
-        norm = 1 + a * a + b * b
-        tilted = (
-            ca.vertcat(
-                ca.horzcat(1 + a * a - b * b, 2 * a * b, 2 * b),
-                ca.horzcat(2 * a * b, 1 - a * a + b * b, -2 * a),
-                ca.horzcat(-2 * b, 2 * a, 1 - a * a - b * b),
-            )
-            / norm
-        )
-        c, s = ca.cos(middle + half * share[4]), ca.sin(middle + half * share[4])
-        about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
+        cross = ca.skew(ca.vertcat(self.tilt * share[2:4], 0))  # of the tilt's Gibbs vector
+        tilted = ca.DM.eye(3) + 2 * (cross + cross @ cross) / (1 + self.tilt**2 * ca.sumsqr(share[2:4]))
+        about_z = rotation(ca.vertcat(0, 0, middle + half * share[4]))
         return ca.vertcat(ca.DM(self.home[:2]) + self.radius * share[:2], like[2], rpy(tilted @ about_z))
 
     def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
@@ -120,18 +129,17 @@ class PoseSpace:
         determinants = [ca.det(hexapod.inverse_jacobian(q)[1]) for q in (pose, ca.DM(machine.home.vector))]
         singularity = determinants[0] / determinants[1] - self.case.need_poses("pose candidates").singularity_distance
         discs = 1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4])
-        return ca.vertcat(
-            *discs, (at - low) / (high - low), (high - at) / (high - low), singularity, _rest(self.case, pose)
-        )
+        rest = super().margins(share, like)
+        return ca.vertcat(*discs, (at - low) / (high - low), (high - at) / (high - low), singularity, rest)
 
 
-@dataclass(frozen=True, slots=True)
-class JointSpace:
-    """The joints' part of the motion box among which refinement searches; a `PoseSpace` of chains."""
+@dataclass(frozen=True)
+class JointSpace(Space):
+    """The joints' part of the motion box; shares are those of the half sides from its middle."""
 
     case: Case  # case with a chain
-    middle: Array  # middle of the box, shape (n,) [m or rad]
-    half: Array  # half of its sides, shape (n,) [m or rad]
+    middle: Array  # middle of the box, shape (k,) [m or rad]
+    half: Array  # half of its sides, shape (k,) [m or rad]
 
     @classmethod
     def of(cls, case: Case) -> "JointSpace":
@@ -140,43 +148,20 @@ class JointSpace:
         return cls(case, chain.home + limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2)
 
     @property
-    def size(self) -> int:
-        """Number of joints n."""
-        return len(self.middle)
-
-    def bounds(self) -> Array:
-        """Lower and upper bound of each coordinate, shape (2, n)."""
-        return np.vstack([-np.ones(self.size), np.ones(self.size)])
+    def ends(self) -> Array:
+        """Lower and upper bound of each share, shape (2, k)."""
+        return np.vstack([-np.ones(len(self.middle)), np.ones(len(self.middle))])
 
     def shares(self, poses: Array) -> Array:
-        """Coordinates of poses, shape (k, n)."""
+        """Shares of poses, shape (n, k)."""
         return np.asarray((poses - self.middle) / self.half)
 
-    def project(self, shares: Array) -> Array:
-        """The nearest shares that lie in the box, shape (k, n)."""
-        return np.clip(shares, -1.0, 1.0)
-
-    def poses(self, shares: Array, like: Array) -> Array:
-        """Poses of coordinates, shape (k, n) [m or rad]; `like` is not needed."""
-        del like
-        return np.asarray(self.middle + self.half * shares)
-
     def pose(self, share: ca.SX, like: ca.SX) -> ca.SX:
-        """One pose, shape (n,); `like` is not needed."""
-        del like
+        """One pose, shape (k,); shares determine all of it."""
         return ca.DM(self.middle) + ca.DM(self.half) * share
 
-    def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
-        """Margins, which must not be negative: clearances, torques and sensor forces at rest."""
-        return _rest(self.case, self.pose(share, like))
 
-
-def _rest(case: Case, pose: ca.SX) -> ca.SX:
-    """Margins of standing at a pose by the search's own limits."""
-    return 1 - ca.fabs(standing_limits(case)(pose))
-
-
-def space_of(case: Case) -> PoseSpace | JointSpace:
+def space_of(case: Case) -> Space:
     """The poses among which refinement searches; raises CaseError where the case lacks machine or poses."""
     return PoseSpace.of(case) if case.chain is None else JointSpace.of(case)
 

@@ -52,38 +52,22 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
     return family.shrunk(unknowns, share), share
 
 
-_BOX, _WORKSPACE = "limits.motion", "workspace"
-_KEYS = {
-    LimitKind.POSITION: f"{_BOX}.x_mm, y_mm, z_mm",
-    LimitKind.ANGLE: f"{_BOX}.a_deg, b_deg, c_deg",
-    LimitKind.WORKSPACE_POSITION: f"{_WORKSPACE}.x_mm, y_mm",
-    LimitKind.VELOCITY: f"{_BOX}.velocity_mm_s",
-    LimitKind.ANGULAR_VELOCITY: f"{_BOX}.angular_velocity_deg_s",
-    LimitKind.ACCELERATION: f"{_BOX}.acceleration_m_s2",
-    LimitKind.ANGULAR_ACCELERATION: f"{_BOX}.angular_acceleration_rad_s2",
-    LimitKind.JERK: f"{_BOX}.jerk_m_s3",
-    LimitKind.ANGULAR_JERK: f"{_BOX}.angular_jerk_rad_s3",
-    LimitKind.STRUT_LENGTH: f"{_BOX}.strut_length_mm and {_WORKSPACE}.strut_length_mm",
-    LimitKind.STRUT_VELOCITY: f"{_BOX}.strut_velocity_m_s",
-    LimitKind.STRUT_ACCELERATION: f"{_BOX}.strut_acceleration_m_s2",
-    LimitKind.BASE_JOINT_ANGLE: f"{_WORKSPACE}.base_joint_angle_deg",
-    LimitKind.PLATFORM_JOINT_ANGLE: f"{_WORKSPACE}.platform_joint_angle_deg",
-}
+_BOX, _JOINTS = "limits.motion", "limits.motion.joints"
 
 
-_JOINTS = f"{_BOX}.joints"
-_OF_JOINTS = {
-    LimitKind.POSITION: f"position_mm of {_JOINTS}",
-    LimitKind.ANGLE: f"position_deg of {_JOINTS}",
-    LimitKind.JOINT_POSITION: "position_mm of machine.chain.joints",
-    LimitKind.JOINT_ANGLE: "position_deg of machine.chain.joints",
-    LimitKind.VELOCITY: f"velocity_mm_s of {_JOINTS}",
-    LimitKind.ANGULAR_VELOCITY: f"velocity_deg_s of {_JOINTS}",
-    LimitKind.ACCELERATION: f"acceleration_m_s2 of {_JOINTS}",
-    LimitKind.ANGULAR_ACCELERATION: f"acceleration_rad_s2 of {_JOINTS}",
-    LimitKind.JERK: f"jerk_m_s3 of {_JOINTS}",
-    LimitKind.ANGULAR_JERK: f"jerk_rad_s3 of {_JOINTS}",
-}
+def _key(kind: LimitKind, of_pose: bool) -> str:
+    """Where a case states a limit."""
+    unit = kind.unit.replace("/", "_").replace("^", "")
+    if not of_pose:
+        place = "machine.chain.joints" if kind in (LimitKind.JOINT_POSITION, LimitKind.JOINT_ANGLE) else _JOINTS
+        return f"{kind.family if kind.kinetic else 'position'}_{unit} of {place}"
+    several = {
+        LimitKind.POSITION: f"{_BOX}.x_mm, y_mm, z_mm",
+        LimitKind.ANGLE: f"{_BOX}.a_deg, b_deg, c_deg",
+        LimitKind.WORKSPACE_POSITION: "workspace.x_mm, y_mm",
+        LimitKind.STRUT_LENGTH: f"{_BOX}.strut_length_mm and workspace.strut_length_mm",
+    }
+    return several.get(kind, f"{_BOX if kind.kinetic else 'workspace'}.{kind.replace(' ', '_')}_{unit}")
 
 
 def remedy(check: LimitCheck, case: Case) -> str:
@@ -102,7 +86,7 @@ def remedy(check: LimitCheck, case: Case) -> str:
         case LimitKind.SINGULARITY:
             return f"narrow the poses of {_BOX}"
         case kind:
-            return f"widen {(_KEYS if machine_of(case).of_pose else _OF_JOINTS)[kind]}"
+            return f"widen {_key(kind, machine_of(case).of_pose)}"
 
 
 def require_rest(case: Case) -> None:

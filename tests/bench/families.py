@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from cases.schema import load_case
 from identification.model import identification_model
-from planner.bounds.information_limit import compute_bound, information_limit
+from planner.bounds.information_limit import compute_bound
 from planner.cli.console import print_table
 
 Command = Callable[..., tuple[float, str]]
@@ -21,11 +20,6 @@ FAMILIES: dict[str, tuple[tuple[str, ...], str, str]] = {  # arguments, wanted d
     "manual": (("--family", "manual"), "about 0.10", "-"),
     "fourier, order 5, period 2 s": (("--family", "fourier"), "0.20 / 0.23", "5 s"),
     "fourier, order 7, period 3 s": (("--family", "fourier", "--order", "7", "--period", "3"), "0.20 / 0.23", "5 s"),
-    "fourier, best order and period": (
-        ("--family", "fourier", "--free-order", "--free-period"),
-        "0.20 / 0.23",
-        "5 s",
-    ),
     "ptp, 32 moves": (("--family", "ptp", "--moves", "32"), "0.52 / 0.58", "60 s"),
     "ptp, 40 moves": (("--family", "ptp", "--moves", "40"), "0.52 / 0.58", "60 s"),
     "spline, 90 knots": (("--family", "spline", "--knots", "90"), "0.56 / 0.62", "60 s"),
@@ -34,22 +28,18 @@ FAMILIES: dict[str, tuple[tuple[str, ...], str, str]] = {  # arguments, wanted d
 
 
 def limits_of_information() -> list[list[str]]:
-    """Both bounds of the hexapod, model 9, computed anew: value, gap to the best design found, time."""
+    """The bound of the hexapod, model 9, computed anew: value, gap to the best design found, time."""
     case = load_case("hexapod")
     model = identification_model(case, 9)
-    rows = []
-    for name, compute in (
-        ("motion box", compute_bound),
-        ("from rest to rest with limited jerk", partial(information_limit, tight=True, renew=True)),
-    ):
-        began = perf_counter()
-        found = compute(case, model)
-        seconds = perf_counter() - began
-        share = 100.0 * (1.0 - np.exp((found.design_logdet - found.logdet) / found.parameters))
-        rows.append([f"information limit, {name}", f"{found.logdet:.3f} ({found.label})", ""])
-        rows.append(["  the best design found lies below, in efficiency", f"{share:.2f} %", ""])
-        rows.append(["  time", f"{seconds:.1f} s", ""])
-    return rows
+    began = perf_counter()
+    found = compute_bound(case, model)
+    seconds = perf_counter() - began
+    share = 100.0 * (1.0 - np.exp((found.design_logdet - found.logdet) / found.parameters))
+    return [
+        ["information limit, motion box", f"{found.logdet:.3f} ({found.label})", ""],
+        ["  the best design found lies below, in efficiency", f"{share:.2f} %", ""],
+        ["  time", f"{seconds:.1f} s", ""],
+    ]
 
 
 def families(folder: Path, command: Command) -> None:
@@ -71,14 +61,12 @@ def families(folder: Path, command: Command) -> None:
         std = {name: value * np.sqrt(plan["duration_s"]) for name, value in plan["predicted_std"].items()}
         manual = {"efficiency": plan["d_efficiency"]} | std if manual is None else manual
         worst = max(std, key=lambda name: std[name] / manual[name])
-        tight = plan["d_efficiency_tight"]
         explored = [s["seconds"] for s in plan["starts"]] or [0.0]
         rows.append(
             [
                 name,
                 f"{plan['duration_s']:.2f} s",
                 f"{plan['d_efficiency']:.3f}",
-                "-" if tight is None else f"{tight:.3f}",
                 f"{plan['d_efficiency'] / manual['efficiency']:.2f}",
                 f"{std[worst] / manual[worst]:.2f} ({worst})",
                 f"{max(explored):.1f} s",
@@ -87,7 +75,7 @@ def families(folder: Path, command: Command) -> None:
             ]
         )
     columns = (
-        "family", "duration", "d_efficiency", "tight", "manual = 1", "worst std, manual = 1; ptp wanted 0.5",
+        "family", "duration", "d_efficiency", "manual = 1", "worst std, manual = 1; ptp wanted 0.5",
         "longest start", "wanted", "wanted time",
     )  # fmt: skip
     print_table("Families on the hexapod, model 9, criterion D, two starts each", columns, rows)

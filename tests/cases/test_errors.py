@@ -59,9 +59,9 @@ def test_mathematics_does_not_know_the_file() -> None:
 
 
 def test_the_library_names_arguments_where_the_command_line_names_options() -> None:
-    error = HexciteError("--time-limit 0 s", "is too short; see hexcite bound CASE --tight", "allow --time-limit 60")
-    assert str(error) == "time_limit 0 s: is too short; see hexcite bound CASE --tight; allow time_limit 60"
-    assert error.typed == "--time-limit 0 s: is too short; see hexcite bound CASE --tight; allow --time-limit 60"
+    error = HexciteError("--time-limit 0 s", "is too short; see hexcite bound CASE --model", "allow --time-limit 60")
+    assert str(error) == "time_limit 0 s: is too short; see hexcite bound CASE --model; allow time_limit 60"
+    assert error.typed == "--time-limit 0 s: is too short; see hexcite bound CASE --model; allow --time-limit 60"
     assert (error.place, error.remedy) == ("time_limit 0 s", "allow time_limit 60")
     assert str(HexciteError("a.json", "is there", "choose another place with -o, or --overwrite")).endswith(
         "choose another place, or overwrite"

@@ -10,7 +10,7 @@ from cases.basis import bound_hash
 from cases.schema import Case
 from identification.model import identification_model
 from planner.bounds import information_limit as bound_module
-from planner.bounds.information_limit import Bound, information_limit, known_bound
+from planner.bounds.information_limit import Bound, information_limit
 from tests.postprocessors.changed_case import changed
 
 KNOWN = Bound(1.25, 10.01, 10, "as computed", True, 1.24, 1.25)
@@ -124,22 +124,3 @@ def test_an_estimate_is_known_as_one_and_renewed_on_request(
     assert information_limit(hexapod_case, model, renew=True) == KNOWN
     assert information_limit(hexapod_case, model, renew=True) == KNOWN
     assert not answers
-
-
-def test_the_tighter_bound_is_kept_apart_and_only_ever_gets_tighter(
-    monkeypatch: pytest.MonkeyPatch, hexapod_case: Case, folder: Path
-):
-    model = identification_model(hexapod_case, 0)
-    loose, tight, hasty = replace(KNOWN, logdet=1.1), replace(KNOWN, logdet=0.9), replace(HASTY, logdet=0.5)
-    answers = [hasty, loose, tight, loose, hasty]
-    monkeypatch.setattr(bound_module, "compute_bound", lambda _, __, tight, *___: answers.pop(0) if tight else KNOWN)
-    assert known_bound(hexapod_case, model, True) is None
-    ask(hexapod_case)
-    assert known_bound(hexapod_case, model, True) is None
-    kept = []
-    while answers:
-        kept.append(information_limit(hexapod_case, model, True, renew=True))
-        assert known_bound(hexapod_case, model, True) == kept[-1]
-    assert kept == [hasty, loose, tight, tight, tight]
-    assert information_limit(hexapod_case, model, True) == tight  # certified: known without computing
-    assert ask(hexapod_case) == KNOWN

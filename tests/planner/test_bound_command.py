@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from tests.planner.command_line import call, refused
@@ -29,14 +28,6 @@ def test_people_read_that_it_is_proven(cache: Path):
     assert told.err == ""
 
 
-def test_the_tighter_bound_is_lower_and_says_what_it_counts_on(cache: Path):
-    box = call("bound", "hexapod", "--model", 0, "--json").json()
-    tight = call("bound", "hexapod", "--model", 0, "--tight", "--time-limit", 1, "--json").json()
-    assert tight["tight"]
-    assert "from rest to rest" in tight["over"]
-    assert tight["logdet_design"] < tight["logdet_bound"] < box["logdet_bound"] - 0.3
-
-
 def test_people_read_that_it_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # nobody has proven it there
     told = call("bound", "hexapod", "--model", 2, "--time-limit", 1e-6)
@@ -54,7 +45,7 @@ def test_people_read_that_it_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         (("ft_wrist",), ("machine", "information limit")),
         (("nowhere",), ("nowhere",)),
         (("hexapod", "-o", "bound.txt"), ("bound.txt", ".json")),
-        (("hexapod", "--tight", "-o", "."), ("no suffix",)),
+        (("hexapod", "-o", "."), ("no suffix",)),
     ],
 )
 def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], words: tuple[str, ...]):
@@ -66,24 +57,3 @@ def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], wor
 def test_an_answer_that_cannot_be_written_is_refused(tmp_path: Path):
     (tmp_path / "file").write_text("x")
     assert "cannot be written" in refused("bound", "hexapod", "--model", 2, "-o", tmp_path / "file" / "bound.json")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("known", [False, True])
-def test_plans_are_rated_against_both_bounds_where_both_are_known(
-    known: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    tight = call("bound", "hexapod", "--model", 0, "--tight", "--time-limit", 5, "--json").json() if known else None
-    series = ("--family", "fourier", "--order", 2, "--duration", 3, "--starts", 1)
-    answer = call("plan", "hexapod", "--model", 0, *series, "-o", tmp_path / "plan", "--json").json()
-    saved = json.loads((tmp_path / "plan" / "plan.json").read_text())
-    assert saved["d_efficiency_tight"] == answer["d_efficiency_tight"]
-    if tight is None:
-        assert answer["d_efficiency_tight"] is None
-        assert answer["bound_tight"] is None
-    else:
-        assert answer["bound_tight"]["logdet"] == tight["logdet_bound"]
-        expected = np.exp((answer["logdet"] - tight["logdet_bound"]) / 10)
-        assert answer["d_efficiency_tight"] == pytest.approx(expected)
-        assert answer["d_efficiency"] < answer["d_efficiency_tight"] < 1.0

@@ -129,7 +129,6 @@ def test_a_plan_says_what_is_not_limited_and_for_whom_it_is(plan: dict[str, Any]
         assert not any(name in entry for entry in plan["bound_by"])
     assert all(v["ratio"] <= 1.0 for name, v in plan["limits"].items() if "jerk" not in name)
     assert any("made for linuxcnc" in note and "100 m/s^3" in note for note in plan["notes"])
-    assert plan["d_efficiency_tight"] is None  # that bound is one of limited jerk
     saved = Plan.load(folder)
     assert saved.motion.duration == pytest.approx(SECONDS)
     assert has_steps(saved.motion)

@@ -11,7 +11,6 @@ from identification.criteria import box_middle
 from identification.limit import Limit, LimitCheck, LimitKind, LimitReport, Status
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
-from planner.precision import SolverStatus
 from planner.rating import FULL, RIVALS, PlannedMotion, weaknesses
 from planner.search import StartRecord
 from planner.search.solving import DRAWN_BACK, Start
@@ -28,7 +27,7 @@ def check(kind: LimitKind, place: str, ratio: float) -> LimitCheck:
 def start(hexapod_case: Case) -> Start:
     family = FourierFamily(2, 3.0, 1, *box_middle(hexapod_case))
     unknowns = 0.01 * np.random.default_rng(0).normal(size=18)
-    tried = StartRecord(1, True, -9.0, -5.0, -5.0, SolverStatus.CONVERGED, True, 9, 1.0)
+    tried = StartRecord(1, True, -9.0, -5.0, -5.0, "solve succeeded", True, 9, 1.0)
     return Start(tried, unknowns, family, 1.0, unknowns, -5.0)
 
 
@@ -69,7 +68,7 @@ def test_another_family_that_carries_more(
 
 @pytest.mark.parametrize("interrupted", [False, True])
 def test_a_search_that_had_not_converged(interrupted: bool, found: PlannedMotion, start: Start, said: Said):
-    tried = replace(start.record, converged=False, solver=SolverStatus.ITERATION_LIMIT)
+    tried = replace(start.record, converged=False, solver="maximum iterations exceeded")
     unfinished = replace(start, record=tried)
     weak = said(found._replace(starts=(unfinished,), interrupted=interrupted))
     if interrupted:  # it says so itself

@@ -53,7 +53,7 @@ def test_every_direction_is_largest_at_a_control_point(seed: int):
     half = np.r_[draw.uniform(0.01, 0.7, 3), draw.uniform(0.0, 1.0, 3)]
     low, high = (middle - half)[None], (middle + half)[None]
     tables, at_rates = control_tables(features, low[:, :3], high[:, :3])[0], rate_products(low[:, 3:], high[:, 3:])[0]
-    of_gibbs_vector, of_each_product, _ = enclosure_errors(low, high)
+    of_gibbs_vector, of_each_product = enclosure_errors(low, high)
     corner = draw.choice([-1.0, 1.0], 8)
     fixed = np.concatenate([np.ones((27, 1)), np.tile(corner, (27, 1)), at_rates], axis=1)
     points = np.einsum("aij,rj->ari", tables, fixed).reshape(-1, PRODUCTS.stop)

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases.errors import CaseError
 from cases.schema import load_case
 from identification.criteria import reference_scaling, uniform_states
 from identification.limit_proof import prove
@@ -16,10 +15,9 @@ from identification.symbolic import over_samples
 from planner.bounds.certificate import box_bounds, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
-from planner.bounds.information_limit import GAP, Bound, bound, compute_bound
+from planner.bounds.information_limit import GAP, Bound, compute_bound
 from planner.families.fourier import FourierFamily
 from planner.noise import mean_information
-from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 
 CASE = load_case("hexapod")
@@ -27,13 +25,6 @@ MODEL = identification_model(CASE, 6)  # with inertia: rates count
 SCALING = reference_scaling(CASE, MODEL)
 SIZE = len(MODEL.parameters)
 FEATURES = box_features(CASE, MODEL, SCALING)
-
-
-def test_sensors_in_struts_have_no_tight_bound() -> None:
-    with pytest.raises(CaseError) as told:
-        bound(load_case("strut_sensors"), tight=True)
-    assert told.value.key == "sensor_frame.struts"
-    assert "tight" in one_line(told.value)
 
 
 @pytest.fixture(scope="module")

@@ -26,8 +26,7 @@ CASE = load_case("hexapod")
 
 
 def family_of(name: str, duration: float = 12.0, **settings: Any) -> Family:
-    (family,) = family_class(name.partition(",")[0])(**settings).families(case_of(name), duration)
-    return family
+    return family_class(name.partition(",")[0])(**settings).searched(case_of(name), duration)
 
 
 def case_of(name: str) -> Case:
