@@ -114,9 +114,9 @@ def validate(
     else:
         disturbances_of(loaded, settings, undisturbed)  # before anything is made
         with unfinished(place, loaded, settings, overwrite) as work:
-            with console.progress("validating", len(selection) * len(mounted), json) as count:
+            with console.status("validating", json) as remark:
                 validation = hx.validate(
-                    loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
+                    loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
                 )
             console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()

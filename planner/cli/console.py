@@ -100,24 +100,6 @@ def _are_words(cells: Sequence[str]) -> bool:
 
 
 @contextmanager
-def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str, int], None]]:
-    """A progress bar on stderr where that is a terminal; yields a function that counts up and shows a remark."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    hidden = quiet or not console.is_terminal
-    with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
-        task = bar.add_task(text, total=total)
-
-        def count(remark: str, steps: int) -> None:
-            bar.update(task, advance=steps, description=f"{text} {remark}")
-
-        yield count
-
-
-@contextmanager
 def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
     """A spinner on stderr; yields a function that shows a remark beside it, without a terminal as a line every 10 s."""
     from rich.console import Console

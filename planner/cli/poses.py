@@ -33,19 +33,16 @@ def poses(
     """
     from cases.tables import find_case
     from identification.model import static_model
-    from planner.poses.candidates import JOINT_CANDIDATES
     from planner.reports.plan import poses_page
 
     loaded = hx.load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
-    grid = loaded.poses.grid_size if loaded.poses is not None and loaded.chain is None else JOINT_CANDIDATES
-    steps = grid if candidates is None else candidates
-    with console.progress("choosing poses", steps, json) as report:
+    with console.status("choosing poses", json) as remark:
         plan = hx.plan_poses(
             loaded,
             at,
-            progress=lambda rest: report(f"{rest} poses", 1),
+            progress=lambda rest: remark(f"{rest} poses"),
             criterion=criterion,
             count=count,
             method=method,

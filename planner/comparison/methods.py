@@ -52,8 +52,8 @@ class MethodSpec(Part):
 
 METHODS = {name: MethodSpec.model_validate(entries) for name, entries in METHOD_TABLES.items()}
 
-Count = Callable[[str, int], None]
-"""Function that is called with the present step in words and the number of steps that it ends."""
+Remark = Callable[[str], None]
+"""Function that is called with the present step in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,7 @@ def carry_out(
     disturbances: Disturbances | None,
     settings: ValidationSettings,
     folder: Path,
-    count: Count,
+    remark: Remark,
 ) -> tuple[tuple[Trial, ...], dict[str, str], dict[str, str]]:
     """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
 
@@ -164,31 +164,30 @@ def carry_out(
     failed: dict[str, str] = {}
     for method in methods:
         try:
-            excitation = _excitation(case, method, settings, folder, count)
+            excitation = _excitation(case, method, settings, folder, remark)
         except HexciteError as error:
             failed[method] = error.typed.replace(f"{folder}/", "")
-            count(method, len(mounted))
             continue
         executed[method] = excitation.controller
-        count(f"{method}: identifying", 0)
+        remark(f"{method}: identifying")
         for trial in trials(excitation, mounted, disturbances):
             results.append(trial)
-            count(f"{method} {trial.load:.0f} kg", 1)
+            remark(f"{method} {trial.load:.0f} kg")
     if not results:
         raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
     return tuple(results), executed, failed
 
 
-def _excitation(case: Case, method: str, settings: ValidationSettings, folder: Path, count: Count) -> Excitation:
+def _excitation(case: Case, method: str, settings: ValidationSettings, folder: Path, remark: Remark) -> Excitation:
     """A method planned, written as a proven program and executed."""
-    count(f"{method}: planning", 0)
+    remark(f"{method}: planning")
     plan = _planned(case, method, settings, folder)
     dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
     suffix, accepted = ("ngc", ACCEPTED) if dialect == ControllerName.LINUXCNC else ("mpf", ())
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)
-    count(f"{method}: on {settings.on}", 0)
+    remark(f"{method}: on {settings.on}")
     run = carried_out(program, program.case, settings.on)
     poses, duration = np.zeros((0, 6)), run.excitation
     if program.reading.measures_at_poses:

@@ -19,7 +19,7 @@ from planner.comparison.claims import Claim, claims_of
 from planner.comparison.methods import (
     METHODS,
     USUAL,
-    Count,
+    Remark,
     ValidationSettings,
     carry_out,
     make_places,
@@ -88,7 +88,7 @@ def validate(
     *,
     undisturbed: bool = False,
     folder: Path | str | None = None,
-    count: Count = lambda remark, steps: None,
+    progress: Remark = lambda remark: None,
 ) -> Validation:
     """Carries out the payload experiment on the case's simulated machine.
 
@@ -98,7 +98,7 @@ def validate(
         undisturbed: whether the simulated structure is an ideal one.
         folder: folder for plans and programs, in which an existing plan is not made again; a temporary one unless
             given.
-        count: called with the present step in words and the number of steps that it ends.
+        progress: shows the present step in words.
 
     Raises:
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
@@ -109,7 +109,7 @@ def validate(
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
-        trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
+        trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, progress)
         origin = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")

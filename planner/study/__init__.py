@@ -173,15 +173,7 @@ ROWS = "rows"
 
 
 def open_study(folder: Path, about: dict[str, Any]) -> None:
-    """Makes a study folder, or accepts an existing one of the same study.
-
-    Args:
-        about: entries of study.json; `name` and the used part of the case must be those of an existing study.
-
-    Raises:
-        FileProblem: the folder belongs to another study or to something else, or cannot be written.
-    """
-    check_study(folder, about)
+    """Makes a study folder with study.json; raises FileProblem where it cannot be written."""
     try:
         (folder / ROWS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -190,11 +182,7 @@ def open_study(folder: Path, about: dict[str, Any]) -> None:
 
 
 def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
-    """Writes the rows of one cell to a file of their own, `rows/NAME.parquet`: all of them or, if killed here, none.
-
-    Raises:
-        FileProblem: the disk is full or gone.
-    """
+    """Writes the rows of one cell to a file of their own, `rows/NAME.parquet`: all of them or, if killed here, none."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -203,7 +191,10 @@ def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
 
 
 def check_study(folder: Path, about: dict[str, Any]) -> None:
-    """Raises, before the work starts, where a study cannot use its folder.
+    """Refuses, before the work starts, a folder that a study cannot use.
+
+    Args:
+        about: entries of study.json; `name` and the used part of the case must be those of an existing study.
 
     Raises:
         FileProblem: the folder belongs to another study or to something else.
