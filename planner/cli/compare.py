@@ -90,34 +90,27 @@ def validate(
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
     what it models. Interrupted, the same command uses the plans that are there.
     """
-    from planner.comparison.methods import require_methods, unfinished
+    from planner.comparison.methods import unfinished
     from planner.comparison.trials import mounted_weights
-    from planner.comparison.validation import disturbances_of
     from planner.reports.validation import validation_page
 
     settings = hx.ValidationSettings(on, starts, seed, plans, workers)
     loaded = hx.load_case(case)
+    names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
+    place = output_place(output, Path("hexcite-validation"), overwrite)
+    check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
         simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         for option in (name for name, value in simulating.items() if value):
             raise hx.HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
-    names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
-    selection = tuple(METHOD_TABLES) if names is None else names
-    if recordings is None:
-        require_methods(selection)
-    mounted = mounted_weights(loaded, weights)
-    place = output_place(output, Path("hexcite-validation"), overwrite)
-    check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
-    if recordings is not None:
         validation = hx.validate_recordings(loaded, recordings, names)
         console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
     else:
-        disturbances_of(loaded, settings, undisturbed)  # before anything is made
-        with unfinished(place, loaded, settings, overwrite) as work:
-            with console.status("validating", json) as remark:
-                validation = hx.validate(
-                    loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
-                )
+        selection, mounted = tuple(METHOD_TABLES) if names is None else names, mounted_weights(loaded, weights)
+        with unfinished(place, loaded, settings, overwrite) as work, console.status("validating", json) as remark:
+            validation = hx.validate(
+                loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
+            )
             console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):

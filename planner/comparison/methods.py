@@ -112,7 +112,6 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
                 "choose another place with -o, or drop it with --overwrite",
             )
         shutil.rmtree(folder)
-    make_places(folder)
     write_text(about, content)
     try:
         yield folder
@@ -125,12 +124,6 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
     finally:
         if folder.exists() and not _worth_keeping(folder):
             shutil.rmtree(folder)
-
-
-def make_places(folder: Path) -> None:
-    """Makes the folders for the files of `carry_out`."""
-    for name in ("plans", "programs"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
 
 
 def _worth_keeping(folder: Path) -> bool:
@@ -201,22 +194,21 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
     """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
     place = folder / "plans" / method
     if (place / "plan.json").is_file():
-        return Plan.load(place)
+        return Plan.load(place, case)
+    request = METHODS[method].request
     if settings.plans is not None:
         source = settings.plans / "plans" / method
         if not (source / "plan.json").is_file():
             raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
         with atomic_folder(place, PLAN) as part:
             shutil.copytree(source, part, dirs_exist_ok=True)
-        return Plan.load(place)
-    request = METHODS[method].request
-    if isinstance(request, PoseRequest):
-        plan = poses_planned(request, case)
+    elif isinstance(request, PoseRequest):
+        poses_planned(request, case).save(place)
     else:
         if request.family.optimised:
             request = replace(request, starts=settings.starts, seed=settings.seed, workers=settings.workers)
         plan = planned(request, case)
         if plan.interrupted:
             raise Interrupted
-    plan.save(place)
+        plan.save(place)
     return Plan.load(place, case)

@@ -22,7 +22,6 @@ from planner.comparison.methods import (
     Remark,
     ValidationSettings,
     carry_out,
-    make_places,
     require_methods,
 )
 from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights
@@ -105,10 +104,9 @@ def validate(
     """
     require_methods(methods)
     mounted = mounted_weights(case, None if mounted is None else ",".join(map(str, mounted)))
-    disturbances = disturbances_of(case, settings, undisturbed)
+    disturbances = _disturbances_of(case, settings, undisturbed)
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
-        make_places(work)
         trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, progress)
         origin = {
             str(file.relative_to(work)): file.read_bytes()
@@ -129,7 +127,7 @@ def validate(
     )
 
 
-def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
+def _disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
     """Disturbances of the simulated machine; raises HexciteError where it cannot be run."""
     case.need_machine("a validation")
     require_controller(settings.on)

@@ -58,7 +58,7 @@ def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
         with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings, overwrite) as folder:
             known = (folder / "plans" / "ptp" / "plan.json").is_file()
             if make:
-                (folder / "plans" / "ptp").mkdir(exist_ok=True)
+                (folder / "plans" / "ptp").mkdir(parents=True, exist_ok=True)
                 (folder / "plans" / "ptp" / "plan.json").touch()
             raise Stopped
         return known
