@@ -138,10 +138,10 @@ def show(
     with console.status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.plots import case_figure, chain_figure
+        from planner.reports.plots import case_figure
 
         reach = reach_of(loaded)
-        figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)
+        figure = case_figure(loaded, reach)
         with atomic_file(file) as part:
             figure.savefig(part, format=file.suffix[1:].lower())
     if not console.answered({"ok": True, "figure": str(file)}, json):

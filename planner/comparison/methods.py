@@ -17,6 +17,7 @@ from cases.schema import Case
 from cases.sensors import Disturbances
 from cases.tables import Part
 from identification.criteria import Criterion
+from identification.limit import KINETIC
 from planner.comparison import METHOD_TABLES
 from planner.comparison.trials import Excitation, Trial, trials
 from planner.execution import carried_out
@@ -27,9 +28,6 @@ from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseRequest, Request
 from postprocessors.execute import stood
-
-# LinuxCNC has no limits for these, and no metal moves: the machine is simulated.
-ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 
 
 class MethodSpec(Part):
@@ -176,7 +174,7 @@ def _excitation(case: Case, method: str, settings: ValidationSettings, folder: P
     remark(f"{method}: planning")
     plan = _planned(case, method, settings, folder)
     dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
-    suffix, accepted = ("ngc", ACCEPTED) if dialect == ControllerName.LINUXCNC else ("mpf", ())
+    suffix, accepted = ("ngc", KINETIC) if dialect == ControllerName.LINUXCNC else ("mpf", ())
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)

@@ -59,11 +59,6 @@ class Family(Protocol):
         ...
 
     @property
-    def choice(self) -> str:
-        """The settings that a search may choose among, in words; empty where there are none."""
-        return ""
-
-    @property
     def walks(self) -> "PointToPointFamily | None":
         """The family itself where its starts are annealed walks, which are refined at once."""
         return None

@@ -76,11 +76,6 @@ class FourierFamily(Family):
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
         return own | ({"run_in_s": self.run_in} if self.run_in else {})
 
-    @property
-    def choice(self) -> str:
-        """Order and period."""
-        return f"order {self.order} with period {self.period:g} s"
-
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
         unknowns = draw.normal(size=self.unknowns * len(self.middle))

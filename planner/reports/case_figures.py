@@ -3,6 +3,7 @@
 Such values come from another machine, or are in mistaken units.
 """
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,20 +11,17 @@ import numpy as np
 
 from cases.basis import values
 from cases.errors import CaseError
-from cases.machine import Joints, MotionLimits
 from cases.schema import Case, load_case
-from cases.tables import built_in_cases, find_case
+from cases.tables import built_in_cases
 from identification.hexapod import Hexapod
 from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import StandingPoses
 from planner.precision import share_text
-from planner.reach import Reach
+from planner.reach import Reach, corners_and_middles
 from planner.search.feasibility import remedy
 
-GRID = (-1.0, 0.0, 1.0)
-MOST_COORDINATES = 7  # largest number of coordinates whose corners and middles are all checked
 STATIC = (
     LimitKind.STRUT_LENGTH, LimitKind.BASE_JOINT_ANGLE, LimitKind.PLATFORM_JOINT_ANGLE, LimitKind.SINGULARITY,
     LimitKind.POSITION, LimitKind.ANGLE, LimitKind.DISTANCE_FROM_BOX,
@@ -33,13 +31,8 @@ OF_CHAINS = (
 )  # fmt: skip
 
 
-def case_figures(name: str) -> dict[str, Any]:
-    """Loads a case and computes its figures.
-
-    Raises:
-        CaseError: not valid, or home is out of the machine's reach.
-    """
-    case = load_case(name)
+def case_figures(case: Case, file: str) -> dict[str, Any]:
+    """Figures of a case; raises CaseError, with its file, where home is out of the machine's reach."""
     frame = identification_model(case, 0).structure
     size = 1.0
     if case.sensor_frame.bars is not None:
@@ -53,19 +46,13 @@ def case_figures(name: str) -> dict[str, Any]:
         "setup": case.setup,
         "hash": case.hash,
         "frame_condition": float(np.linalg.cond(scaled)),
-    } | (_in_box(case, str(find_case(name))) if has_motion_box(case) else {})
+    } | (_in_box(case, file) if has_motion_box(case) else {})
 
 
 def _in_box(case: Case, file: str) -> dict[str, Any]:
     """Limits at rest, at home and in the corners and middles of the motion box; of a chain clearances and torques."""
     home, limits = case.need_motion("the check of its reach")
-    count = len(home)
-    if count <= MOST_COORDINATES:
-        corners = np.stack(np.meshgrid(*([GRID] * count), indexing="ij"), axis=-1).reshape(-1, count)
-    else:
-        corners = np.random.default_rng(0).choice(GRID, (len(GRID) ** MOST_COORDINATES, count))
-    middle, half = limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2
-    poses = np.vstack([home, home + middle + corners * half])
+    poses = np.vstack([home, home + limits.pose[0] + corners_and_middles(len(home)) * np.ptp(limits.pose, axis=0)])
     at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
     if at_home.violations:
         broken = at_home.violations[0]
@@ -133,9 +120,6 @@ def coordinate_rows(reach: Reach) -> list[list[str]]:
 
 
 _OTHER_BODY = 2.0  # ratio of simulated and nominal mass from which they are two bodies
-_RADIANS = 1.6  # largest angle in degrees of a table that holds radians: a right angle
-_SMALL_BOX = 0.9  # the same for the angles of a motion box
-_METRES = 5.0  # largest length in millimetres of a table that holds metres
 _TABLES = (
     "machine", "workspace", "limits", "poses", "sensor_frame", "nominal", "simulation", "payloads",
     "controller.sinumerik", "controller.twincat", "controller.setpoints",
@@ -217,40 +201,26 @@ def _of_gravity(case: Case) -> Iterator[str]:
         )
 
 
-def _joints(case: Case) -> dict[str, Joints]:
-    """The points of machine and sensor frame by their tables."""
-    joints = {}
-    if case.hexapod is not None:
-        joints = {"machine.base": case.hexapod.base, "machine.platform": case.hexapod.platform}
-    if case.sensor_frame.bars is not None:
-        lower, upper = case.sensor_frame.bars.lower, case.sensor_frame.bars.upper
-        joints |= {"sensor_frame.bars.lower": lower, "sensor_frame.bars.upper": upper}
-    return joints
+_RADIANS = "degrees at most; these look like radians, give degrees"
+_MISTAKEN = (  # keys, the largest value that is taken for a mistake, and what it looks like
+    (r"workspace\.\w+_joint_angle_deg|.*\.ring\.half_angle_deg|limits\.motion\.angular_velocity_deg_s", 1.6, _RADIANS),
+    (r"limits\.motion\.a_deg, b_deg and c_deg", 0.9, _RADIANS),
+    (
+        r".*\.strut_length_mm|machine\.home\.z_mm|.*\.ring\.radius_mm|.*\.points_mm",
+        5.0,
+        "mm at most; this looks like metres, give millimetres",
+    ),
+)
 
 
 def mistaken_units(case: Case) -> Iterator[str]:
     """Sentences on angles that look like radians and lengths that look like metres."""
-    angles: dict[str, tuple[float, float]] = {}
-    lengths: dict[str, float] = {}
-    if case.workspace is not None:
-        for key in ("base_joint_angle_deg", "platform_joint_angle_deg"):
-            angles[f"workspace.{key}"] = (getattr(case.workspace, key), _RADIANS)
-        lengths["workspace.strut_length_mm"] = max(case.workspace.strut_length_mm)
-    if case.limits is not None and isinstance(motion := case.limits.motion, MotionLimits):
-        largest = max(abs(v) for key in ("a_deg", "b_deg", "c_deg") for v in getattr(motion, key))
-        angles["limits.motion.a_deg, b_deg and c_deg"] = (largest, _SMALL_BOX)
-        angles["limits.motion.angular_velocity_deg_s"] = (max(motion.angular_velocity_deg_s), _RADIANS)
-        lengths["limits.motion.strut_length_mm"] = max(motion.strut_length_mm)
-    if case.hexapod is not None:
-        lengths["machine.home.z_mm"] = abs(case.hexapod.home.z_mm) or np.inf
-    for name, joints in _joints(case).items():
-        field = "ring.radius_mm" if joints.ring is not None else "points_mm"
-        lengths[f"{name}.{field}"] = float(np.abs(joints.points).max()) * 1e3
-        if joints.ring is not None:
-            angles[f"{name}.ring.half_angle_deg"] = (joints.ring.half_angle_deg, _RADIANS)
-    for key, (value, most) in angles.items():
-        if value <= most:
-            yield f"{key}: {value:g} degrees at most; these look like radians, give degrees"
-    for key, value in lengths.items():
-        if value <= _METRES:
-            yield f"{key}: {value:g} mm at most; this looks like metres, give millimetres"
+    largest: dict[str, float] = {}
+    for name, value in values(case, ("machine", "sensor_frame", "workspace", "limits")).items():
+        key = re.sub(r"\b[abc]_deg$", "a_deg, b_deg and c_deg", name)
+        if any(re.fullmatch(pattern, key) for pattern, _, _ in _MISTAKEN):
+            largest[key] = max(largest.get(key, 0.0), float(np.abs(value).max()))
+    for key, value in largest.items():
+        for pattern, most, words in _MISTAKEN:
+            if re.fullmatch(pattern, key) and 0.0 < value <= most:
+                yield f"{key}: {value:g} {words}"

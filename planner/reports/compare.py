@@ -10,8 +10,7 @@ from identification.estimation.fit import Value
 from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.figures import colour_or_grey
-from planner.reports.page import Chart, note, page, plain, section, table
+from planner.reports.page import Chart, colour_or_grey, note, page, section, table
 
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
 SPREAD = 0.7  # share of the distance between two parameters that the markers of one occupy
@@ -170,13 +169,13 @@ def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any
             "scatter",
             x=[names.index(n) + aside for n in parameters],
             y=[deviations[n] / best[n] for n in parameters],
-            name=plain(label),
+            name=label,
             mode="markers",
             marker={"size": 8, **marker},
-            text=[f"{plain(n)}: {deviations[n]:.3g}" for n in parameters],
+            text=[f"{n}: {deviations[n]:.3g}" for n in parameters],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
-    ticks = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names], "tickangle": -90}
+    ticks = {"tickvals": list(range(len(names))), "ticktext": names, "tickangle": -90}
     x = {"range": [-0.6, len(names) - 0.4], "showgrid": False, "zeroline": False, **ticks}
     largest = max((std[n] / best[n] for _, std, _ in series for n in std if n in best), default=1.0)
     figure.axes(x, {"type": "log", "tickvals": CLOSE if largest < CLOSE[-1] else FAR})

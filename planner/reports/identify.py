@@ -11,8 +11,8 @@ from identification.estimation.fit import Value
 from identification.outcome import RUN_ENTRIES, Result
 from identification.signals import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
-from planner.reports.page import Block, Chart, answers, note, page, plain, section, table, tiles
+from planner.reports.figures import identifiability_blocks, unit_of
+from planner.reports.page import COLOURS, GREY, Block, Chart, answers, note, page, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 ALIKE = 1.3  # largest ratio of robust deviations to those by (28) where noise is white
@@ -150,12 +150,8 @@ def forces_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
     source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
     caption = f"Lines: {source}. Dotted: the identified model."
     figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
-    for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.explained[:, k])
-        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
-        x, y = thinned(residuals.t, residuals.predicted[:, k])
-        dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
-        figure.add("scatter", x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
+    figure.add_lines(residuals.t, residuals.explained, channels, 1)
+    figure.add_lines(residuals.t, residuals.predicted, channels, 2, "dot")
     return _over_samples(figure, residuals)
 
 
@@ -163,9 +159,7 @@ def residuals_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
     """Residuals of each channel over time; a long run is drawn by its extremes."""
     caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
     figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
-    for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.evaluated[:, k])
-        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
+    figure.add_lines(residuals.t, residuals.evaluated, channels, 0.8)
     return _over_samples(figure, residuals)
 
 
@@ -195,15 +189,7 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
         )
     titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
     figure = Chart("spectrum", caption, *titles, half=True, height=320)
-    for k, name in enumerate(channels):
-        line = {"color": COLOURS[k], "width": 1.2}
-        figure.add(
-            "scatter",
-            x=frequency[1:].astype(np.float32),
-            y=density[1:, k].astype(np.float32),
-            name=plain(name),
-            line=line,
-        )
+    figure.add_lines(frequency[1:], density[1:], channels, 1.2)
     if cutoff is not None:
         figure.add_line({"x": cutoff}, GREY)
     figure.axes({"type": "log"}, {"type": "log"})
@@ -233,7 +219,7 @@ def parameters_chart(parameters: Mapping[str, Value]) -> Chart:
         width = [1.96 * std / largest[p.unit] * 100 for p, std in deviations]
         text = [f"{value_text(p.value, std)} ± {std_text(1.96 * std)} {p.unit}" for p, std in deviations]
         figure.add(
-            "scatter", x=[plain(n) for n in names], y=width, name=label, mode="markers", hovertext=text,
+            "scatter", x=names, y=width, name=label, mode="markers", hovertext=text,
             marker={"size": 9, "color": colour}, hoverinfo="text+name",
         )  # fmt: skip
     figure.axes({"tickangle": -45}, {"type": "log", "dtick": "D2"})

@@ -17,8 +17,8 @@ from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import RIGID, nominal_parameters
 from identification.symbolic import over_samples
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
-from planner.reports.page import Block, Chart, note, plain, player, section, table
+from planner.reports.figures import identifiability_blocks, unit_of
+from planner.reports.page import COLOURS, GREY, Block, Chart, note, player, section, table
 
 AROUND = 16  # corners of a ring around a tool
 BESIDE = 0.25  # share of the machine's size: boxes are shown up to this distance
@@ -169,9 +169,7 @@ def force_blocks(case: Case, motion: Motion, payload: int) -> tuple[Block, ...]:
 
 def _add_lines(figure: Chart, x: Array, values: Array, names: Sequence[str], limits: tuple[float, ...]) -> None:
     """Adds six lines over time, with the limits that they share."""
-    for k, name in enumerate(names):
-        thin_x, thin_y = thinned(x, values[:, k])
-        figure.add("scatter", x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
+    figure.add_lines(x, values, names, 1.3)
     for limit in limits:
         figure.add_line({"y": limit}, GREY)
 
@@ -186,11 +184,10 @@ def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Bl
     information = stacked.T @ stacked / len(matrices)
     alone = 1.0 / np.sqrt(np.diag(information))
     together = np.sqrt(np.diag(np.linalg.inv(information)))
-    names = [plain(name) for name in model.names]
     caption = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
     figure = Chart("information", caption, y="std of one sample, scaled", height=360, barmode="group")
-    figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
-    figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
+    figure.add("bar", x=model.names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
+    figure.add("bar", x=model.names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.axes({"tickangle": -60})
     return (
         figure,

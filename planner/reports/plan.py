@@ -20,9 +20,9 @@ from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
 from planner.poses.space import places
 from planner.precision import SolverStatus, legible, parameter_words, std_text
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limits_chart, motion_blocks
+from planner.reports.figures import identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
-from planner.reports.page import Chart, answers, note, page, plain, section, table, tiles
+from planner.reports.page import COLOURS, GREY, Chart, answers, note, page, section, table, tiles
 from planner.request import PoseRequest
 
 DRAWN_RATE = 500.0  # [1/s]
@@ -244,6 +244,6 @@ def _places(plan: Plan) -> Chart:
     ):
         at = places(plan.case, poses)
         marker = {"size": size, "color": colour}
-        figure.add("scatter", x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
+        figure.add("scatter", x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=name, marker=marker)
     figure.axes({"constrain": "domain"}, {"constrain": "domain", "scaleanchor": "x"})
     return figure

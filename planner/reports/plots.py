@@ -4,12 +4,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from scipy.spatial.transform import Rotation
 
-from cases.machine import HexapodMachine, KeepOut
+from cases.machine import KeepOut
 from cases.recording_format import CLOCK, TICKS
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -28,37 +27,48 @@ MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 
 
 def case_figure(case: Case, reach: Reach) -> Figure:
-    """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate."""
-    machine, workspace, limits = case.need_machine("the picture of the machine")
-    figure = Figure(figsize=(23, 6), layout="constrained")
-    grid = figure.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 1.0), wspace=0.08)
+    """The machine at home in 3-D and the reach of each coordinate, of a hexapod also over x and y, roll and pitch."""
+    wide = case.chain is None
+    figure = Figure(figsize=(23, 6) if wide else (14, 7), layout="constrained")
+    grid = figure.add_gridspec(1, 4 if wide else 2, width_ratios=(1.3, *[1.0] * (3 if wide else 1)), wspace=0.08)
     geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
-    _draw_machine(geometry, case, machine)
-    box = limits.pose
-    over, tilted = figure.add_subplot(grid[1]), figure.add_subplot(grid[2])
-    x, y = (np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm))
-    colours = _map(over, case, machine, (0, 1), (x, y), MM)
-    a, b = (np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4))
-    _map(tilted, case, machine, (3, 4), (a, b), DEG)
-    for axes, (i, j), unit in ((over, (0, 1), MM), (tilted, (3, 4), DEG)):
-        sides = box[:, [i, j]] / unit
-        axes.plot(
-            sides[[0, 1, 1, 0, 0], 0], sides[[0, 0, 1, 1, 0], 1], color="white", linewidth=1.5, label="motion box"
-        )
-        axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
-    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
-    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
-    draw_coordinates(figure.add_subplot(grid[3]), reach)
-    figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+    if wide:
+        _draw_machine(geometry, case)
+        _draw_maps(figure.add_subplot(grid[1]), figure.add_subplot(grid[2]), case)
+    else:
+        _draw_chain(geometry, case)
+    draw_coordinates(figure.add_subplot(grid[-1]), reach)
     return figure
 
 
-def chain_figure(case: Case, reach: Reach) -> Figure:
-    """A chain at home in 3-D, with its bodies, its tool and the keep-out boxes, and each joint's reach."""
+def _draw_maps(over: Axes, tilted: Axes, case: Case) -> None:
+    """Maps of the reach at home, over x and y and over roll and pitch, with the motion box."""
+    machine, workspace, limits = case.need_machine("the picture of the machine")
+    box = limits.pose
+    places = [np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm)]
+    angles = [np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4)]
+    for axes, pair, ends, unit in ((over, [0, 1], places, MM), (tilted, [3, 4], angles, DEG)):
+        first, second = np.meshgrid(*ends, indexing="ij")
+        poses = np.tile(machine.home.vector, (first.size, 1))
+        poses[:, pair] += np.stack([first.ravel(), second.ravel()], axis=1)
+        shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
+        at, levels = (first / unit, second / unit), np.linspace(0.0, MOST_SHARE, 16)
+        colours = axes.contourf(*at, np.clip(shares, 0.0, MOST_SHARE), levels=levels, cmap="viridis")
+        if shares.min() < 1.0 < shares.max():
+            axes.contour(*at, shares, levels=[1.0], colors="red", linewidths=2.0)
+            axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
+        x, y = (box[:, pair] / unit).T
+        axes.plot(x[[0, 1, 1, 0, 0]], y[[0, 0, 1, 1, 0]], color="white", linewidth=1.5, label="motion box")
+        axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
+        axes.set_aspect("equal")
+    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
+    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
+    over.figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+
+
+def _draw_chain(axes: Axes3D, case: Case) -> None:
+    """A chain at home, with its bodies, its tool and the keep-out boxes, in mm."""
     chain, _ = case.need_chain("the picture of the machine")
-    figure = Figure(figsize=(14, 7), layout="constrained")
-    grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
-    axes: Axes3D = figure.add_subplot(grid[0], projection="3d")
     at_home = StandingPoses(chain.home[None]).at([0.0])
     frames = [np.eye(4), *(place[0] for place, _, _ in chain_frames(at_home, chain))]
     origins = np.array([frame[:3, 3] for frame in frames]) / MM
@@ -81,31 +91,11 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
         outlines += lines
     _finish(axes, case, outlines, chain.keep_out)
     axes.set(zlabel="z [mm]")
-    draw_coordinates(figure.add_subplot(grid[1]), reach)
-    return figure
 
 
-def _map(
-    axes: Axes, case: Case, machine: HexapodMachine, pair: tuple[int, int], sides: tuple[Array, Array], unit: float
-) -> QuadContourSet:
-    first, second = np.meshgrid(*sides, indexing="ij")
-    poses = np.tile(machine.home.vector, (first.size, 1))
-    poses[:, pair[0]] += first.ravel()
-    poses[:, pair[1]] += second.ravel()
-    shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
-    values = np.clip(shares, 0.0, MOST_SHARE)
-    colours = axes.contourf(
-        first / unit, second / unit, values, levels=np.linspace(0.0, MOST_SHARE, 16), cmap="viridis"
-    )
-    if shares.min() < 1.0 < shares.max():
-        axes.contour(first / unit, second / unit, values, levels=[1.0], colors="red", linewidths=2.0)
-        axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
-    axes.set_aspect("equal")
-    return colours
-
-
-def _draw_machine(axes: Axes3D, case: Case, machine: HexapodMachine) -> None:
+def _draw_machine(axes: Axes3D, case: Case) -> None:
     """Base, platform, struts and the bars of the sensors at home, in mm."""
+    machine, workspace, _ = case.need_machine("the picture of the machine")
     home = machine.home.vector
     turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
     base = machine.base.points / MM
@@ -121,7 +111,6 @@ def _draw_machine(axes: Axes3D, case: Case, machine: HexapodMachine) -> None:
         _draw_lines(axes, np.stack([low, high], axis=1), "tab:red", "sensors 1 to 6", 1.5)
         for k, end in enumerate(high, start=1):
             axes.text(*end, f"{k}", color="tab:red", fontsize="small", va="bottom")
-    _, workspace, _ = case.need_machine("the picture of the machine")
     tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
     _draw_lines(axes, tools, "tab:purple", "tools", 1.0)
     _finish(axes, case, [base, platform, *tools], workspace.keep_out)

@@ -14,8 +14,7 @@ from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
 from planner.precision import legible, parameter_words
 from planner.reports.compare import ratio_chart
-from planner.reports.figures import COLOURS, colour_or_grey
-from planner.reports.page import Block, Chart, answers, note, page, plain, section, table
+from planner.reports.page import COLOURS, Block, Chart, answers, colour_or_grey, note, page, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first trial is its own theory
@@ -175,4 +174,4 @@ def _add_over_load(figure: Chart, trials: Sequence[Trial], values: Sequence[floa
         own = [(s.load, v) for s, v in zip(trials, values, strict=True) if s.method == method and v is not None]
         if own:
             x, y = zip(*own, strict=True)
-            figure.add("scatter", x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})
+            figure.add("scatter", x=x, y=y, name=method, mode="lines+markers", line={"color": colour_or_grey(k)})

@@ -17,7 +17,7 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.figures import motion_blocks, thinned
+from planner.reports.figures import motion_blocks
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import (
     TERMS,
@@ -25,10 +25,10 @@ from planner.reports.page import (
     explained,
     note,
     page,
-    plain,
     script_json,
     section,
     table,
+    thinned,
 )
 from tests.helpers import Harmonic
 from tests.planner.browser import DRAWN, PATIENCE, Opened, opened
@@ -53,7 +53,7 @@ def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.Tem
     """A page with everything that outsiders can name named in HTML."""
     plots = motion_blocks(hexapod_case, sample(motion, 200.0))
     for trace in plots[0].data:
-        trace["name"] = plain(HOSTILE)
+        trace["name"] = HOSTILE
     wide = tuple(f"a wide column {k}" for k in range(30))
     text = page(
         HOSTILE,
