@@ -32,7 +32,6 @@ from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import motions, planned_excitation
 
 CONTROLLERS = (ControllerName.VIRTUAL, ControllerName.LINUXCNC)
-_ACCELERATIONS = LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION
 SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # share of a run from which a remark says so
 
@@ -83,7 +82,6 @@ def execute(
         "samples": len(recording.forces),
         "planned_s": planned.duration,
         **rating,
-        "peak_acceleration_of_limit": max(s for kind, s in peaks.items() if kind.family in _ACCELERATIONS),
         "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
         "exceeded": list(exceeded(peaks, program.guarantees, run.real)),
         "units": "SI with the unit in each column name",

@@ -29,13 +29,11 @@ def compare(
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
 
-    from planner.reports.compare import compare_page
-
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with console.status("comparing", json):
         comparison = hx.compare(folders, None if case is None else hx.load_case(case), stale)
-        console.save_with_page(comparison, COMPARISON, compare_page, place, overwrite)
+        console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
     if not console.answered(answer, json):
         _show(answer, comparison)
@@ -92,7 +90,6 @@ def validate(
     """
     from planner.comparison.methods import unfinished
     from planner.comparison.trials import mounted_weights
-    from planner.reports.validation import validation_page
 
     settings = hx.ValidationSettings(on, starts, seed, plans, workers)
     loaded = hx.load_case(case)
@@ -104,14 +101,14 @@ def validate(
         for option in (name for name, value in simulating.items() if value):
             raise hx.HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
         validation = hx.validate_recordings(loaded, recordings, names)
-        console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
+        console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
         selection, mounted = tuple(METHOD_TABLES) if names is None else names, mounted_weights(loaded, weights)
         with unfinished(place, loaded, settings, overwrite) as work, console.status("validating", json) as remark:
             validation = hx.validate(
                 loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
             )
-            console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
+            console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):
         _show_validation(answer, validation)

@@ -137,13 +137,10 @@ def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: Any, kind: FolderKind, page: Callable[[Any], str], folder: Path, overwrite: bool) -> None:
-    """Writes a value with its page report.html, as `page` makes it.
-
-    Raises:
-        FileProblem: the folder holds other files, or cannot be written.
-    """
+def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:
+    """Writes a value with its page, report.html; raises FileProblem where the folder is taken or cannot be written."""
+    from planner.reports import page_of
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        (part / "report.html").write_text(page(value), encoding="utf-8")
+        (part / "report.html").write_text(page_of(value), encoding="utf-8")

@@ -78,7 +78,6 @@ def identify(
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from planner.cli.identification import answer_of_result, method_of, show_result
-    from planner.reports.identify import identify_page
 
     seconds = None
     if period not in (None, "auto"):
@@ -112,7 +111,7 @@ def identify(
             conditioning=conditioning,
             poses=plan,
         )
-        console.save_with_page(result, RESULT, identify_page, folder, overwrite)
+        console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
         show_result(answer)

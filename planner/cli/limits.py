@@ -114,7 +114,6 @@ def retime(
     Prints criteria and limits before and after; without -o nothing is written.
     """
     from cases.units import DEG, MM
-    from planner.reports.plan import plan_page
     from planner.retiming.retimed import repaced, retimed_plan
 
     if output is not None:
@@ -125,7 +124,7 @@ def retime(
         result = repaced(plan, method, fastest, model, report)
         if output is not None:
             report("writing")
-            console.save_with_page(retimed_plan(result, plan, model), PLAN, plan_page, output, overwrite)
+            console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": result.method,

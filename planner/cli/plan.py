@@ -81,7 +81,6 @@ def plan(
     from planner.families.settings import family_class
     from planner.library import planned
     from planner.planning import require_plannable
-    from planner.reports.plan import plan_page
     from planner.request import OWNERS, Request
     from planner.search.parallel import first_ctrl_c
 
@@ -117,7 +116,7 @@ def plan(
     if output is None and result.family != family:  # by itself
         folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
-        console.save_with_page(result, PLAN, plan_page, folder, overwrite)
+        console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
     if not console.answered(answer, json):
         show_plan(answer, result)

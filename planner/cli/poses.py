@@ -33,7 +33,6 @@ def poses(
     """
     from cases.tables import find_case
     from identification.model import static_model
-    from planner.reports.plan import poses_page
 
     loaded = hx.load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
@@ -52,7 +51,7 @@ def poses(
             noise=noise,
         )
     with console.status("writing", json):
-        console.save_with_page(plan, PLAN, poses_page, folder, overwrite)
+        console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not console.answered(answer, json):

@@ -140,7 +140,7 @@ def show_check(answer: dict[str, Any], program: "hx.Program") -> None:
 
 ANSWERED = (
     "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
-    "peak_acceleration_of_limit", "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
+    "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
 )  # fmt: skip
 
 

@@ -189,25 +189,4 @@ def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Bl
     figure.add("bar", x=model.names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
     figure.add("bar", x=model.names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.axes({"tickangle": -60})
-    return (
-        figure,
-        _progress(states.t, motion.duration, matrices),
-        *identifiability_blocks(analyse(matrices, model.names)),
-    )
-
-
-def _progress(times: Array, duration: float, matrices: Array) -> Chart:
-    """Growth of the information while the motion runs: criterion D up to each time."""
-    per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
-    steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
-    gathered = np.cumsum(per_sample, axis=0)[steps]
-    sign, logdet = np.linalg.slogdet(gathered)
-    whole = logdet[-1]
-    share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
-    caption = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
-    figure = Chart("progress", caption, "time [s]", "information gathered [%]", height=300)
-    gathering, even = {"color": COLOURS[0], "width": 2}, {"color": GREY, "dash": "dash", "width": 1}
-    figure.add("scatter", x=times[steps], y=100 * share, line=gathering, name="gathered", mode="lines")
-    figure.add("scatter", x=[0.0, duration], y=[0.0, 100.0], line=even, name="at an even pace", mode="lines")
-    figure.axes({"range": [0.0, duration]}, {"range": [0, 105]})
-    return figure
+    return (figure, *identifiability_blocks(analyse(matrices, model.names)))
