@@ -57,11 +57,7 @@ def require_controller(on: str) -> None:
 def execute(
     program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED
 ) -> tuple[ExecutedRun, Recording]:
-    """Proves a program and runs it: the run, and a recording whose measurements are simulated.
-
-    Raises:
-        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
-    """
+    """The run of a program, as `carried_out`, and a recording whose measurements are simulated."""
     case.need_simulation("a run")
     run = carried_out(program, case, on)
     planned: Trajectory

@@ -155,12 +155,7 @@ def case_line(case: Case) -> str:
 
 
 def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
-    """Reads a program; where one that cannot be read is for another state of the case, the error says so.
-
-    Raises:
-        ProgramError: it cannot be read or understood.
-        CaseError: the case lacks what its dialect needs.
-    """
+    """Reads a program; where one that cannot be read is for another state of the case, the error says so."""
     with naming_another(file, file.read_bytes() if file.is_file() else b"", case):
         return read_program(file, case, dialect)
 

@@ -29,12 +29,7 @@ def method_of(
     biases: Path | None = None,
     stale: bool = False,
 ) -> Method:
-    """The method that a user asks for, by the options as typed.
-
-    Raises:
-        HexciteError: a value is not understood, a name is not one of the model, the estimator is unknown, or a
-            result does not exist, is damaged, or belongs to another case.
-    """
+    """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
     constants: dict[str, float] = {}
     for text in fix or ():

@@ -123,12 +123,7 @@ def plan(
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:
-    """The most payloads that may be mounted, and the fewest where `text` is a range such as 0-5.
-
-    Raises:
-        HexciteError: the text is neither a number nor a range.
-    """
-
+    """The most payloads that may be mounted, and the fewest of a range such as 0-5; raises HexciteError."""
     match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
     if match is None:
         raise hx.HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
@@ -136,17 +131,13 @@ def read_payloads(text: str) -> tuple[int, int | None]:
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:
-    """Refuses options that would have no effect.
-
-    Raises:
-        HexciteError: an option belongs to another family, or fixes a setting that another option leaves free.
-    """
+    """Refuses options of another family, and those that fix a setting which another option leaves free."""
     from planner.families.settings import FAMILIES
     from planner.request import OWNERS
 
+    optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
     for given_option in given:
         name = OPTIONS.get(given_option, given_option.replace("_", "-"))
-        optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
         owners = optimised if given_option in SEARCHED else [OWNERS[given_option]]
         if family not in owners:
             raise hx.HexciteError(
@@ -163,10 +154,9 @@ def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
     """Prints a plan for people."""
-    from cases.sensors import payload_words
     from identification.limit import Status
 
-    worth = plan.of_motion[1]
+    request, worth = plan.of_motion
     for weakness in answer["weaknesses"]:
         print(f"WEAK: {weakness}")
     for failed in answer["failed_starts"]:
@@ -188,8 +178,7 @@ def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
         noise += " and noise of the accelerations as the case states it"
     if (by_pose := answer["pose_errors"]) is not None:
         noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
-    first, last = answer["payload_from"], answer["payload"]
-    mounted = payload_words(last) if first == last else f"the largest with {first} to {payload_words(last)}"
+    mounted = f"{'the largest with ' if len(plan.payloads) > 1 else ''}{request.mounted}"
     noise += f", {answer['assumed_rate_Hz']:g} Hz, {mounted}"
     title = f"Predicted standard deviations ({noise}, weights {answer['weights']})"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())

@@ -72,11 +72,7 @@ USUAL = ValidationSettings()
 
 
 def require_methods(names: Sequence[str]) -> None:
-    """Refuses names that are none of `METHODS`, and names given twice.
-
-    Raises:
-        HexciteError: one of them is unknown, or there is none.
-    """
+    """Raises HexciteError where a name is none of `METHODS` or given twice, or there is none."""
     for name in names:
         if name not in METHODS:
             raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
@@ -137,15 +133,11 @@ def carry_out(
     folder: Path,
     remark: Remark,
 ) -> tuple[tuple[Trial, ...], dict[str, str], dict[str, str]]:
-    """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
+    """Trials of the methods that can be carried out, controller of each with a remark, and why the others failed.
 
     Args:
         mounted: numbers of weights, from 0 on.
         folder: folder that takes plans and programs; a plan that it holds already is not made again.
-
-    Returns:
-        Trials of the methods that could be carried out; controller of each method, with a remark on its run; reasons
-        why the others failed.
 
     Raises:
         HexciteError: no method could be carried out.

@@ -220,11 +220,7 @@ def require_weights(case: Case) -> None:
 
 
 def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
-    """Numbers of weights to mount, by default 0 and each up to all of them.
-
-    Raises:
-        HexciteError: the text is not numbers from 0 upwards, or they are more weights than there are.
-    """
+    """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
     require_weights(case)
     most = len(_weights(case, 99))
     if wanted is None:

@@ -129,9 +129,8 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
     """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none.
 
     Returns:
-        Predicted standard deviation of each physical parameter [SI] for as much measuring time as the plan's, repeated
-        or broken off, where errors average out; else, where they depend on the pose, of one run; its duration [s];
-        whether they average out.
+        Predicted standard deviation of each physical parameter [SI], for as much measuring time as the plan's where
+        errors average out, else of one run; its duration [s]; whether they average out.
     """
     if not plan.of_motion[0].family.optimised:
         return "it is the motion itself"

@@ -35,7 +35,6 @@ def _listed(value: object) -> object:
 Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
 Whole = Annotated[int, Field(strict=True)]
 
-
 _USUAL = Request()
 OPTIONS = {"duration_s": "duration", "period_s": "period"}  # of settings whose columns carry a unit
 
@@ -96,12 +95,7 @@ BUILT_IN = Path(__file__).parent / "specs"
 
 
 def load_spec(name: str) -> Spec:
-    """Reads a study by its built-in name or its file.
-
-    Raises:
-        FileProblem: no such file.
-        CaseError: not TOML, an unknown setting, or an invalid value: key, value and remedy.
-    """
+    """Reads a study by its built-in name or its file; raises FileProblem or CaseError where it cannot be."""
     files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
     path = files.get(name, Path(name))
     if not path.is_file():
@@ -110,11 +104,7 @@ def load_spec(name: str) -> Spec:
 
 
 def settings_of(spec: Spec) -> Iterator[CellSettings]:
-    """The settings of every cell, each once, in the order of the grid.
-
-    Raises:
-        HexciteError: more cells than a study can hold; the message states the time that they would take.
-    """
+    """The settings of every cell, each once, in the order of the grid; HexciteError where they are too many."""
     if spec.size > MOST_CELLS:
         hours = spec.size * 5.0 / 3600.0
         raise HexciteError(
@@ -137,11 +127,7 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
 
 
 def request_of(settings: CellSettings) -> Request:
-    """The request of a cell, with one start.
-
-    Raises:
-        HexciteError: the settings cannot be planned.
-    """
+    """The request of a cell, with one start; HexciteError where its settings cannot be planned."""
     ours = {OPTIONS.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
     own = {name: ours.pop(name) for name in OWNERS if name in ours}
@@ -222,11 +208,7 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
 
 
 def read_rows(folder: Path) -> "pa.Table":
-    """All rows of a study, each once.
-
-    Raises:
-        FileProblem: a file is damaged.
-    """
+    """All rows of a study, each once; FileProblem where a file is damaged."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

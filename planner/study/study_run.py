@@ -37,10 +37,8 @@ def work(case: Case, request: Request, noise_seeds: tuple[int, ...], disturbed: 
     A plan or run that is refused is a row with its reason: this is a result, not a failure of the study.
 
     Args:
-        case: machine and limits, and a simulated machine where runs are asked for.
         request: request of the plan, with one start.
         noise_seeds: noise seeds of the recordings to identify; none: the plan alone.
-        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
     """
     try:
         row, plan = _plan(case, request)
@@ -131,11 +129,7 @@ def cell_key(settings: CellSettings, execute: ExecutionSpec | None, case: Case, 
 
 
 def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
-    """Settings of every cell of a study, by the key of its rows.
-
-    Raises:
-        HexciteError: a combination cannot be planned, or there are too many.
-    """
+    """Settings of each cell, by the key of its rows; HexciteError where one cannot be planned, or for too many."""
     ours, cells = version("hexcite"), dict[str, CellSettings]()
     for choice in settings_of(spec):
         settings = {"model": full_model(case)} | choice
@@ -145,11 +139,7 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
 
 
 def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[int, ...]]:
-    """Cells with rows that are not in the folder yet, and noise seeds of these rows; failed cells are not missing.
-
-    Raises:
-        FileProblem: a file of the study is damaged.
-    """
+    """Cells with rows that are not in the folder yet, and noise seeds of these rows; failed cells are not missing."""
     there: set[tuple[str, int]] = set()
     failed: set[str] = set()
     if folder.is_dir():
