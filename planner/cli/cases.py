@@ -52,13 +52,9 @@ def check(
         with console.status("searching the largest reachable box", json or not propose):
             checked = hx.check_case(case, propose)
     except CaseError as error:
-        if len(error.problems) < 2:
-            for remark in () if json else _units_of(case):
-                print(f"look at {remark}")
-            raise
-        if json:  # one line has them all; nothing stands on standard output
+        if json and len(error.problems) > 1:  # one line has them all; nothing stands on standard output
             raise CaseError(error.file, "", "; ".join(error.problems)) from error
-        for problem in error.problems:
+        for problem in error.problems if len(error.problems) > 1 else ():
             print(problem)
         raise
     if console.answered({"ok": True, **checked.to_json()}, json):
@@ -95,16 +91,6 @@ def check(
             print(f"Plans satisfy these limits too. `{command}` finds the largest reachable box.")
     if proposal is not None:
         _print_proposal(proposal)
-
-
-def _units_of(case: str) -> tuple[str, ...]:
-    """Units that look mistaken in a case whose machine cannot stand at home, and why it may not."""
-    from planner.reports.case_figures import mistaken_units
-
-    try:
-        return tuple(mistaken_units(hx.load_case(case)))
-    except CaseError:
-        return ()
 
 
 def _print_proposal(box: "MotionBox") -> None:

@@ -32,9 +32,7 @@ def bound(
     from time import perf_counter
 
     from identification.model import full_model
-    from planner.bounds.information_limit import require_time
 
-    require_time(time_limit)
     if output is not None:
         check_file(output, [".json"], overwrite=overwrite)
     loaded = hx.load_case(case)

@@ -162,11 +162,7 @@ def run(
     Sensors and encoders are simulated for the motion that the controller executed.
     """
     from cases.tables import find_case
-    from planner.execution import require_controller
-    from planner.request import require_seed
 
-    require_seed(seed)
-    require_controller(on)
     folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
     check_folder(folder, RUN, [program, find_case(case)], overwrite)
     loaded = hx.load_case(case)

@@ -56,10 +56,10 @@ def _in_box(case: Case, file: str) -> dict[str, Any]:
     at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
     if at_home.violations:
         broken = at_home.violations[0]
-        problem = broken.sentence(timed=False)
+        problem, hint = broken.sentence(timed=False), "".join(f"; look at {words}" for words in mistaken_units(case))
         if case.chain is not None:
-            raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
-        raise CaseError(file, "machine.home", f"is out of reach: {problem}; move home or {remedy(broken, case)}")
+            raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home{hint}")
+        raise CaseError(file, "machine.home", f"is out of reach: {problem}; move home or {remedy(broken, case)}{hint}")
     kinds = STATIC if case.chain is None else OF_CHAINS
     checks = prove(StandingPoses(poses), case, 1.0).checks
     entries = {str(c.of): c.to_json() for c in checks if c.kind in kinds}

@@ -7,7 +7,6 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
-from identification.estimation.fit import Value
 from identification.outcome import RUN_ENTRIES, Result
 from identification.signals import Residuals
 from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
@@ -101,7 +100,6 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
     return (
         table(PARAMETER_COLUMNS, rows),
         note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
-        parameters_chart(result.parameters),
         *map(note, [*([] if delay is None else [delay]), *result.notes]),
     )
 
@@ -202,25 +200,4 @@ def _over_samples(figure: Chart, residuals: Residuals) -> Chart:
         for trace in figure.data:
             trace.update(mode="lines+markers", marker={"size": 4})
     figure.axes({"title": {"text": "standstill" if residuals.step is None else "time [s]"}})
-    return figure
-
-
-def parameters_chart(parameters: Mapping[str, Value]) -> Chart:
-    """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
-    names = list(parameters)
-    largest: dict[str, float] = {}
-    for p in parameters.values():
-        largest[p.unit] = max(largest.get(p.unit, 0.0), abs(p.value), 1e-300)
-    caption = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
-    figure = Chart("parameters", caption, y="half width of the 95 % interval [%]", height=360)
-    for label, colour in (("robust", COLOURS[1]), ("(28)", COLOURS[0])):
-        stds = [p.std_robust if label == "robust" else p.std for p in parameters.values()]
-        deviations = list(zip(parameters.values(), stds, strict=True))
-        width = [1.96 * std / largest[p.unit] * 100 for p, std in deviations]
-        text = [f"{value_text(p.value, std)} ± {std_text(1.96 * std)} {p.unit}" for p, std in deviations]
-        figure.add(
-            "scatter", x=names, y=width, name=label, mode="markers", hovertext=text,
-            marker={"size": 9, "color": colour}, hoverinfo="text+name",
-        )  # fmt: skip
-    figure.axes({"tickangle": -45}, {"type": "log", "dtick": "D2"})
     return figure
