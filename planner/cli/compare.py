@@ -104,7 +104,7 @@ def validate(
         console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
         selection, mounted = tuple(METHOD_TABLES) if names is None else names, mounted_weights(loaded, weights)
-        with unfinished(place, loaded, settings, overwrite) as work, console.status("validating", json) as remark:
+        with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
             validation = hx.validate(
                 loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
             )

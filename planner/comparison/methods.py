@@ -12,8 +12,8 @@ from pydantic import Field
 
 from cases.controller import ControllerName
 from cases.errors import FileProblem, HexciteError, Interrupted
-from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
-from cases.schema import Case
+from cases.files import PLAN, atomic_folder
+from cases.schema import Case, fingerprint
 from cases.sensors import Disturbances
 from cases.tables import Part
 from identification.criteria import Criterion
@@ -81,47 +81,21 @@ def require_methods(names: Sequence[str]) -> None:
 
 
 @contextmanager
-def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite: bool = False) -> Iterator[Path]:
+def unfinished(output: Path, case: Case, settings: ValidationSettings) -> Iterator[Path]:
     """Yields the folder that holds the plans until the validation is written, also after an interruption.
 
-    Plans of an earlier validation there are used where they belong to the same case and settings.
-
-    Args:
-        output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
-        overwrite: whether to remove plans of another case or other settings.
-
-    Raises:
-        FileProblem: the folder is somebody's, or of another case or other settings.
+    It stands beside `output`, and a fingerprint of case and settings in its name lets the same command find it again.
     """
-    folder = output.absolute().with_name(f"{output.name}.unfinished")
-    check_folder(folder, UNFINISHED, overwrite=True)
-    about = folder / "unfinished.json"
     plans = None if settings.plans is None else str(settings.plans.resolve())
-    content = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
-    if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == content):
-        if _worth_keeping(folder) and not overwrite:
-            raise FileProblem(
-                folder,
-                "an unfinished validation of another case or other settings stands there",
-                "choose another place with -o, or drop it with --overwrite",
-            )
-        shutil.rmtree(folder)
-    write_text(about, content)
+    key = fingerprint([case.hash, settings.starts, settings.seed, plans])[:8]
+    folder = output.absolute().with_name(f"{output.name}.unfinished-{key}")
     try:
         yield folder
     except Interrupted:
-        if _worth_keeping(folder):
+        if folder.exists():
             raise Interrupted(f"finished plans are kept in {folder.name}, the same command uses them") from None
         raise
-    else:
-        shutil.rmtree(folder)
-    finally:
-        if folder.exists() and not _worth_keeping(folder):
-            shutil.rmtree(folder)
-
-
-def _worth_keeping(folder: Path) -> bool:
-    return any(folder.glob("plans/*/plan.json"))
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def carry_out(

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from markupsafe import Markup
 
 from cases.files import provenance
 from cases.recording_format import CLOCK, TICKS
@@ -28,12 +27,15 @@ _TITLES = (
 
 def case_page(case: Case, reach: Reach) -> str:
     """The page of `hexcite case show`."""
+    words = "Joints and sensors with their numbers. Drag to turn, wheel to zoom."
+    home = case.need_motion("the picture of the machine")[0]
+    picture = posing_machine(case, home[None], words) if case.chain is None else _chain(case)
     return page(
         f"Machine: {case.title}",
         "The machine at home, in {B}, to be compared with the drawing, and how far each coordinate reaches.",
         (("case", f"{case.name} (hash {case.hash})"), *provenance([])["versions"].items()),
         (),
-        section("The machine at home", _hexapod(case) if case.chain is None else _chain(case)),
+        section("The machine at home", picture),
         section(
             "Reach of the motion box",
             note(share_sentences(reach)),
@@ -42,11 +44,6 @@ def case_page(case: Case, reach: Reach) -> str:
             *(_maps(case) if case.chain is None else ()),
         ),
     )
-
-
-def _hexapod(case: Case) -> Markup:
-    home = case.need_machine("the picture of the machine")[0].home.vector
-    return posing_machine(case, home[None], "Joints and sensors with their numbers. Drag to turn, wheel to zoom.")
 
 
 def _maps(case: Case) -> Iterator[Chart]:

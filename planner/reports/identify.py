@@ -116,9 +116,20 @@ def delay_words(result: Result) -> str | None:
 def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     """Forces, residuals over time, their distribution and spectrum."""
     channels = case.sensor_frame.channels
-    charts = [forces_chart(residuals, channels), residuals_chart(residuals, channels), distribution_chart(residuals)]
+    at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
+    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    forces = Chart("forces", f"Lines: {source}. Dotted: the identified model.", at, f"force [{unit}]", height=340)
+    forces.add_lines(residuals.t, residuals.explained, channels, 1)
+    forces.add_lines(residuals.t, residuals.predicted, channels, 2, "dot")
+    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
+    rest = Chart("residuals", caption, at, f"recorded - model [{unit}]", height=320)
+    rest.add_lines(residuals.t, residuals.evaluated, channels, 0.8)
+    charts = [forces, rest, distribution_chart(residuals)]
     if residuals.step is not None:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
+    else:
+        for trace in (*forces.data, *rest.data):
+            trace.update(mode="lines+markers", marker={"size": 4})
     columns = [("residual, rms", residuals.evaluated)]
     if residuals.filtered is not None:
         columns = [
@@ -141,24 +152,6 @@ def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
         k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, Mapping)
     }
     return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
-
-
-def forces_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
-    """Forces that the estimator used (lines) and those of the model (dotted)."""
-    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
-    caption = f"Lines: {source}. Dotted: the identified model."
-    figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
-    figure.add_lines(residuals.t, residuals.explained, channels, 1)
-    figure.add_lines(residuals.t, residuals.predicted, channels, 2, "dot")
-    return _over_samples(figure, residuals)
-
-
-def residuals_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
-    """Residuals of each channel over time; a long run is drawn by its extremes."""
-    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
-    figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
-    figure.add_lines(residuals.t, residuals.evaluated, channels, 0.8)
-    return _over_samples(figure, residuals)
 
 
 def distribution_chart(residuals: Residuals) -> Chart:
@@ -191,13 +184,4 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
     if cutoff is not None:
         figure.add_line({"x": cutoff}, GREY)
     figure.axes({"type": "log"}, {"type": "log"})
-    return figure
-
-
-def _over_samples(figure: Chart, residuals: Residuals) -> Chart:
-    """The figure with its x axis: time, or standstills, each a marker."""
-    if residuals.step is None:
-        for trace in figure.data:
-            trace.update(mode="lines+markers", marker={"size": 4})
-    figure.axes({"title": {"text": "standstill" if residuals.step is None else "time [s]"}})
     return figure
