@@ -22,7 +22,7 @@ from identification.simulate import UNDISTURBED, Circumstances, circumstances, s
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
 from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
-from planner.plan_program import naming_another, plan_of_program, read_for, written_for_another
+from planner.plan_program import plan_of_program, read_for, require_proven, written_for_another
 from planner.request import require_seed
 from postprocessors.dialects import Program
 from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
@@ -115,8 +115,7 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     require_controller(on)
-    with naming_another(program.path, program.content, case):
-        program.proof.require()
+    require_proven(program, case)
     if on == ControllerName.VIRTUAL:
         run = run_virtual(program.reading, replace(program.guarantees, case=case))
     else:

@@ -179,9 +179,14 @@ def check(
     """
     read = read_for(case, Path(program), dialect)
     if accept is not None:
-        with naming_another(read.path, read.content, case):
-            read.proof.require_accepted((accept,) if isinstance(accept, str) else accept)
+        require_proven(read, case, (accept,) if isinstance(accept, str) else accept)
     return read
+
+
+def require_proven(program: Program, case: Case, accept: Collection[str] | None = None) -> None:
+    """Raises ProgramError unless a program is proven, with `accept` by limits that are enforced or accepted."""
+    with naming_another(program.path, program.content, case):
+        program.proof.require() if accept is None else program.proof.require_accepted(accept)
 
 
 @contextmanager

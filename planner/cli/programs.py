@@ -93,7 +93,7 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
-    from planner.plan_program import naming_another
+    from planner.plan_program import require_proven
 
     loaded = hx.load_case(case)
     with console.status(f"proving {program.name}", json):
@@ -101,8 +101,7 @@ def check(
         answer = answer_of_proof(read)
     if not console.answered(answer, json):
         show_check(answer, read)
-    with naming_another(program, read.content, loaded):
-        read.proof.require()
+    require_proven(read, loaded)
 
 
 def answer_of_proof(program: "hx.Program") -> dict[str, Any]:

@@ -152,13 +152,10 @@ def validate_recordings(case: Case, recordings: Path | str, methods: Sequence[st
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
         raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")
-    if methods is not None:
-        for name in methods:
-            if name not in (folder.name for folder in folders):
-                names = ", ".join(folder.name for folder in folders)
-                raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
-        folders = [folder for folder in folders if folder.name in methods]
-
+    names = [folder.name for folder in folders]
+    for name in (name for name in methods or () if name not in names):
+        raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {', '.join(names)}")
+    folders = [folder for folder in folders if methods is None or folder.name in methods]
     trials = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
     machine = f"recordings of a machine in {recordings}"
     return Validation(case, machine, trials, tuple(claims_of(trials)), {}, {}, None, None, {})

@@ -126,25 +126,7 @@ def leftovers(case: Case) -> tuple[str, ...]:
     """Sentences about values that the user should look at, each with its key."""
     if case.name in built_in_cases() and case == load_case(case.name):
         return ()
-    return (
-        *_of_torques(case),
-        *_of_other_machines(case),
-        *_of_bodies(case),
-        *_of_poses(case),
-        *_of_gravity(case),
-        *mistaken_units(case),
-    )
-
-
-def _of_torques(case: Case) -> Iterator[str]:
-    """Sentence on limits of torque or force that need the body of a link which is not stated."""
-    joints = () if case.chain is None else case.chain.joints
-    without = [joint.name for joint in joints if joint.link is None]
-    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
-        yield (
-            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
-            "stated; add its mass, centre of gravity and inertia"
-        )
+    return (*_of_other_machines(case), *_of_single_values(case), *mistaken_units(case))
 
 
 def _of_other_machines(case: Case) -> Iterator[str]:
@@ -165,21 +147,23 @@ def _of_other_machines(case: Case) -> Iterator[str]:
             )
 
 
-def _of_bodies(case: Case) -> Iterator[str]:
-    if case.nominal is None or case.simulation is None:
-        return
-    simulated, nominal = case.simulation.parameters.body.mass_kg, case.nominal.mass_kg
-    if not 1.0 / _OTHER_BODY <= simulated / nominal <= _OTHER_BODY:
+def _of_single_values(case: Case) -> Iterator[str]:
+    """Sentences on limits, bodies, poses and gravity that are hardly meant."""
+    joints = () if case.chain is None else case.chain.joints
+    without = [joint.name for joint in joints if joint.link is None]
+    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
         yield (
-            f"simulation.parameters.body.mass_kg = {simulated:g} is {simulated / nominal:.3g} times nominal.mass_kg = "
-            f"{nominal:g}; one of the two is of another machine"
+            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
+            "stated; add its mass, centre of gravity and inertia"
         )
-
-
-def _of_poses(case: Case) -> Iterator[str]:
-    if case.poses is None or case.workspace is None:
-        return
-    for axis in ("x_mm", "y_mm"):
+    if case.nominal is not None and case.simulation is not None:
+        simulated, nominal = case.simulation.parameters.body.mass_kg, case.nominal.mass_kg
+        if not 1.0 / _OTHER_BODY <= simulated / nominal <= _OTHER_BODY:
+            yield (
+                f"simulation.parameters.body.mass_kg = {simulated:g} is {simulated / nominal:.3g} times "
+                f"nominal.mass_kg = {nominal:g}; one of the two is of another machine"
+            )
+    for axis in ("x_mm", "y_mm") if case.poses is not None and case.workspace is not None else ():
         first, last, _ = getattr(case.poses, axis)
         low, high = getattr(case.workspace, axis)
         if first < low or last > high:
@@ -187,9 +171,6 @@ def _of_poses(case: Case) -> Iterator[str]:
                 f"poses.{axis} = {first:g} to {last:g} leaves workspace.{axis} = {low:g} to {high:g}; narrow it, poses "
                 "outside are never chosen"
             )
-
-
-def _of_gravity(case: Case) -> Iterator[str]:
     if case.gravity[2] > 0.0:
         yield (
             f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "

@@ -50,13 +50,23 @@ def plan_page(plan: Plan) -> str:
     origin = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
         origin += f", re-timed with {method}"
+    notes = [f"{text[0].upper()}{text[1:]}." for text in plan.of_motion[1].notes]
+    if case.chain is not None:
+        notes.append(
+            "D-efficiency is an estimate here, perhaps too large: the most information that a chain of joints can have "
+            "is searched for, not proven."
+        )
+    first, last = map(case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
+    ends = f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
     return page(
         f"Plan: {case.title}",
         f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {origin}, to identify model {request.model} "
-        f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {_ends(plan)}.",
+        f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {ends}.",
         inputs,
         _warnings(plan),
-        section("What the plan promises", _headline(plan), _verdicts(plan), *_deviations(plan, model), *_notes(plan)),
+        section(
+            "What the plan promises", _headline(plan), _verdicts(plan), *_deviations(plan, model), *map(note, notes)
+        ),
         *pictured(case, plan.motion),
         section("How close it comes to each limit", limits_chart(plan.limits), note(shaped)),
         section("The motion and its limits", *motion_blocks(case, motion)),
@@ -78,21 +88,6 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
             f"{plan.case.name} --model {plan.model} with a longer --time-limit proves it."
         )
     return tuple(words)
-
-
-def _notes(plan: Plan) -> tuple[Markup, ...]:
-    notes = [f"{text[0].upper()}{text[1:]}." for text in plan.of_motion[1].notes]
-    if plan.case.chain is not None:
-        notes.append(
-            "D-efficiency is an estimate here, perhaps too large: the most information that a chain of joints can have "
-            "is searched for, not proven."
-        )
-    return tuple(map(note, notes))
-
-
-def _ends(plan: Plan) -> str:
-    first, last = map(plan.case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
-    return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
 
 
 def _headline(plan: Plan) -> Markup:
