@@ -14,12 +14,11 @@ from cases.controller import ControllerName
 from cases.errors import FileProblem, HexciteError, Interrupted
 from cases.files import PLAN, atomic_folder
 from cases.schema import Case, fingerprint
-from cases.sensors import Disturbances
 from cases.tables import Part
 from identification.criteria import Criterion
 from identification.limit import KINETIC
 from planner.comparison import METHOD_TABLES
-from planner.comparison.trials import Excitation, Trial, trials
+from planner.comparison.trials import Excitation
 from planner.execution import carried_out
 from planner.families.settings import family_class
 from planner.library import planned
@@ -98,45 +97,8 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings) -> Iterat
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def carry_out(
-    case: Case,
-    methods: Sequence[str],
-    mounted: Sequence[int],
-    disturbances: Disturbances | None,
-    settings: ValidationSettings,
-    folder: Path,
-    remark: Remark,
-) -> tuple[tuple[Trial, ...], dict[str, str], dict[str, str]]:
-    """Trials of the methods that can be carried out, controller of each with a remark, and why the others failed.
-
-    Args:
-        mounted: numbers of weights, from 0 on.
-        folder: folder that takes plans and programs; a plan that it holds already is not made again.
-
-    Raises:
-        HexciteError: no method could be carried out.
-    """
-    results: list[Trial] = []
-    executed: dict[str, str] = {}
-    failed: dict[str, str] = {}
-    for method in methods:
-        try:
-            excitation = _excitation(case, method, settings, folder, remark)
-        except HexciteError as error:
-            failed[method] = error.typed.replace(f"{folder}/", "")
-            continue
-        executed[method] = excitation.controller
-        remark(f"{method}: identifying")
-        for trial in trials(excitation, mounted, disturbances):
-            results.append(trial)
-            remark(f"{method} {trial.load:.0f} kg")
-    if not results:
-        raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
-    return tuple(results), executed, failed
-
-
-def _excitation(case: Case, method: str, settings: ValidationSettings, folder: Path, remark: Remark) -> Excitation:
-    """A method planned, written as a proven program and executed."""
+def executed(case: Case, method: str, settings: ValidationSettings, folder: Path, remark: Remark) -> Excitation:
+    """A method planned, written as a proven program and executed; a plan that `folder` holds is not made again."""
     remark(f"{method}: planning")
     plan = _planned(case, method, settings, folder)
     dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC

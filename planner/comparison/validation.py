@@ -16,15 +16,8 @@ from cases.schema import Case
 from cases.sensors import Disturbances
 from cases.units import as_html
 from planner.comparison.claims import Claim, claims_of
-from planner.comparison.methods import (
-    METHODS,
-    USUAL,
-    Remark,
-    ValidationSettings,
-    carry_out,
-    require_methods,
-)
-from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights
+from planner.comparison.methods import METHODS, USUAL, Remark, ValidationSettings, executed, require_methods
+from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights, trials
 from planner.execution import require_controller
 
 
@@ -107,7 +100,20 @@ def validate(
     disturbances = _disturbances_of(case, settings, undisturbed)
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
-        trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, progress)
+        found, controllers, failed = list[Trial](), dict[str, str](), dict[str, str]()
+        for method in methods:
+            try:
+                excitation = executed(case, method, settings, work, progress)
+            except HexciteError as error:  # the others go on
+                failed[method] = error.typed.replace(f"{work}/", "")
+                continue
+            controllers[method] = excitation.controller
+            progress(f"{method}: identifying")
+            for trial in trials(excitation, mounted, disturbances):
+                found.append(trial)
+                progress(f"{method} {trial.load:.0f} kg")
+        if not found:
+            raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
         origin = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
@@ -117,10 +123,10 @@ def validate(
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
-        trials=trials,
-        claims=tuple(claims_of(trials)),
+        trials=tuple(found),
+        claims=tuple(claims_of(found)),
         failed=failed,
-        executed=executed,
+        executed=controllers,
         controller=settings.on,
         disturbances=disturbances,
         made=origin,
@@ -156,9 +162,9 @@ def validate_recordings(case: Case, recordings: Path | str, methods: Sequence[st
     for name in (name for name in methods or () if name not in names):
         raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {', '.join(names)}")
     folders = [folder for folder in folders if methods is None or folder.name in methods]
-    trials = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
+    found = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
     machine = f"recordings of a machine in {recordings}"
-    return Validation(case, machine, trials, tuple(claims_of(trials)), {}, {}, None, None, {})
+    return Validation(case, machine, found, tuple(claims_of(found)), {}, {}, None, None, {})
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

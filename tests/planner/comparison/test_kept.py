@@ -29,7 +29,7 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
         def trials(*_: object) -> NoReturn:
             raise by
 
-        monkeypatch.setattr("planner.comparison.methods.trials", trials)
+        monkeypatch.setattr("planner.comparison.validation.trials", trials)
         with pytest.raises(type(by)) as raised:
             run_validation()
         (folder,) = tmp_path.iterdir()
