@@ -153,8 +153,9 @@ def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:
 def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
     """Prints a plan for people."""
     from identification.limit import Status
+    from planner.reports.plan import assumed_words
 
-    request, worth = plan.of_motion
+    worth = plan.of_motion[1]
     for weakness in answer["weaknesses"]:
         print(f"WEAK: {weakness}")
     for failed in answer["failed_starts"]:
@@ -171,14 +172,7 @@ def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
         print(f"no limit is used to {100 * MOST_USED:g} %; all {fewer} are proven and stand in the report")
     for note in answer["notes"]:
         print(f"note: {note}")
-    noise = f"{answer['assumed_noise_N']:g} N white force noise"
-    if answer["noise_of_accelerations"]:
-        noise += " and noise of the accelerations as the case states it"
-    if (by_pose := answer["pose_errors"]) is not None:
-        noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
-    mounted = f"{'the largest with ' if len(plan.payloads) > 1 else ''}{request.mounted}"
-    noise += f", {answer['assumed_rate_Hz']:g} Hz, {mounted}"
-    title = f"Predicted standard deviations ({noise}, weights {answer['weights']})"
+    title = f"Predicted standard deviations ({assumed_words(plan)})"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     begin, end = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
     print(f"from rest at {begin} to rest " + ("there" if begin == end else f"at {end}"))

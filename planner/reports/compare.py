@@ -7,7 +7,7 @@ from cases.files import provenance
 from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.page import Chart, colour_or_grey, note, page, section, table
+from planner.reports.page import Chart, colour, note, page, section, table
 
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
 SPREAD = 0.7  # share of the distance between two parameters that the markers of one occupy
@@ -112,7 +112,7 @@ def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
         (
             e.name,
             {n: t.reported for n, t in e.parameters.items()},
-            {"color": colour_or_grey(k), "symbol": symbols[e.level]},
+            {"color": colour(k), "symbol": symbols[e.level]},
         )
         for k, group in enumerate(groups)
         for e in group

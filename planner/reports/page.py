@@ -74,12 +74,7 @@ def plain(value: Any) -> Any:
 
 
 def colour(k: int) -> str:
-    """Colour of a line by its number, from 0."""
-    return COLOURS[k % len(COLOURS)]
-
-
-def colour_or_grey(k: int) -> str:
-    """Colour of one of up to seven entries of a comparison, by its number, from 0."""
+    """Colour of a line or an entry by its number, from 0; the seventh is grey."""
     return (*COLOURS, GREY)[k % 7]
 
 

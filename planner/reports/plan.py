@@ -127,8 +127,6 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
         Predicted standard deviation of each physical parameter [SI], for as much measuring time as the plan's where
         errors average out, else of one run; its duration [s]; whether they average out.
     """
-    if not plan.of_motion[0].family.optimised:
-        return "it is the motion itself"
     try:
         case = plan.case
         model = identification_model(case, plan.model)
@@ -145,14 +143,21 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
         return f"there is no hand-made motion to compare with: {error.typed}"
 
 
+def assumed_words(plan: Plan) -> str:
+    """What predicted standard deviations assume: noise, rate, payloads and weights."""
+    request, worth = plan.of_motion
+    words = f"{plan.assumed_noise:g} N white force noise"
+    if worth.noise_of_accelerations:
+        words += " and noise of the accelerations as the case states it"
+    if (field := plan.case.sensors.pose_field) is not None:
+        words += f", {field.words} that depend on the pose"
+    most = "the largest with " if len(plan.payloads) > 1 else ""
+    return f"{words}, {plan.assumed_rate:g} Hz, {most}{request.mounted}, weights {worth.weights}"
+
+
 def _deviations(plan: Plan, model: Model) -> tuple[Markup, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
-    worth = plan.of_motion[1]
-    noise_text = " and noise of the accelerations as the case states it" if worth.noise_of_accelerations else ""
-    if (field := plan.case.sensors.pose_field) is not None:
-        noise_text += f" and errors of {field.words} that depend on the pose"
-    noise, rate = f"{plan.assumed_noise:g} N{noise_text}", plan.case.recording.rate_Hz
-    words = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
+    words = f"Predicted for {assumed_words(plan)}."
     columns = ["parameter", "predicted std"]
     other = None
     if plan.of_motion[0].family.optimised:

@@ -13,7 +13,7 @@ from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
 from planner.precision import legible, parameter_words
 from planner.reports.compare import ratio_chart
-from planner.reports.page import COLOURS, Block, Chart, answers, colour_or_grey, note, page, section, table
+from planner.reports.page import COLOURS, Block, Chart, answers, colour, note, page, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first trial is its own theory
@@ -120,7 +120,7 @@ def _std_charts(trials: Sequence[Trial]) -> list[Chart]:
         kinds.append(("std-per-second", words, each))
     charts = []
     for name, words, shown in kinds:
-        series = [(s.method, d, {"color": colour_or_grey(k), "symbol": "circle"}) for k, (s, d) in enumerate(shown)]
+        series = [(s.method, d, {"color": colour(k), "symbol": "circle"}) for k, (s, d) in enumerate(shown)]
         caption = f"{words}, over the smallest of each parameter."
         charts.append(ratio_chart(name, caption, series, height=400, showlegend=True))
     return charts
@@ -168,4 +168,4 @@ def _add_over_load(figure: Chart, trials: Sequence[Trial], values: Sequence[floa
         own = [(s.load, v) for s, v in zip(trials, values, strict=True) if s.method == method and v is not None]
         if own:
             x, y = zip(*own, strict=True)
-            figure.add("scatter", x=x, y=y, name=method, mode="lines+markers", line={"color": colour_or_grey(k)})
+            figure.add("scatter", x=x, y=y, name=method, mode="lines+markers", line={"color": colour(k)})
