@@ -80,6 +80,7 @@ def plan(
     from identification.model import full_model
     from planner.families.settings import family_class
     from planner.library import planned
+    from planner.planning import require_plannable
     from planner.request import OWNERS, Request
     from planner.search.parallel import first_ctrl_c
 
@@ -106,6 +107,7 @@ def plan(
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
+    require_plannable(request, loaded)  # before anything is said
     if not json:
         text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
         print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
