@@ -145,6 +145,6 @@ def payload(
     }
     if answered(answer, json):
         return
-    print_table("Payload", PARAMETER_COLUMNS, parameter_rows(answer["parameters"]))
+    print_table("Payload", PARAMETER_COLUMNS, parameter_rows(found.parameters))
     for warning in answer["warnings"]:
         print(f"warning: {warning}")

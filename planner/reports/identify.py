@@ -9,7 +9,7 @@ from markupsafe import Markup
 from cases.schema import Case
 from identification.outcome import RUN_ENTRIES, Result
 from identification.signals import Residuals
-from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
+from planner.precision import carries_rods, legible, value_cells, value_text, with_deviation
 from planner.reports.figures import identifiability_blocks, unit_of
 from planner.reports.page import COLOURS, GREY, Block, Chart, answers, note, page, section, table, tiles
 
@@ -92,10 +92,9 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
     for name, p in result.parameters.items():
         scale, unit = legible(p.unit)
         low, high = p.interval(freedom)
-        widest = p.reported * scale
-        value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
-        stds = (std_text(p.std * scale), std_text(p.std_robust * scale))
-        rows.append((parameter_words(name, rods), value, std_text(widest), unit, *ends, *stds))
+        ends = (value_text(v * scale, p.reported * scale) for v in (low, high))
+        words, value, widest, *stds, _ = value_cells(name, p, rods)
+        rows.append((words, value, widest, unit, *ends, *stds))
     delay = delay_words(result)
     return (
         table(PARAMETER_COLUMNS, rows),

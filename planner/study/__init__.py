@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field
 
 from cases.basis import KEPT, changes_since
 from cases.errors import FileProblem, HexciteError
-from cases.files import atomic_file, json_text, read_json, write_text
+from cases.files import atomic_file, check_folder, json_text, read_json, write_text
 from cases.tables import Part, Positive, read_tables
 from planner.families.settings import Fourier, family_class
 from planner.request import OWNERS, Request
@@ -159,11 +159,8 @@ ROWS = "rows"
 
 
 def open_study(folder: Path, about: dict[str, Any]) -> None:
-    """Makes a study folder with study.json; raises FileProblem where it cannot be written."""
-    try:
-        (folder / ROWS).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileProblem(folder, f"cannot be written ({error.strerror})", "choose another place with -o") from error
+    """Makes a study folder with study.json."""
+    (folder / ROWS).mkdir(parents=True, exist_ok=True)
     write_text(folder / ABOUT, json_text(about))
 
 
@@ -183,16 +180,10 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
         about: entries of study.json; `name` and the used part of the case must be those of an existing study.
 
     Raises:
-        FileProblem: the folder belongs to another study or to something else.
+        FileProblem: the folder belongs to another study or to something else, or cannot be written.
     """
-    try:
-        names = {entry.name for entry in folder.iterdir()} if folder.exists() else set()
-    except OSError as error:
-        raise FileProblem(folder, f"cannot be read ({error.strerror})", "choose another place with -o") from error
-    if ABOUT not in names:
-        if names:
-            first = sorted(names)[0]
-            raise FileProblem(folder, f"is not a study of hexcite's (it holds {first})", "choose another with -o")
+    if not (folder / ABOUT).exists():
+        check_folder(folder, ("a study", frozenset({ROWS})), overwrite=True)
         return
     record = read_json(folder / ABOUT, "hexcite study")
     if record.get("name") != about["name"]:
