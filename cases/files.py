@@ -27,7 +27,6 @@ RESULT = "a result", frozenset({"result.json", "identifiability.json", "plots", 
 COMPARISON = "a comparison", frozenset({"comparison.json", "report.html", "plots"})
 VALIDATION = "a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"})
 DEMO = "a demo", frozenset({"plan", "excitation.ngc", "recording", "result", "report.html"})
-UNFINISHED = "an unfinished validation", frozenset({"unfinished.json", "plans", "programs", "runs", "steps"})
 
 
 COMMANDS = {  # what stands in a folder of each kind, and the commands that take such a folder

@@ -55,10 +55,11 @@ def check_case(case: Path | str, propose: bool = False) -> CaseCheck:
     Raises:
         CaseError: the case is not valid, or the machine cannot stand at home; `problems` has all that was found.
     """
-    figures, loaded = case_figures(str(case)), load_case(str(case))
+    loaded, file = load_case(str(case)), str(find_case(str(case)))
+    figures = case_figures(loaded, file)
     try:
         proposal = largest_box(loaded) if propose else None
     except CaseError as error:
-        raise CaseError(find_case(str(case)), error.key, error.problem) from error
+        raise CaseError(file, error.key, error.problem) from error
     reach = reach_of(loaded) if has_motion_box(loaded) else None
     return CaseCheck(loaded, figures, readiness(loaded), leftovers(loaded), reach, proposal)

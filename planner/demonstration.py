@@ -9,8 +9,8 @@ from cases.files import DEMO, check_folder
 from cases.schema import Case
 from cases.units import as_html
 from identification.identify import identify
+from identification.limit import KINETIC
 from identification.model import full_model
-from identification.motion import Joined
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
@@ -23,18 +23,6 @@ from planner.request import Request
 from postprocessors.dialects import Program, dialect
 from postprocessors.execute import ExecutedRun
 
-ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
-OF_PATHS = ("acceleration", *ACCEPTED)
-
-
-Done = Callable[[Plan | Program | Recording | Result], None]
-"""Function that is called with the value that a step made."""
-
-
-def accepted(plan: Plan) -> tuple[str, ...]:
-    """Limits that the demo answers for where the controller does not enforce them."""
-    return ACCEPTED if isinstance(plan.motion, Joined) else OF_PATHS
-
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Demo:
@@ -43,6 +31,7 @@ class Demo:
     plan: Plan
     program: Program  # program for LinuxCNC, or as a table of set points, proven
     run: ExecutedRun
+    recording: Recording
     result: Result
     truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
 
@@ -65,10 +54,10 @@ def demo(
     on: str | None = None,
     *,
     seed: int = 0,
-    starts: int | None = 1,
-    done: Done = lambda value: None,
+    starts: int = 1,
+    progress: Callable[[str], None] = lambda line: None,
 ) -> Demo:
-    """Plans, programs, proves, executes and identifies, end to end.
+    """Plan, program, proof, run and identification, end to end.
 
     Args:
         case: case with a simulated machine.
@@ -76,7 +65,7 @@ def demo(
         on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
         seed: seed of the starts and of the sensors' noise.
         starts: number of random starts; one is enough for a demo.
-        done: called with the value of each step: plan, program, recording, result.
+        progress: shows a line as each step ends.
 
     Raises:
         HexciteError: a step failed.
@@ -85,22 +74,31 @@ def demo(
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
     language = dialect(usual_dialect(case))
-    controller = on or best_controller(language.name)[0]
+    best, reason = best_controller(language.name)
     family = PointToPoint(controller=language.name)
     request = Request(family, model=full_model(case), starts=starts, seed=seed, may_be_smooth=True)
     planned(request, case).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
-    done(plan)
-    file = place / f"excitation{language.suffix}"
-    write(plan, language.name, accept=accepted(plan), file=file).save(file, overwrite=True)
-    program = Program.load(file, case)
-    program.proof.require()
-    done(program)
-    run, recording = execute(program, case, controller, seed)
+    worth = plan.of_motion[1]
+    progress(
+        f"plan: {plan.family} of {plan.duration:.3g} s for {language.name}, D-efficiency {worth.d_efficiency:.3f} "
+        f"against the bound ({worth.bound.label}), found in {plan.solve_s:.0f} s"
+    )
+    program = write(plan, language.name, accept=KINETIC, file=place / f"excitation{language.suffix}")  # no metal moves
+    program.save(program.path, overwrite=True)
+    progress(f"post: {program.reading.blocks} blocks, {program.proof.duration:.2f} s with approach and return")
+    progress(f"check: the text read back, independently of its writer: {program.proof.verdict}")
+    run, recording = execute(program, case, on or best, seed)
     recording.save(place / "recording", overwrite=True)
-    done(recording)
+    record = recording.record
+    progress(
+        f"run: on {run.controller} ({reason if on is None else 'as asked'}), {record['executed_s']:.3f} s of "
+        f"{record['planned_s']:.3f} s planned, {record['path_error_mm']:.3f} mm from the path, D-efficiency "
+        f"{record['d_efficiency']:.3f} as executed"
+    )
     result = identify(Recording.load(place / "recording"), case, full_model(case))
     result.save(place / "result", overwrite=True)
-    done(result)
+    data = result.record
+    progress(f"identify: {len(data.parameters)} parameters from {data.samples} samples, residuals {data.s0:.3g} N")
     assert result.estimate is not None
-    return Demo(plan, program, run, result, tuple(truth_rows(case, result.estimate)))
+    return Demo(plan, program, run, recording, result, tuple(truth_rows(case, result.estimate)))

@@ -22,7 +22,7 @@ from identification.simulate import UNDISTURBED, Circumstances, circumstances, s
 from identification.trajectories.executed import Execution, executed_information, executed_peaks, path_error
 from planner.bounds.information_limit import Bound, information_limit
 from planner.noise import mean_information
-from planner.plan_program import naming_another, plan_of_program, read_for, written_for_another
+from planner.plan_program import plan_of_program, read_for, require_proven, written_for_another
 from planner.request import require_seed
 from postprocessors.dialects import Program
 from postprocessors.execute import TIME_TOLERANCE, ExecutedRun, moving_windows, path_words, slowest_path, stood, windows
@@ -32,7 +32,6 @@ from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import motions, planned_excitation
 
 CONTROLLERS = (ControllerName.VIRTUAL, ControllerName.LINUXCNC)
-_ACCELERATIONS = LimitKind.ACCELERATION, LimitKind.STRUT_ACCELERATION
 SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # share of a run from which a remark says so
 
@@ -58,11 +57,7 @@ def require_controller(on: str) -> None:
 def execute(
     program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED
 ) -> tuple[ExecutedRun, Recording]:
-    """Proves a program and runs it: the run, and a recording whose measurements are simulated.
-
-    Raises:
-        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
-    """
+    """The run of a program, as `carried_out`, and a recording whose measurements are simulated."""
     case.need_simulation("a run")
     run = carried_out(program, case, on)
     planned: Trajectory
@@ -83,7 +78,6 @@ def execute(
         "samples": len(recording.forces),
         "planned_s": planned.duration,
         **rating,
-        "peak_acceleration_of_limit": max(s for kind, s in peaks.items() if kind.family in _ACCELERATIONS),
         "peaks_of_limit": {str(kind): share for kind, share in peaks.items()},
         "exceeded": list(exceeded(peaks, program.guarantees, run.real)),
         "units": "SI with the unit in each column name",
@@ -121,8 +115,7 @@ def carried_out(program: Program, case: Case, on: str) -> ExecutedRun:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     require_controller(on)
-    with naming_another(program.path, program.content, case):
-        program.proof.require()
+    require_proven(program, case)
     if on == ControllerName.VIRTUAL:
         run = run_virtual(program.reading, replace(program.guarantees, case=case))
     else:

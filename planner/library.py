@@ -26,51 +26,31 @@ from planner.search.solving import Start
 
 
 class Settings(TypedDict, total=False):
-    """What may be asked of a motion; `planner.request.Request` has the defaults.
+    """What may be asked of a motion; `planner.request.Request` has the defaults."""
 
-    Attributes:
-        criterion: letter of Table 4.
-        model: number in Table 2; the largest of the machine unless given.
-        payload: number of the case's payloads that are mounted, at most.
-        payload_from: fewest payloads, where that is another number.
-        targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
-        starts: number of random starts; as many as pay unless given.
-        seconds: time for the search [s].
-        seed: seed of the starts.
-        workers: processes that search; one a core unless given.
-    """
-
-    criterion: str
-    model: int
-    payload: int
-    payload_from: int | None
-    targets: tuple[str, ...]
-    starts: int | None
-    seconds: float | None
-    seed: int
-    workers: int | None
+    criterion: str  # letter of Table 4
+    model: int  # number in Table 2; the largest of the machine unless given
+    payload: int  # number of the case's payloads that are mounted, at most
+    payload_from: int | None  # fewest payloads, where that is another number
+    targets: tuple[
+        str, ...
+    ]  # standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
+    starts: int | None  # number of random starts; as many as pay unless given
+    seconds: float | None  # time for the search [s]
+    seed: int  # seed of the starts
+    workers: int | None  # processes that search; one a core unless given
 
 
 class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.request.PoseRequest` has the defaults.
+    """What may be asked of poses; `planner.request.PoseRequest` has the defaults."""
 
-    Attributes:
-        criterion: letter of Table 4.
-        count: number of poses.
-        method: name of the method.
-        model: number in Table 2, 0 to 5; the largest of the machine unless given.
-        candidates: number of quasi-random candidates; the grid of the case unless given, of a chain 2048.
-        seed: seed of these.
-        noise: standard deviation of an averaged force [N].
-    """
-
-    criterion: str
-    count: int | None
-    method: str
-    model: int
-    candidates: int | None
-    seed: int
-    noise: float | None
+    criterion: str  # letter of Table 4
+    count: int | None  # number of poses
+    method: str  # name of the method
+    model: int  # number in Table 2, 0 to 5; the largest of the machine unless given
+    candidates: int | None  # number of quasi-random candidates; the grid of the case unless given, of a chain 2048
+    seed: int  # seed of these
+    noise: float | None  # standard deviation of an averaged force [N]
 
 
 def plan(

@@ -155,12 +155,7 @@ def case_line(case: Case) -> str:
 
 
 def read_for(case: Case, file: Path, dialect: str | None = None) -> Program:
-    """Reads a program; where one that cannot be read is for another state of the case, the error says so.
-
-    Raises:
-        ProgramError: it cannot be read or understood.
-        CaseError: the case lacks what its dialect needs.
-    """
+    """Reads a program; where one that cannot be read is for another state of the case, the error says so."""
     with naming_another(file, file.read_bytes() if file.is_file() else b"", case):
         return read_program(file, case, dialect)
 
@@ -184,9 +179,14 @@ def check(
     """
     read = read_for(case, Path(program), dialect)
     if accept is not None:
-        with naming_another(read.path, read.content, case):
-            read.proof.require_accepted((accept,) if isinstance(accept, str) else accept)
+        require_proven(read, case, (accept,) if isinstance(accept, str) else accept)
     return read
+
+
+def require_proven(program: Program, case: Case, accept: Collection[str] | None = None) -> None:
+    """Raises ProgramError unless a program is proven, with `accept` by limits that are enforced or accepted."""
+    with naming_another(program.path, program.content, case):
+        program.proof.require() if accept is None else program.proof.require_accepted(accept)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from identification.estimation.fit import Value
     from identification.limit import LimitCheck
 
 _WORDS = {
@@ -97,6 +98,15 @@ def parameter_words(name: str, rods: bool = False) -> str:
     elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):
         words = f"deformation: channel {factor[1]} by {factor[2]}"
     return name if words is None else f"{words} ({name})"
+
+
+def value_cells(name: str, value: "Value", rods: bool = False) -> tuple[str, ...]:
+    """A parameter for people: words, value, the larger standard deviation, that by (28), the robust one, unit."""
+    scale, unit = legible(value.unit)
+    if value.reported <= 1e-9 * abs(value.value):  # a given value deviates by rounding only
+        return parameter_words(name, rods), f"{value.value * scale:.6g}", "given", "-", "-", unit
+    deviations = (std_text(std * scale) for std in (value.reported, value.std, value.std_robust))
+    return parameter_words(name, rods), value_text(value.value * scale, value.reported * scale), *deviations, unit
 
 
 SETTLED, STOPPED = "no more gained", "user requested stop"  # statuses of a solver: ours, and one of IPOPT's

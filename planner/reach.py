@@ -22,7 +22,6 @@ STEPS = 400  # steps along each coordinate from home to the end of the box: narr
 HALVINGS = 40  # halvings of such a step: far below any encoder's resolution
 CLIMBS = 30  # steps of the search for the worst pose, halved where none of them is worse
 NEAR = 0.8  # share of a limit at the worst of many poses, below which no pose next to it exceeds the limit
-GRID = np.array(list(product((0.0, 0.5, 1.0), repeat=6)))  # corners and middles of a box, shape (729, 6)
 MOST_COORDINATES = 6  # largest number of coordinates whose corners and middles are all checked
 
 
@@ -111,8 +110,10 @@ def reach(case: Case, count: int = POSES) -> Reach:
 
 
 def corners_and_middles(n: int) -> Array:
-    """Corners and middles of a box, all of six coordinates, else some: fractions of its sides, shape (729, n)."""
-    return GRID if n == MOST_COORDINATES else np.random.default_rng(0).choice((0.0, 0.5, 1.0), (len(GRID), n))
+    """Corners and middles of a box, of more than six coordinates 729 of them: fractions of its sides, shape (k, n)."""
+    if n > MOST_COORDINATES:
+        return np.random.default_rng(0).choice((0.0, 0.5, 1.0), (3**MOST_COORDINATES, n))
+    return np.array(list(product((0.0, 0.5, 1.0), repeat=n)))
 
 
 def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None, str | None], ...]]:

@@ -5,6 +5,7 @@ import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 from math import floor, log10
 from typing import ClassVar
 
@@ -16,7 +17,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import Array, Standstill
 from identification.trajectories.moves import CircularMove, Plane, StraightMove, limits_along
-from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, header_of
+from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
@@ -44,6 +45,11 @@ def digits(value: float) -> str:
     """A number that is not negative with ten digits, or six decimals where those are more."""
     places = FEED_DIGITS - 1 - floor(log10(value)) if value > 0.0 else 0
     return number(value, max(FEED_DECIMALS, places))
+
+
+def header_of(program: Blocks) -> tuple[str, ...]:
+    """The texts before the first other block."""
+    return tuple(map(str, takewhile(lambda block: isinstance(block, str), program)))
 
 
 def comment_lines(text: str) -> list[str]:

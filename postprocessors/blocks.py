@@ -5,7 +5,7 @@ Pieces are exact where a motion consists of such; else their deviation is comput
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby, takewhile
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,11 +54,6 @@ Blocks = tuple[Block, ...]
 
 CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # largest number of subdivisions of a piece
-
-
-def header_of(program: Blocks) -> tuple[str, ...]:
-    """The texts before the first other block."""
-    return tuple(map(str, takewhile(lambda block: isinstance(block, str), program)))
 
 
 def block_motions(program: Blocks) -> Iterator[tuple[Trajectory, bool]]:

@@ -11,8 +11,8 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill
-from postprocessors.block_writer import comment_lines
-from postprocessors.blocks import Blocks, block_motions, header_of, knots
+from postprocessors.block_writer import comment_lines, header_of
+from postprocessors.blocks import Blocks, block_motions, knots
 from postprocessors.reading import Reading, Still, Timed
 
 DECIMALS = 9  # decimals of rad, m and their derivatives

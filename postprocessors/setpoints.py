@@ -18,7 +18,8 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.model import machine_of
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
-from postprocessors.blocks import Blocks, ToHome, Trigger, block_motions, header_of
+from postprocessors.block_writer import header_of
+from postprocessors.blocks import Blocks, ToHome, Trigger, block_motions
 from postprocessors.reading import Reading, Timed
 
 FORMAT = "hexcite setpoints 1"

@@ -7,7 +7,7 @@ import typer
 
 import hexcite as hx
 from cases.errors import CaseError
-from cases.files import atomic_file, check_file, output_place
+from cases.files import check_file, output_place, write_text
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -52,13 +52,9 @@ def check(
         with console.status("searching the largest reachable box", json or not propose):
             checked = hx.check_case(case, propose)
     except CaseError as error:
-        if len(error.problems) < 2:
-            for remark in () if json else _units_of(case):
-                print(f"look at {remark}")
-            raise
-        if json:  # one line has them all; nothing stands on standard output
+        if json and len(error.problems) > 1:  # one line has them all; nothing stands on standard output
             raise CaseError(error.file, "", "; ".join(error.problems)) from error
-        for problem in error.problems:
+        for problem in error.problems if len(error.problems) > 1 else ():
             print(problem)
         raise
     if console.answered({"ok": True, **checked.to_json()}, json):
@@ -97,16 +93,6 @@ def check(
         _print_proposal(proposal)
 
 
-def _units_of(case: str) -> tuple[str, ...]:
-    """Units that look mistaken in a case whose machine cannot stand at home, and why it may not."""
-    from planner.reports.case_figures import mistaken_units
-
-    try:
-        return tuple(mistaken_units(hx.load_case(case)))
-    except CaseError:
-        return ()
-
-
 def _print_proposal(box: "MotionBox") -> None:
     """Prints the box as lines of a case file, with its figures."""
     from planner.precision import share_text
@@ -124,7 +110,7 @@ def _print_proposal(box: "MotionBox") -> None:
 @app.command("show")
 def show(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
-    output: Annotated[Path | None, out("Picture to write: .svg, .png or .pdf; SVG by default.")] = None,
+    output: Annotated[Path | None, out("Page to write; NAME-machine.html by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
@@ -133,17 +119,15 @@ def show(
 
     loaded = hx.load_case(case)
     loaded.need_motion("the picture of the machine")
-    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
-    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
+    file = output_place(output, Path(f"{loaded.name}-machine.html"), overwrite)
+    check_file(file, (".html",), [find_case(case)], overwrite)
     with console.status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.plots import case_figure, chain_figure
+        from planner.reports.drawings import case_page
 
         reach = reach_of(loaded)
-        figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)
-        with atomic_file(file) as part:
-            figure.savefig(part, format=file.suffix[1:].lower())
+        write_text(file, case_page(loaded, reach))
     if not console.answered({"ok": True, "figure": str(file)}, json):
         print(share_sentences(reach))
         print(f"picture written: {file}")

@@ -29,13 +29,11 @@ def compare(
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
 
-    from planner.reports.compare import compare_page
-
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)
     with console.status("comparing", json):
         comparison = hx.compare(folders, None if case is None else hx.load_case(case), stale)
-        console.save_with_page(comparison, COMPARISON, compare_page, place, overwrite)
+        console.save_with_page(comparison, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | comparison.to_json()
     if not console.answered(answer, json):
         _show(answer, comparison)
@@ -90,35 +88,27 @@ def validate(
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
     what it models. Interrupted, the same command uses the plans that are there.
     """
-    from planner.comparison.methods import require_methods, unfinished
+    from planner.comparison.methods import unfinished
     from planner.comparison.trials import mounted_weights
-    from planner.comparison.validation import disturbances_of
-    from planner.reports.validation import validation_page
 
     settings = hx.ValidationSettings(on, starts, seed, plans, workers)
     loaded = hx.load_case(case)
+    names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
+    place = output_place(output, Path("hexcite-validation"), overwrite)
+    check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
     if recordings is not None:
         simulating = {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
         for option in (name for name, value in simulating.items() if value):
             raise hx.HexciteError(option, "nothing is simulated with --recordings; leave out one of both")
-    names = None if methods is None else [name.strip() for name in methods.split(",") if name.strip()]
-    selection = tuple(METHOD_TABLES) if names is None else names
-    if recordings is None:
-        require_methods(selection)
-    mounted = mounted_weights(loaded, weights)
-    place = output_place(output, Path("hexcite-validation"), overwrite)
-    check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
-    if recordings is not None:
         validation = hx.validate_recordings(loaded, recordings, names)
-        console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
+        console.save_with_page(validation, VALIDATION, place, overwrite)
     else:
-        disturbances_of(loaded, settings, undisturbed)  # before anything is made
-        with unfinished(place, loaded, settings, overwrite) as work:
-            with console.progress("validating", len(selection) * len(mounted), json) as count:
-                validation = hx.validate(
-                    loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, count=count
-                )
-            console.save_with_page(validation, VALIDATION, validation_page, place, overwrite)
+        selection, mounted = tuple(METHOD_TABLES) if names is None else names, mounted_weights(loaded, weights)
+        with unfinished(place, loaded, settings) as work, console.status("validating", json) as remark:
+            validation = hx.validate(
+                loaded, selection, mounted, settings, undisturbed=undisturbed, folder=work, progress=remark
+            )
+            console.save_with_page(validation, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | validation.to_json()
     if not console.answered(answer, json):
         _show_validation(answer, validation)

@@ -100,24 +100,6 @@ def _are_words(cells: Sequence[str]) -> bool:
 
 
 @contextmanager
-def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str, int], None]]:
-    """A progress bar on stderr where that is a terminal; yields a function that counts up and shows a remark."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    hidden = quiet or not console.is_terminal
-    with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
-        task = bar.add_task(text, total=total)
-
-        def count(remark: str, steps: int) -> None:
-            bar.update(task, advance=steps, description=f"{text} {remark}")
-
-        yield count
-
-
-@contextmanager
 def status(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
     """A spinner on stderr; yields a function that shows a remark beside it, without a terminal as a line every 10 s."""
     from rich.console import Console
@@ -155,13 +137,10 @@ def limit_rows(checks: Iterable["LimitCheck"]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: Any, kind: FolderKind, page: Callable[[Any], str], folder: Path, overwrite: bool) -> None:
-    """Writes a value with its page report.html, as `page` makes it.
-
-    Raises:
-        FileProblem: the folder holds other files, or cannot be written.
-    """
+def save_with_page(value: Any, kind: FolderKind, folder: Path, overwrite: bool) -> None:
+    """Writes a value with its page, report.html; raises FileProblem where the folder is taken or cannot be written."""
+    from planner.reports import page_of
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        (part / "report.html").write_text(page(value), encoding="utf-8")
+        (part / "report.html").write_text(page_of(value), encoding="utf-8")

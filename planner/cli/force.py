@@ -22,26 +22,16 @@ def export(
     json: Json = False,
 ) -> None:
     """Write the calibrated model for a controller."""
-    from postprocessors.export.targets import TARGETS
-
-    if to not in TARGETS:
-        raise hx.HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
     identified = hx.Result.load(result, None if case is None else hx.load_case(case), stale)
     files = hx.export(identified, to, output, force=force, overwrite=overwrite)
     warnings = [*identified.warnings, *identified.remarks]
-    answer: dict[str, Any] = {
-        "file": str(files[0]),
-        "files": [str(file) for file in files],
-        "target": to,
-        "case": identified.case.name,
-        "model": identified.model.number,
-        "warnings": warnings,
-    }
+    names, case_name, model = [str(file) for file in files], identified.case.name, identified.model.number
+    answer = {"file": names[0], "files": names, "target": to, "case": case_name, "model": model, "warnings": warnings}
     if answered(answer, json):
         return
     for warning in warnings:
         print(f"warning, also in the file: {warning}")
-    print(f"model {identified.model.number} of case {identified.case.name} written: {', '.join(answer['files'])}")
+    print(f"model {model} of case {case_name} written: {', '.join(names)}")
 
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -155,6 +145,6 @@ def payload(
     }
     if answered(answer, json):
         return
-    print_table("Payload", PARAMETER_COLUMNS, parameter_rows(answer["parameters"]))
+    print_table("Payload", PARAMETER_COLUMNS, parameter_rows(found.parameters))
     for warning in answer["warnings"]:
         print(f"warning: {warning}")

@@ -1,6 +1,6 @@
 """Options of identify, and a result as text for people and as JSON."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from identification.model import Model
 from identification.outcome import Result, biases_of
 from identification.parameters import physical_form, symmetric_platform
 from planner.cli.console import print_table
-from planner.precision import carries_rods, legible, parameter_words, std_text, value_text
+from planner.precision import carries_rods, legible, value_cells
 from planner.request import read_value
 
 
@@ -29,12 +29,7 @@ def method_of(
     biases: Path | None = None,
     stale: bool = False,
 ) -> Method:
-    """The method that a user asks for, by the options as typed.
-
-    Raises:
-        HexciteError: a value is not understood, a name is not one of the model, the estimator is unknown, or a
-            result does not exist, is damaged, or belongs to another case.
-    """
+    """The method that a user asks for by the options as typed; HexciteError where one of them is not understood."""
     units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
     constants: dict[str, float] = {}
     for text in fix or ():
@@ -66,18 +61,9 @@ def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
     return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
 
 
-def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
-    """Rows of a parameter table, lengths in mm: value, the larger standard deviation, and both of them."""
-    rows, rods = [], carries_rods(parameters)
-    for name, p in parameters.items():
-        scale, unit = legible(p["unit"])
-        estimate = Value(p["value"], p["std"], p["std_robust"], p["unit"])
-        deviations = (estimate.reported, estimate.std, estimate.std_robust)
-        given = deviations[0] <= 1e-9 * abs(p["value"])  # a given value deviates by rounding only
-        texts = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
-        value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
-        rows.append([parameter_words(name, rods), value, *texts, unit])
-    return rows
+def parameter_rows(parameters: Mapping[str, Value]) -> list[tuple[str, ...]]:
+    """Rows of `PARAMETER_COLUMNS`."""
+    return [value_cells(name, value, carries_rods(parameters)) for name, value in parameters.items()]
 
 
 def show_residuals(answer: dict[str, Any]) -> None:
@@ -111,7 +97,7 @@ def show_noise(answer: dict[str, Any]) -> None:
 
 def show_result(answer: dict[str, Any]) -> None:
     """Prints a result for people."""
-    rows = parameter_rows(answer["parameters"])
+    rows = parameter_rows({name: Value(**p) for name, p in answer["parameters"].items()})
     terms = f" with {', '.join(answer['error_terms'])}" if answer["error_terms"] else ""
     title = f"Model {answer['model']}{terms}, {answer['estimator']}: {answer['samples']} samples"
     print_table(title, PARAMETER_COLUMNS, rows)

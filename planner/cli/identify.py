@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import hexcite as hx
-from cases.files import RESULT, atomic_file, check_file, check_folder, output_place
+from cases.files import RESULT, check_file, check_folder, output_place, write_text
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -68,7 +68,6 @@ def identify(
     from identification.formats.reading import files_of
     from identification.formats.table import require_file
     from planner.cli.identification import answer_of_result, method_of, show_result
-    from planner.reports.identify import identify_page
 
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
@@ -93,7 +92,7 @@ def identify(
             conditioning=hx.Conditioning(flexible, standstills),
             poses=plan,
         )
-        console.save_with_page(result, RESULT, identify_page, folder, overwrite)
+        console.save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
         show_result(answer)
@@ -110,7 +109,7 @@ def look(
     case: Annotated[
         str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,
-    output: Annotated[Path | None, out("Picture to write; RECORDING-look.svg by default.")] = None,
+    output: Annotated[Path | None, out("Page to write; RECORDING-look.html by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
@@ -119,14 +118,13 @@ def look(
     Nothing is changed: compare the proposal with what you know, and paste it into the case file.
     """
 
-    file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
-    check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
+    file = output_place(output, Path(f"{recording.stem}-look.html"), overwrite)
+    check_file(file, (".html",), [recording], overwrite)
     with console.status("looking", json):
         report = hx.look(recording, None if case is None else hx.load_case(case))
-        from planner.reports.plots import look_figure
+        from planner.reports.drawings import look_page
 
-        with atomic_file(file) as part:
-            look_figure(report).savefig(part, format=file.suffix[1:].lower())
+        write_text(file, look_page(report))
     columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
     answer = {
         "recording": str(report.file),

@@ -30,9 +30,7 @@ def bound(
     from time import perf_counter
 
     from identification.model import full_model
-    from planner.bounds.information_limit import require_time
 
-    require_time(time_limit)
     if output is not None:
         check_file(output, [".json"], overwrite=overwrite)
     loaded = hx.load_case(case)
@@ -61,29 +59,25 @@ def bound(
 
 
 def _show_bound(answer: dict[str, Any]) -> None:
-    certificate, parameters = answer["certificate"], answer["certificate"]["p"]
-    gap = answer["logdet_bound"] - answer["logdet_design"]
+    parameters, method = answer["certificate"]["p"], answer["certificate"]["method"]
+    limit, design, proven = answer["logdet_bound"], answer["logdet_design"], answer["logdet_proven"]
     print(
         f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
         "information matrix (reference scaling, W = 1)."
     )
-    print(f"best distribution found over the {answer['over']}: {answer['logdet_design']:.4f}")
-    if answer["logdet_proven"] is None:
-        print(f"of such a machine no limit is proven, the largest derivative is searched for: {certificate['method']}")
+    print(f"best distribution found over the {answer['over']}: {design:.4f}")
+    if proven is None:
+        print(f"of such a machine no limit is proven, the largest derivative is searched for: {method}")
     else:
-        print(f"proven limit for all of them: {answer['logdet_proven']:.4f}, by: {certificate['method']}")
-    if answer["logdet_proven"] is not None and not answer["certified"]:
-        print("time ran out before the proof closed the gap; a longer --time-limit closes it")
+        late = "" if answer["certified"] else "; time ran out, a longer --time-limit closes the gap"
+        print(f"proven limit for all of them: {proven:.4f}, by: {method}{late}")
     if answer["pose_errors"] is not None:
         print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
-    print(
-        f"`hexcite plan` rates motions against {answer['logdet_bound']:.4f}: D-efficiency = exp((log det - "
-        f"{answer['logdet_bound']:.4f}) / {parameters})"
-    )
+    print(f"`hexcite plan` rates motions against it: D-efficiency = exp((log det - {limit:.4f}) / {parameters})")
     kind = "proven" if answer["certified"] else "an ESTIMATE"
     print(
-        f"no motion exceeds log det {answer['logdet_bound']:.4f} ({kind}, {100 * gap / parameters:.2g} % of an "
-        f"efficiency above the best that was found; {answer['solve_s']:.1f} s)"
+        f"no motion exceeds log det {limit:.4f} ({kind}, {100 * (limit - design) / parameters:.2g} % of an efficiency "
+        f"above the best that was found; {answer['solve_s']:.1f} s)"
     )
 
 
@@ -111,7 +105,6 @@ def retime(
     Prints criteria and limits before and after; without -o nothing is written.
     """
     from cases.units import DEG, MM
-    from planner.reports.plan import plan_page
     from planner.retiming.retimed import repaced, retimed_plan
 
     if output is not None:
@@ -122,7 +115,7 @@ def retime(
         result = repaced(plan, method, fastest, model, report)
         if output is not None:
             report("writing")
-            console.save_with_page(retimed_plan(result, plan, model), PLAN, plan_page, output, overwrite)
+            console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": result.method,

@@ -77,14 +77,13 @@ def plan(
     from planner.families.settings import family_class
     from planner.library import planned
     from planner.planning import require_plannable
-    from planner.reports.plan import plan_page
     from planner.request import OWNERS, Request
     from planner.search.parallel import first_ctrl_c
 
     kind, options = family_class(family), context.params
-    sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
-    family_source = context.get_parameter_source("family")
-    refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
+    sources = {name: context.get_parameter_source(name) for name in ("family", *SEARCHED, *OWNERS)}
+    given = [name for name, source in sources.items() if source and source.name != "DEFAULT"]
+    refuse_foreign([name for name in given if name != "family"], family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
     request = Request(
@@ -99,12 +98,12 @@ def plan(
         seconds=seconds,
         seed=seed,
         workers=workers,
-        may_be_smooth=not (family_source and family_source.name != "DEFAULT") and moves is None,
+        may_be_smooth="family" not in given and moves is None,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
-    require_plannable(request, loaded)
+    require_plannable(request, loaded)  # before anything is said
     if not json:
         text = f"{duration:g} s, criterion {criterion}, " if optimised else ""
         print(f"Planning for {loaded.name}: {family}, {text}model {request.model}", flush=True)
@@ -113,19 +112,14 @@ def plan(
     if output is None and result.family != family:  # by itself
         folder = output_place(output, Path(f"{loaded.name}-{result.family}"), overwrite)
     with console.status("writing", json), first_ctrl_c():  # this takes a short time
-        console.save_with_page(result, PLAN, plan_page, folder, overwrite)
+        console.save_with_page(result, PLAN, folder, overwrite)
     answer = answer_of_plan(result, folder)
     if not console.answered(answer, json):
         show_plan(answer, result)
 
 
 def read_payloads(text: str) -> tuple[int, int | None]:
-    """The most payloads that may be mounted, and the fewest where `text` is a range such as 0-5.
-
-    Raises:
-        HexciteError: the text is neither a number nor a range.
-    """
-
+    """The most payloads that may be mounted, and the fewest of a range such as 0-5; raises HexciteError."""
     match = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
     if match is None:
         raise hx.HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
@@ -133,17 +127,13 @@ def read_payloads(text: str) -> tuple[int, int | None]:
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:
-    """Refuses options that would have no effect.
-
-    Raises:
-        HexciteError: an option belongs to another family.
-    """
+    """Refuses options of another family."""
     from planner.families.settings import FAMILIES
     from planner.request import OWNERS
 
+    optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
     for given_option in given:
         name = OPTIONS.get(given_option, given_option.replace("_", "-"))
-        optimised = [name for name, kind in FAMILIES.items() if kind.optimised]
         owners = optimised if given_option in SEARCHED else [OWNERS[given_option]]
         if family not in owners:
             raise hx.HexciteError(
@@ -158,8 +148,8 @@ def answer_of_plan(plan: "hx.Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
     """Prints a plan for people."""
-    from cases.sensors import payload_words
     from identification.limit import Status
+    from planner.reports.plan import assumed_words
 
     worth = plan.of_motion[1]
     for weakness in answer["weaknesses"]:
@@ -178,15 +168,7 @@ def show_plan(answer: dict[str, Any], plan: "hx.Plan") -> None:
         print(f"no limit is used to {100 * MOST_USED:g} %; all {fewer} are proven and stand in the report")
     for note in answer["notes"]:
         print(f"note: {note}")
-    noise = f"{answer['assumed_noise_N']:g} N white force noise"
-    if answer["noise_of_accelerations"]:
-        noise += " and noise of the accelerations as the case states it"
-    if (by_pose := answer["pose_errors"]) is not None:
-        noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
-    first, last = answer["payload_from"], answer["payload"]
-    mounted = payload_words(last) if first == last else f"the largest with {first} to {payload_words(last)}"
-    noise += f", {answer['assumed_rate_Hz']:g} Hz, {mounted}"
-    title = f"Predicted standard deviations ({noise}, weights {answer['weights']})"
+    title = f"Predicted standard deviations ({assumed_words(plan)})"
     console.print_table(title, ("parameter", "+-", "unit"), plan.deviation_rows())
     begin, end = (plan.case.words(answer[f"{end}_pose_m_rad"]) for end in ("first", "last"))
     print(f"from rest at {begin} to rest " + ("there" if begin == end else f"at {end}"))

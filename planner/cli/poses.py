@@ -33,19 +33,15 @@ def poses(
     """
     from cases.tables import find_case
     from identification.model import static_model
-    from planner.poses.candidates import JOINT_CANDIDATES
-    from planner.reports.plan import poses_page
 
     loaded = hx.load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
-    grid = loaded.poses.grid_size if loaded.poses is not None and loaded.chain is None else JOINT_CANDIDATES
-    steps = grid if candidates is None else candidates
-    with console.progress("choosing poses", steps, json) as report:
+    with console.status("choosing poses", json) as remark:
         plan = hx.plan_poses(
             loaded,
             at,
-            progress=lambda rest: report(f"{rest} poses", 1),
+            progress=lambda rest: remark(f"{rest} poses"),
             criterion=criterion,
             count=count,
             method=method,
@@ -55,7 +51,7 @@ def poses(
             noise=noise,
         )
     with console.status("writing", json):
-        console.save_with_page(plan, PLAN, poses_page, folder, overwrite)
+        console.save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not console.answered(answer, json):

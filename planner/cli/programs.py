@@ -93,7 +93,7 @@ def check(
     json: console.Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
-    from planner.plan_program import naming_another
+    from planner.plan_program import require_proven
 
     loaded = hx.load_case(case)
     with console.status(f"proving {program.name}", json):
@@ -101,8 +101,7 @@ def check(
         answer = answer_of_proof(read)
     if not console.answered(answer, json):
         show_check(answer, read)
-    with naming_another(program, read.content, loaded):
-        read.proof.require()
+    require_proven(read, loaded)
 
 
 def answer_of_proof(program: "hx.Program") -> dict[str, Any]:
@@ -140,7 +139,7 @@ def show_check(answer: dict[str, Any], program: "hx.Program") -> None:
 
 ANSWERED = (
     "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
-    "peak_acceleration_of_limit", "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
+    "peaks_of_limit", "exceeded", "remark", "payload", "disturbances",
 )  # fmt: skip
 
 
@@ -162,11 +161,7 @@ def run(
     Sensors and encoders are simulated for the motion that the controller executed.
     """
     from cases.tables import find_case
-    from planner.execution import require_controller
-    from planner.request import require_seed
 
-    require_seed(seed)
-    require_controller(on)
     folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
     check_folder(folder, RUN, [program, find_case(case)], overwrite)
     loaded = hx.load_case(case)

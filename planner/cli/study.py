@@ -1,11 +1,10 @@
 """`hexcite study`: grids of plans, runs and identifications on a Dask cluster, resumable."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import hexcite as hx
-from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, progress
+from planner.cli.console import Json, Workers, answered, argument, option, out, print_table, status
 
 
 def study(
@@ -22,24 +21,11 @@ def study(
 
     It can be stopped at any time: the same command goes on.
     """
-    from contextlib import ExitStack
-
     from planner.study import load_spec
 
     loaded, asked = hx.load_case(case), load_spec(spec)
-    folder = output if output is not None else Path(f"{loaded.name}-{asked.name}-study")
-    counts: list[Callable[[str, int], None]] = []
-    with ExitStack() as bars:
-
-        def show(number: int, cells: int, computed: bool | None) -> None:
-            if computed is not None:
-                counts[0]("" if computed else "(the last one failed)", 1)
-                return
-            counts.append(bars.enter_context(progress("cells", number, json)))
-            if not json:
-                print(f"Study {asked.name} of {loaded.name}: {number} of {cells} cells to do, in {folder}")
-
-        result = hx.study(loaded, asked, folder, workers=workers, scheduler=scheduler, progress=show)
+    with status(f"study {asked.name} of {loaded.name}", json) as remark:
+        result = hx.study(loaded, asked, output, workers=workers, scheduler=scheduler, progress=remark)
     answer = {**result.to_json(), "report": str(result.write_page())}
     if not answered(answer, json):
         _show(answer, result.best, case)

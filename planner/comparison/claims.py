@@ -1,6 +1,6 @@
 """Claims about the methods of a validation, each answered by the figures of the run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,33 +50,41 @@ def _smaller(ours: Trial, theirs: Trial) -> list[Claim]:
     noise with memory and errors of the pose, which are themselves estimates from one run; and, on a simulated machine,
     by the true ones.
     """
-    shared = [n for n in theirs.estimate.physical if n in ours.estimate.physical]
-    pairs = [(n, ours.estimate.physical[n], theirs.estimate.physical[n]) for n in shared]
-    claim = f"{ours.method} reports smaller standard deviations of all {len(shared)} parameters than {theirs.method}"
-    times = f"{_seconds(ours)} against {_seconds(theirs)}"
+    one, other = ours.estimate.physical, theirs.estimate.physical
+    shared = [n for n in other if n in one]
+    start = f"{ours.method} reports smaller standard deviations of all {len(shared)} parameters than {theirs.method}"
+    times = f"; {_seconds(ours)} against {_seconds(theirs)}"
+    quick = None in (ours.duration, theirs.duration) or (ours.duration or 0.0) <= TIMING * (theirs.duration or 0.0)
+
+    def claim(words: str, ratio: Callable[[str], float], more: str = "", fair: bool = True) -> Claim:
+        ratios = {n: ratio(n) for n in shared}
+        worst, typical = max(shared, key=ratios.__getitem__), float(np.exp(np.mean(np.log(list(ratios.values())))))
+        figures = f"{typical:.2f} times as large on average, {worst} at worst with {ratios[worst]:.2f}"
+        larger = ", ".join(n for n, value in ratios.items() if value >= 1.0)
+        return Claim(words, fair and not larger, figures + (f"; not smaller: {larger}" if larger else "") + more)
+
     if METHODS[theirs.method].role == "standing":
         share = 1.0
         if ours.duration and theirs.duration:
             share = float(np.sqrt(ours.duration / theirs.duration))
-        holds, figures = _ratios({n: share * one.reported / other.reported for n, one, other in pairs})
-        return [Claim(f"{claim} for a second of measuring", holds, f"{figures}; {times}")]
-    quick = None in (ours.duration, theirs.duration) or (ours.duration or 0.0) <= TIMING * (theirs.duration or 0.0)
-    plain, figures = _ratios({n: one.std / other.std for n, one, other in pairs})
-    robust, allowing = _ratios({n: one.reported / other.reported for n, one, other in pairs})
+        words = f"{start} for a second of measuring"
+        return [claim(words, lambda n: share * one[n].reported / other[n].reported, times)]
     claims = [
-        Claim(f"{claim} in no more time, by (28) at each method's own s0", plain and quick, f"{figures}; {times}"),
-        Claim(
-            f"{claim} also where noise with memory and errors of the pose are allowed for",
-            robust and quick,
-            allowing + _honest(ours, theirs),
+        claim(
+            f"{start} in no more time, by (28) at each method's own s0",
+            lambda n: one[n].std / other[n].std, times, quick,
         ),
-    ]
+        claim(
+            f"{start} also where noise with memory and errors of the pose are allowed for",
+            lambda n: one[n].reported / other[n].reported, _honest(ours, theirs), quick,
+        ),
+    ]  # fmt: skip
     if ours.scatter and theirs.scatter:
-        really, figures = _ratios({n: ours.scatter[n] / theirs.scatter[n] for n in shared})
-        claim = (
-            f"the true standard deviations of {ours.method}, over machines whose errors of the pose differ, are smaller"
+        words = (
+            f"the true standard deviations of {ours.method}, over machines whose errors of the pose differ, are "
+            f"smaller than those of {theirs.method} for all {len(shared)} parameters"
         )
-        claims.append(Claim(f"{claim} than those of {theirs.method} for all {len(shared)} parameters", really, figures))
+        claims.append(claim(words, lambda n: ours.scatter[n] / theirs.scatter[n]))
     return claims
 
 
@@ -89,15 +97,6 @@ def _honest(*trials: Trial) -> str:
         shares = [v.reported / trial.scatter[n] for n, v in trial.estimate.physical.items()]
         words.append(f"{min(shares):.2f} to {max(shares):.2f} times the true ones for {trial.method}")
     return f"; estimated from one run they are {' and '.join(words)}"
-
-
-def _ratios(ratios: Mapping[str, float]) -> tuple[bool, str]:
-    """Whether all are below 1, and in words."""
-    worst = max(ratios, key=lambda n: ratios[n])
-    typical = float(np.exp(np.mean(np.log(list(ratios.values())))))
-    larger = [n for n, ratio in ratios.items() if ratio >= 1.0]
-    words = f"{typical:.2f} times as large on average, {worst} at worst with {ratios[worst]:.2f}"
-    return not larger, words + (f"; not smaller: {', '.join(larger)}" if larger else "")
 
 
 def _seconds(trial: Trial) -> str:

@@ -18,7 +18,6 @@ from planner.plans import Plan
 from planner.vibration import least_shaken
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
-ONE_NOISE = 1.0001  # ratio below which noises are the same
 SAME_LOAD = 1e-3  # [kg] difference of the mounted weights below which loads are the same
 NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
@@ -63,25 +62,20 @@ def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
         warnings.append("models differ: criteria of different models do not compare, standard deviations do")
     if len({e.conditions.case.hash for e in entries}) > 1:
         warnings.append("cases differ: the machines are not the same, or the case was changed between")
-    noises = [(e.conditions.noise, e) for e in entries if e.conditions.noise is not None]
-    if noises and max(n for n, _ in noises) > ONE_NOISE * min(n for n, _ in noises):
-        text = _listed((f"{noise:.3g} N", e) for noise, e in noises)
-        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {text}")
-    if len({round(e.conditions.load, 3) for e in entries if e.conditions.load is not None}) > 1:
-        text = _listed((f"{e.conditions.load:.4g} kg", e) for e in entries if e.conditions.load is not None)
-        warnings.append(f"different weights are mounted, with which errors of the machine grow: {text}")
-    if len({e.conditions.machine for e in entries if e.conditions.machine is not None}) > 1:
-        text = _listed((e.conditions.machine, e) for e in entries if e.conditions.machine is not None)
-        warnings.append(f"not the same was measured, so that residuals do not compare: {text}")
+    noise = [None if (n := e.conditions.noise) is None else f"{n:.3g} N" for e in entries]
+    load = [None if (n := e.conditions.load) is None else f"{n:.4g} kg" for e in entries]
+    for words, values in (
+        ("predictions assume different noise of a force sample, and differ for that too", noise),
+        ("different weights are mounted, with which errors of the machine grow", load),
+        ("not the same was measured, so that residuals do not compare", [e.conditions.machine for e in entries]),
+    ):
+        owners: dict[str, list[str]] = {}
+        for value, entry in zip(values, entries, strict=True):
+            if value is not None:
+                owners.setdefault(value, []).append(entry.name)
+        if len(owners) > 1:
+            warnings.append(f"{words}: " + "; ".join(f"{value} ({', '.join(own)})" for value, own in owners.items()))
     return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
-
-
-def _listed(pairs: Iterable[tuple[str, Entry]]) -> str:
-    """Values with the names of the entries that have them."""
-    owners: dict[str, list[str]] = {}
-    for value, entry in pairs:
-        owners.setdefault(value, []).append(entry.name)
-    return "; ".join(f"{value} ({', '.join(names)})" for value, names in owners.items())
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -105,13 +105,9 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     for file, reader in (("recording.json", _run), ("result.json", _result)):
         if (path / file).is_file():
             return reader(path, case, stale)
-    remedy = "name folders that plan, poses, run or identify wrote"
-    if not path.exists():
-        raise FileProblem(path, "does not exist", remedy)
-    if not path.is_dir():
-        raise FileProblem(path, "is a file", remedy)
-    other = another_kind(path, "plan.json")
-    raise FileProblem(path, f"{other or 'holds no plan, run or result'}", remedy)
+    words = "does not exist" if not path.exists() else "is a file" if not path.is_dir() else ""
+    words = words or another_kind(path, "plan.json") or "holds no plan, run or result"
+    raise FileProblem(path, words, "name folders that plan, poses, run or identify wrote")
 
 
 def entry_of_plan(saved: Plan, name: str) -> Entry:

@@ -39,11 +39,7 @@ class LinearAnswer:
 
 
 def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> LinearAnswer:
-    """The answer of an estimate by least squares, at its delay.
-
-    Args:
-        recording: recording that was identified, averaged where it stands.
-    """
+    """The answer of an estimate by least squares of a recording, averaged where it stands, at its delay."""
     model = estimate.model
     struts, run, forces = recording.struts, None, recording.forces
     assert struts is not None

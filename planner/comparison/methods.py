@@ -12,13 +12,13 @@ from pydantic import Field
 
 from cases.controller import ControllerName
 from cases.errors import FileProblem, HexciteError, Interrupted
-from cases.files import PLAN, UNFINISHED, atomic_folder, check_folder, json_text, write_text
-from cases.schema import Case
-from cases.sensors import Disturbances
+from cases.files import PLAN, atomic_folder
+from cases.schema import Case, fingerprint
 from cases.tables import Part
 from identification.criteria import Criterion
+from identification.limit import KINETIC
 from planner.comparison import METHOD_TABLES
-from planner.comparison.trials import Excitation, Trial, trials
+from planner.comparison.trials import Excitation
 from planner.execution import carried_out
 from planner.families.settings import family_class
 from planner.library import planned
@@ -27,9 +27,6 @@ from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.request import PoseRequest, Request
 from postprocessors.execute import stood
-
-# LinuxCNC has no limits for these, and no metal moves: the machine is simulated.
-ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 
 
 class MethodSpec(Part):
@@ -52,8 +49,8 @@ class MethodSpec(Part):
 
 METHODS = {name: MethodSpec.model_validate(entries) for name, entries in METHOD_TABLES.items()}
 
-Count = Callable[[str, int], None]
-"""Function that is called with the present step in words and the number of steps that it ends."""
+Remark = Callable[[str], None]
+"""Function that is called with the present step in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,11 +71,7 @@ USUAL = ValidationSettings()
 
 
 def require_methods(names: Sequence[str]) -> None:
-    """Refuses names that are none of `METHODS`, and names given twice.
-
-    Raises:
-        HexciteError: one of them is unknown, or there is none.
-    """
+    """Raises HexciteError where a name is none of `METHODS` or given twice, or there is none."""
     for name in names:
         if name not in METHODS:
             raise HexciteError(f"method {name!r} is unknown; choose {', '.join(METHODS)}")
@@ -87,108 +80,33 @@ def require_methods(names: Sequence[str]) -> None:
 
 
 @contextmanager
-def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite: bool = False) -> Iterator[Path]:
+def unfinished(output: Path, case: Case, settings: ValidationSettings) -> Iterator[Path]:
     """Yields the folder that holds the plans until the validation is written, also after an interruption.
 
-    Plans of an earlier validation there are used where they belong to the same case and settings.
-
-    Args:
-        output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
-        overwrite: whether to remove plans of another case or other settings.
-
-    Raises:
-        FileProblem: the folder is somebody's, or of another case or other settings.
+    It stands beside `output`, and a fingerprint of case and settings in its name lets the same command find it again.
     """
-    folder = output.absolute().with_name(f"{output.name}.unfinished")
-    check_folder(folder, UNFINISHED, overwrite=True)
-    about = folder / "unfinished.json"
     plans = None if settings.plans is None else str(settings.plans.resolve())
-    content = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
-    if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == content):
-        if _worth_keeping(folder) and not overwrite:
-            raise FileProblem(
-                folder,
-                "an unfinished validation of another case or other settings stands there",
-                "choose another place with -o, or drop it with --overwrite",
-            )
-        shutil.rmtree(folder)
-    make_places(folder)
-    write_text(about, content)
+    key = fingerprint([case.hash, settings.starts, settings.seed, plans])[:8]
+    folder = output.absolute().with_name(f"{output.name}.unfinished-{key}")
     try:
         yield folder
     except Interrupted:
-        if _worth_keeping(folder):
+        if folder.exists():
             raise Interrupted(f"finished plans are kept in {folder.name}, the same command uses them") from None
         raise
-    else:
-        shutil.rmtree(folder)
-    finally:
-        if folder.exists() and not _worth_keeping(folder):
-            shutil.rmtree(folder)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
-def make_places(folder: Path) -> None:
-    """Makes the folders for the files of `carry_out`."""
-    for name in ("plans", "programs"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
-
-
-def _worth_keeping(folder: Path) -> bool:
-    return any(folder.glob("plans/*/plan.json"))
-
-
-def carry_out(
-    case: Case,
-    methods: Sequence[str],
-    mounted: Sequence[int],
-    disturbances: Disturbances | None,
-    settings: ValidationSettings,
-    folder: Path,
-    count: Count,
-) -> tuple[tuple[Trial, ...], dict[str, str], dict[str, str]]:
-    """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
-
-    Args:
-        mounted: numbers of weights, from 0 on.
-        folder: folder that takes plans and programs; a plan that it holds already is not made again.
-
-    Returns:
-        Trials of the methods that could be carried out; controller of each method, with a remark on its run; reasons
-        why the others failed.
-
-    Raises:
-        HexciteError: no method could be carried out.
-    """
-    results: list[Trial] = []
-    executed: dict[str, str] = {}
-    failed: dict[str, str] = {}
-    for method in methods:
-        try:
-            excitation = _excitation(case, method, settings, folder, count)
-        except HexciteError as error:
-            failed[method] = error.typed.replace(f"{folder}/", "")
-            count(method, len(mounted))
-            continue
-        executed[method] = excitation.controller
-        count(f"{method}: identifying", 0)
-        for trial in trials(excitation, mounted, disturbances):
-            results.append(trial)
-            count(f"{method} {trial.load:.0f} kg", 1)
-    if not results:
-        raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
-    return tuple(results), executed, failed
-
-
-def _excitation(case: Case, method: str, settings: ValidationSettings, folder: Path, count: Count) -> Excitation:
-    """A method planned, written as a proven program and executed."""
-    count(f"{method}: planning", 0)
+def executed(case: Case, method: str, settings: ValidationSettings, folder: Path, remark: Remark) -> Excitation:
+    """A method planned, written as a proven program and executed; a plan that `folder` holds is not made again."""
+    remark(f"{method}: planning")
     plan = _planned(case, method, settings, folder)
     dialect = METHODS[method].program if settings.on == ControllerName.VIRTUAL else ControllerName.LINUXCNC
-    suffix, accepted = ("ngc", ACCEPTED) if dialect == ControllerName.LINUXCNC else ("mpf", ())
+    suffix, accepted = ("ngc", KINETIC) if dialect == ControllerName.LINUXCNC else ("mpf", ())
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)
-    count(f"{method}: on {settings.on}", 0)
+    remark(f"{method}: on {settings.on}")
     run = carried_out(program, program.case, settings.on)
     poses, duration = np.zeros((0, 6)), run.excitation
     if program.reading.measures_at_poses:
@@ -202,22 +120,21 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
     """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
     place = folder / "plans" / method
     if (place / "plan.json").is_file():
-        return Plan.load(place)
+        return Plan.load(place, case)
+    request = METHODS[method].request
     if settings.plans is not None:
         source = settings.plans / "plans" / method
         if not (source / "plan.json").is_file():
             raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
         with atomic_folder(place, PLAN) as part:
             shutil.copytree(source, part, dirs_exist_ok=True)
-        return Plan.load(place)
-    request = METHODS[method].request
-    if isinstance(request, PoseRequest):
-        plan = poses_planned(request, case)
+    elif isinstance(request, PoseRequest):
+        poses_planned(request, case).save(place)
     else:
         if request.family.optimised:
             request = replace(request, starts=settings.starts, seed=settings.seed, workers=settings.workers)
         plan = planned(request, case)
         if plan.interrupted:
             raise Interrupted
-    plan.save(place)
+        plan.save(place)
     return Plan.load(place, case)

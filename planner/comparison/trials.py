@@ -17,7 +17,7 @@ from cases.sensors import Disturbances, RigidBody
 from identification.identify import estimate_parameters, standing_of
 from identification.model import full_model
 from identification.motion import Array
-from identification.parameters import RIGID, linear_parameters, physical_form
+from identification.parameters import RIGID, body_parameters, linear_parameters, physical_form
 from identification.recording import Recording, read
 from identification.result import Estimate
 from identification.runs.preparation import on_one_clock
@@ -191,19 +191,13 @@ def recorded_trials(case: Case, folder: Path) -> Iterator[Trial]:
 def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
     """The platform as identified without payload, with weights on it; offsets stay.
 
-    Masses, first moments and moments about the origin of {P} add; the estimate need not be one of a real body.
+    Linear parameters of bodies add; the estimate need not be one of a real body.
     """
-    value = {name: v.value for name, v in bare.physical.items()}
-    centres = np.array([[value["xC"], value["yC"], value["zC"]], *(w.centre_of_gravity for w in mounted)])
-    masses = np.array([value["m"], *(w.mass_kg for w in mounted)])
-    centre = masses @ centres / masses.sum()
-    theory = {name: v for name, v in value.items() if name.startswith("f_q0")} | {"m": float(masses.sum())}
-    theory |= dict(zip(("xC", "yC", "zC"), centre.tolist(), strict=True))
-    if "IC33" in value:  # a static model knows no inertia
-        own = value["IC33"] + sum(float(w.inertia[2, 2]) for w in mounted)
-        offsets = centres[:, :2] - centre[:2]
-        theory["IC33"] = float(own + masses @ np.sum(offsets**2, axis=1))
-    return theory
+    names, form = bare.model.names, physical_form(bare.model)
+    bodies = [body_parameters(weight) for weight in mounted]
+    linear = bare.fit.values + [sum(body.get(name, 0.0) for body in bodies) for name in names]
+    values, _ = form.of(linear, np.zeros((len(names), len(names))))
+    return {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name[0] not in "kK"}
 
 
 def require_weights(case: Case) -> None:
@@ -215,16 +209,11 @@ def require_weights(case: Case) -> None:
             f"is {case.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
             "with and without a weight, and see what hexcite payload says of it",
         )
-    if case.payloads is None:
-        case.missing("payloads", "a validation with payloads")
+    _weights(case, 0)
 
 
 def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
-    """Numbers of weights to mount, by default 0 and each up to all of them.
-
-    Raises:
-        HexciteError: the text is not numbers from 0 upwards, or they are more weights than there are.
-    """
+    """Numbers of weights to mount, by default all; raises HexciteError where `wanted` is not such, as in 0,3,5."""
     require_weights(case)
     most = len(_weights(case, 99))
     if wanted is None:

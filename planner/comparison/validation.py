@@ -16,16 +16,8 @@ from cases.schema import Case
 from cases.sensors import Disturbances
 from cases.units import as_html
 from planner.comparison.claims import Claim, claims_of
-from planner.comparison.methods import (
-    METHODS,
-    USUAL,
-    Count,
-    ValidationSettings,
-    carry_out,
-    make_places,
-    require_methods,
-)
-from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights
+from planner.comparison.methods import METHODS, USUAL, Remark, ValidationSettings, executed, require_methods
+from planner.comparison.trials import Trial, mounted_weights, recorded_trials, require_weights, trials
 from planner.execution import require_controller
 
 
@@ -88,7 +80,7 @@ def validate(
     *,
     undisturbed: bool = False,
     folder: Path | str | None = None,
-    count: Count = lambda remark, steps: None,
+    progress: Remark = lambda remark: None,
 ) -> Validation:
     """Carries out the payload experiment on the case's simulated machine.
 
@@ -98,18 +90,30 @@ def validate(
         undisturbed: whether the simulated structure is an ideal one.
         folder: folder for plans and programs, in which an existing plan is not made again; a temporary one unless
             given.
-        count: called with the present step in words and the number of steps that it ends.
+        progress: shows the present step in words.
 
     Raises:
         HexciteError: no method could be carried out, an unknown method or controller, or a case without simulation.
     """
     require_methods(methods)
     mounted = mounted_weights(case, None if mounted is None else ",".join(map(str, mounted)))
-    disturbances = disturbances_of(case, settings, undisturbed)
+    disturbances = _disturbances_of(case, settings, undisturbed)
     with ExitStack() as places, threadpool_limits(limits=1, user_api="blas"):
         work = Path(folder or places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
-        make_places(work)
-        trials, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
+        found, controllers, failed = list[Trial](), dict[str, str](), dict[str, str]()
+        for method in methods:
+            try:
+                excitation = executed(case, method, settings, work, progress)
+            except HexciteError as error:  # the others go on
+                failed[method] = error.typed.replace(f"{work}/", "")
+                continue
+            controllers[method] = excitation.controller
+            progress(f"{method}: identifying")
+            for trial in trials(excitation, mounted, disturbances):
+                found.append(trial)
+                progress(f"{method} {trial.load:.0f} kg")
+        if not found:
+            raise HexciteError("; ".join(f"{method}: {reason}" for method, reason in failed.items()))
         origin = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
@@ -119,17 +123,17 @@ def validate(
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
-        trials=trials,
-        claims=tuple(claims_of(trials)),
+        trials=tuple(found),
+        claims=tuple(claims_of(found)),
         failed=failed,
-        executed=executed,
+        executed=controllers,
         controller=settings.on,
         disturbances=disturbances,
         made=origin,
     )
 
 
-def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
+def _disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
     """Disturbances of the simulated machine; raises HexciteError where it cannot be run."""
     case.need_machine("a validation")
     require_controller(settings.on)
@@ -154,16 +158,13 @@ def validate_recordings(case: Case, recordings: Path | str, methods: Sequence[st
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
         raise HexciteError(recordings, "holds no folder of runs; name the folder that holds one for each method")
-    if methods is not None:
-        for name in methods:
-            if name not in (folder.name for folder in folders):
-                names = ", ".join(folder.name for folder in folders)
-                raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {names}")
-        folders = [folder for folder in folders if folder.name in methods]
-
-    trials = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
+    names = [folder.name for folder in folders]
+    for name in (name for name in methods or () if name not in names):
+        raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {', '.join(names)}")
+    folders = [folder for folder in folders if methods is None or folder.name in methods]
+    found = tuple(trial for folder in folders for trial in recorded_trials(case, folder))
     machine = f"recordings of a machine in {recordings}"
-    return Validation(case, machine, trials, tuple(claims_of(trials)), {}, {}, None, None, {})
+    return Validation(case, machine, found, tuple(claims_of(found)), {}, {}, None, None, {})
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

@@ -19,10 +19,11 @@ def report(value: "Plan | Result | Comparison | Validation", file: Path | str) -
         value: a plan, a result, a comparison, a validation.
         file: file to write.
     """
-    write_text(Path(file), _page_of(value))
+    write_text(Path(file), page_of(value))
 
 
-def _page_of(value: Any) -> str:
+def page_of(value: Any) -> str:
+    """The page of a value as HTML."""
     match type(value).__name__:  # to import the types of all takes a second
         case "Plan":
             from planner.reports.plan import plan_page, poses_page

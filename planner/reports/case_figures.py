@@ -3,6 +3,7 @@
 Such values come from another machine, or are in mistaken units.
 """
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,20 +11,17 @@ import numpy as np
 
 from cases.basis import values
 from cases.errors import CaseError
-from cases.machine import Joints, MotionLimits
 from cases.schema import Case, load_case
-from cases.tables import built_in_cases, find_case
+from cases.tables import built_in_cases
 from identification.hexapod import Hexapod
 from identification.limit import LimitKind
 from identification.limit_proof import prove
 from identification.model import identification_model
 from identification.motion import StandingPoses
 from planner.precision import share_text
-from planner.reach import Reach
+from planner.reach import Reach, corners_and_middles
 from planner.search.feasibility import remedy
 
-GRID = (-1.0, 0.0, 1.0)
-MOST_COORDINATES = 7  # largest number of coordinates whose corners and middles are all checked
 STATIC = (
     LimitKind.STRUT_LENGTH, LimitKind.BASE_JOINT_ANGLE, LimitKind.PLATFORM_JOINT_ANGLE, LimitKind.SINGULARITY,
     LimitKind.POSITION, LimitKind.ANGLE, LimitKind.DISTANCE_FROM_BOX,
@@ -33,13 +31,8 @@ OF_CHAINS = (
 )  # fmt: skip
 
 
-def case_figures(name: str) -> dict[str, Any]:
-    """Loads a case and computes its figures.
-
-    Raises:
-        CaseError: not valid, or home is out of the machine's reach.
-    """
-    case = load_case(name)
+def case_figures(case: Case, file: str) -> dict[str, Any]:
+    """Figures of a case; raises CaseError, with its file, where home is out of the machine's reach."""
     frame = identification_model(case, 0).structure
     size = 1.0
     if case.sensor_frame.bars is not None:
@@ -53,26 +46,20 @@ def case_figures(name: str) -> dict[str, Any]:
         "setup": case.setup,
         "hash": case.hash,
         "frame_condition": float(np.linalg.cond(scaled)),
-    } | (_in_box(case, str(find_case(name))) if has_motion_box(case) else {})
+    } | (_in_box(case, file) if has_motion_box(case) else {})
 
 
 def _in_box(case: Case, file: str) -> dict[str, Any]:
     """Limits at rest, at home and in the corners and middles of the motion box; of a chain clearances and torques."""
     home, limits = case.need_motion("the check of its reach")
-    count = len(home)
-    if count <= MOST_COORDINATES:
-        corners = np.stack(np.meshgrid(*([GRID] * count), indexing="ij"), axis=-1).reshape(-1, count)
-    else:
-        corners = np.random.default_rng(0).choice(GRID, (len(GRID) ** MOST_COORDINATES, count))
-    middle, half = limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2
-    poses = np.vstack([home, home + middle + corners * half])
+    poses = np.vstack([home, home + limits.pose[0] + corners_and_middles(len(home)) * np.ptp(limits.pose, axis=0)])
     at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
     if at_home.violations:
         broken = at_home.violations[0]
-        problem = broken.sentence(timed=False)
+        problem, hint = broken.sentence(timed=False), "".join(f"; look at {words}" for words in mistaken_units(case))
         if case.chain is not None:
-            raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
-        raise CaseError(file, "machine.home", f"is out of reach: {problem}; move home or {remedy(broken, case)}")
+            raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home{hint}")
+        raise CaseError(file, "machine.home", f"is out of reach: {problem}; move home or {remedy(broken, case)}{hint}")
     kinds = STATIC if case.chain is None else OF_CHAINS
     checks = prove(StandingPoses(poses), case, 1.0).checks
     entries = {str(c.of): c.to_json() for c in checks if c.kind in kinds}
@@ -98,22 +85,18 @@ def percent(share: float) -> str:
     return f"{100 * share:.6g} %" if text in ("100", "0") and share not in (0.0, 1.0) else f"{text} %"
 
 
-def share_words(reach: Reach) -> str:
-    """The reachable share of the box's volume; one of 0 or 1 as the bound that holds with a probability of 95 %."""
-    if reach.whole:
-        return "100 %"
-    if reach.share == 1.0:
-        return f"more than {100 * (1 - 3 / reach.poses):.2f} %"
-    return f"less than {100 * 3 / reach.poses:.2g} %" if reach.share == 0.0 else percent(reach.share)
-
-
 def share_sentences(reach: Reach) -> str:
     """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
     worst = f"{share_text(reach.worst)} of the limit {reach.worst_limit}"
     poses = f"{reach.poses} random poses"
     if reach.whole:
         return f"The whole motion box is reachable: of {poses} and a search, the worst uses {worst}."
-    start = f"Of the motion box's volume {share_words(reach)} is reachable"
+    share = percent(reach.share)  # one of 0 or 1 as the bound that holds with a probability of 95 %
+    if reach.share == 1.0:
+        share = f"more than {100 * (1 - 3 / reach.poses):.2f} %"
+    elif reach.share == 0.0:
+        share = f"less than {100 * 3 / reach.poses:.2g} %"
+    start = f"Of the motion box's volume {share} is reachable"
     if reach.share == 1.0:
         return f"{start} (all of {poses}), but not every corner: the worst pose uses {worst}."
     exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])
@@ -133,9 +116,6 @@ def coordinate_rows(reach: Reach) -> list[list[str]]:
 
 
 _OTHER_BODY = 2.0  # ratio of simulated and nominal mass from which they are two bodies
-_RADIANS = 1.6  # largest angle in degrees of a table that holds radians: a right angle
-_SMALL_BOX = 0.9  # the same for the angles of a motion box
-_METRES = 5.0  # largest length in millimetres of a table that holds metres
 _TABLES = (
     "machine", "workspace", "limits", "poses", "sensor_frame", "nominal", "simulation", "payloads",
     "controller.sinumerik", "controller.twincat", "controller.setpoints",
@@ -146,25 +126,7 @@ def leftovers(case: Case) -> tuple[str, ...]:
     """Sentences about values that the user should look at, each with its key."""
     if case.name in built_in_cases() and case == load_case(case.name):
         return ()
-    return (
-        *_of_torques(case),
-        *_of_other_machines(case),
-        *_of_bodies(case),
-        *_of_poses(case),
-        *_of_gravity(case),
-        *mistaken_units(case),
-    )
-
-
-def _of_torques(case: Case) -> Iterator[str]:
-    """Sentence on limits of torque or force that need the body of a link which is not stated."""
-    joints = () if case.chain is None else case.chain.joints
-    without = [joint.name for joint in joints if joint.link is None]
-    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
-        yield (
-            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
-            "stated; add its mass, centre of gravity and inertia"
-        )
+    return (*_of_other_machines(case), *_of_single_values(case), *mistaken_units(case))
 
 
 def _of_other_machines(case: Case) -> Iterator[str]:
@@ -185,21 +147,23 @@ def _of_other_machines(case: Case) -> Iterator[str]:
             )
 
 
-def _of_bodies(case: Case) -> Iterator[str]:
-    if case.nominal is None or case.simulation is None:
-        return
-    simulated, nominal = case.simulation.parameters.body.mass_kg, case.nominal.mass_kg
-    if not 1.0 / _OTHER_BODY <= simulated / nominal <= _OTHER_BODY:
+def _of_single_values(case: Case) -> Iterator[str]:
+    """Sentences on limits, bodies, poses and gravity that are hardly meant."""
+    joints = () if case.chain is None else case.chain.joints
+    without = [joint.name for joint in joints if joint.link is None]
+    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
         yield (
-            f"simulation.parameters.body.mass_kg = {simulated:g} is {simulated / nominal:.3g} times nominal.mass_kg = "
-            f"{nominal:g}; one of the two is of another machine"
+            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
+            "stated; add its mass, centre of gravity and inertia"
         )
-
-
-def _of_poses(case: Case) -> Iterator[str]:
-    if case.poses is None or case.workspace is None:
-        return
-    for axis in ("x_mm", "y_mm"):
+    if case.nominal is not None and case.simulation is not None:
+        simulated, nominal = case.simulation.parameters.body.mass_kg, case.nominal.mass_kg
+        if not 1.0 / _OTHER_BODY <= simulated / nominal <= _OTHER_BODY:
+            yield (
+                f"simulation.parameters.body.mass_kg = {simulated:g} is {simulated / nominal:.3g} times "
+                f"nominal.mass_kg = {nominal:g}; one of the two is of another machine"
+            )
+    for axis in ("x_mm", "y_mm") if case.poses is not None and case.workspace is not None else ():
         first, last, _ = getattr(case.poses, axis)
         low, high = getattr(case.workspace, axis)
         if first < low or last > high:
@@ -207,9 +171,6 @@ def _of_poses(case: Case) -> Iterator[str]:
                 f"poses.{axis} = {first:g} to {last:g} leaves workspace.{axis} = {low:g} to {high:g}; narrow it, poses "
                 "outside are never chosen"
             )
-
-
-def _of_gravity(case: Case) -> Iterator[str]:
     if case.gravity[2] > 0.0:
         yield (
             f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "
@@ -217,40 +178,26 @@ def _of_gravity(case: Case) -> Iterator[str]:
         )
 
 
-def _joints(case: Case) -> dict[str, Joints]:
-    """The points of machine and sensor frame by their tables."""
-    joints = {}
-    if case.hexapod is not None:
-        joints = {"machine.base": case.hexapod.base, "machine.platform": case.hexapod.platform}
-    if case.sensor_frame.bars is not None:
-        lower, upper = case.sensor_frame.bars.lower, case.sensor_frame.bars.upper
-        joints |= {"sensor_frame.bars.lower": lower, "sensor_frame.bars.upper": upper}
-    return joints
+_RADIANS = "degrees at most; these look like radians, give degrees"
+_MISTAKEN = (  # keys, the largest value that is taken for a mistake, and what it looks like
+    (r"workspace\.\w+_joint_angle_deg|.*\.ring\.half_angle_deg|limits\.motion\.angular_velocity_deg_s", 1.6, _RADIANS),
+    (r"limits\.motion\.a_deg, b_deg and c_deg", 0.9, _RADIANS),
+    (
+        r".*\.strut_length_mm|machine\.home\.z_mm|.*\.ring\.radius_mm|.*\.points_mm",
+        5.0,
+        "mm at most; this looks like metres, give millimetres",
+    ),
+)
 
 
 def mistaken_units(case: Case) -> Iterator[str]:
     """Sentences on angles that look like radians and lengths that look like metres."""
-    angles: dict[str, tuple[float, float]] = {}
-    lengths: dict[str, float] = {}
-    if case.workspace is not None:
-        for key in ("base_joint_angle_deg", "platform_joint_angle_deg"):
-            angles[f"workspace.{key}"] = (getattr(case.workspace, key), _RADIANS)
-        lengths["workspace.strut_length_mm"] = max(case.workspace.strut_length_mm)
-    if case.limits is not None and isinstance(motion := case.limits.motion, MotionLimits):
-        largest = max(abs(v) for key in ("a_deg", "b_deg", "c_deg") for v in getattr(motion, key))
-        angles["limits.motion.a_deg, b_deg and c_deg"] = (largest, _SMALL_BOX)
-        angles["limits.motion.angular_velocity_deg_s"] = (max(motion.angular_velocity_deg_s), _RADIANS)
-        lengths["limits.motion.strut_length_mm"] = max(motion.strut_length_mm)
-    if case.hexapod is not None:
-        lengths["machine.home.z_mm"] = abs(case.hexapod.home.z_mm) or np.inf
-    for name, joints in _joints(case).items():
-        field = "ring.radius_mm" if joints.ring is not None else "points_mm"
-        lengths[f"{name}.{field}"] = float(np.abs(joints.points).max()) * 1e3
-        if joints.ring is not None:
-            angles[f"{name}.ring.half_angle_deg"] = (joints.ring.half_angle_deg, _RADIANS)
-    for key, (value, most) in angles.items():
-        if value <= most:
-            yield f"{key}: {value:g} degrees at most; these look like radians, give degrees"
-    for key, value in lengths.items():
-        if value <= _METRES:
-            yield f"{key}: {value:g} mm at most; this looks like metres, give millimetres"
+    largest: dict[str, float] = {}
+    for name, value in values(case, ("machine", "sensor_frame", "workspace", "limits")).items():
+        key = re.sub(r"\b[abc]_deg$", "a_deg, b_deg and c_deg", name)
+        if any(re.fullmatch(pattern, key) for pattern, _, _ in _MISTAKEN):
+            largest[key] = max(largest.get(key, 0.0), float(np.abs(value).max()))
+    for key, value in largest.items():
+        for pattern, most, words in _MISTAKEN:
+            if re.fullmatch(pattern, key) and 0.0 < value <= most:
+                yield f"{key}: {value:g} {words}"

@@ -1,17 +1,13 @@
 """The page of a comparison: parameters side by side (Table 6), planned and executed motions, and recommendation."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from cases.files import provenance
-from identification.estimation.fit import Value
 from planner.comparison.comparison import Comparison
 from planner.comparison.entries import Entry
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.figures import colour_or_grey
-from planner.reports.page import Chart, note, page, plain, section, table
+from planner.reports.page import Chart, colour, note, page, section, table
 
 CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
 SPREAD = 0.7  # share of the distance between two parameters that the markers of one occupy
@@ -38,14 +34,6 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     return rows
 
 
-def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Value | None]]]:
-    """Name of every parameter, factor to the unit shown, that unit, and value and deviation in each entry."""
-    for name in dict.fromkeys(n for e in entries for n in e.parameters):
-        values = [e.parameters.get(name) for e in entries]
-        unit = next(t.unit for t in values if t is not None)
-        yield name, *legible(unit), values
-
-
 def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
     """Heads of `parameter_rows`."""
     labels = ((e.name, "std") if e.level == "identified" else (f"std {e.name}",) for e in entries)
@@ -55,26 +43,14 @@ def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
 def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows as in Table 6, one a parameter: of each entry the identified value and the standard deviation."""
     rows = []
-    for name, scale, unit, values in _each_parameter(entries):
+    for name in dict.fromkeys(n for e in entries for n in e.parameters):
+        values = [e.parameters.get(name) for e in entries]
+        scale, unit = legible(next(t.unit for t in values if t is not None))
         row = [f"{parameter_words(name)} [{unit}]"]
         for entry, t in zip(entries, values, strict=True):
             if entry.level == "identified":
                 row.append("-" if t is None else value_text(t.value * scale, t.reported * scale))
             row.append("-" if t is None else std_text(t.reported * scale))
-        rows.append(row)
-    return rows
-
-
-def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
-    """Standard deviations for one second of measuring: times the square root of the measuring time."""
-    rows = []
-    for name, scale, unit, values in _each_parameter(entries):
-        row = [f"{parameter_words(name)} [{unit} √s]"]
-        for entry, t in zip(entries, values, strict=True):
-            known = t is not None and entry.duration is not None
-            row.append(
-                std_text(t.reported * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-"
-            )
         rows.append(row)
     return rows
 
@@ -107,12 +83,11 @@ def compare_page(comparison: Comparison) -> str:
         section("Recommendation", *map(note, comparison.sentences)),
         section(
             "Parameters side by side",
-            _std_chart(groups),
+            std_chart(groups),
             table(parameter_columns(entries), parameter_rows(entries)),
             note("std of plans and runs: predicted from the information alone, with white noise as the case states."),
         ),
         section("Figures", table(("", *names), figure_rows(entries)), note(CRITERIA_WORDS)),
-        section("Per second of measuring time", table(("std · √time", *names), per_second_rows(entries))),
     ]
     if execution:
         words = (
@@ -130,20 +105,17 @@ def compare_page(comparison: Comparison) -> str:
     )
 
 
-def coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
-    """Entries with colours, one for each group."""
-    return [(entry, colour_or_grey(k)) for k, group in enumerate(groups) for entry in group]
-
-
-def _std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
+def std_chart(groups: Sequence[Sequence[Entry]]) -> Chart:
+    """Standard deviations of all parameters; what belongs together has one colour."""
     symbols = {"planned": "circle-open", "executed": "diamond", "identified": "circle"}
     series = [
         (
-            entry.name,
-            {n: t.reported for n, t in entry.parameters.items()},
-            {"color": colour, "symbol": symbols[entry.level]},
+            e.name,
+            {n: t.reported for n, t in e.parameters.items()},
+            {"color": colour(k), "symbol": symbols[e.level]},
         )
-        for entry, colour in coloured(groups)
+        for k, group in enumerate(groups)
+        for e in group
     ]
     caption = (
         "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "
@@ -170,13 +142,13 @@ def ratio_chart(name: str, caption: str, series: Sequence[Series], **layout: Any
             "scatter",
             x=[names.index(n) + aside for n in parameters],
             y=[deviations[n] / best[n] for n in parameters],
-            name=plain(label),
+            name=label,
             mode="markers",
             marker={"size": 8, **marker},
-            text=[f"{plain(n)}: {deviations[n]:.3g}" for n in parameters],
+            text=[f"{n}: {deviations[n]:.3g}" for n in parameters],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
-    ticks = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names], "tickangle": -90}
+    ticks = {"tickvals": list(range(len(names))), "ticktext": names, "tickangle": -90}
     x = {"range": [-0.6, len(names) - 0.4], "showgrid": False, "zeroline": False, **ticks}
     largest = max((std[n] / best[n] for _, std, _ in series for n in std if n in best), default=1.0)
     figure.axes(x, {"type": "log", "tickvals": CLOSE if largest < CLOSE[-1] else FAR})

@@ -12,29 +12,24 @@ from identification.motion import Trajectory, sample
 from identification.trajectories.executed import instants
 from planner.demonstration import Demo
 from planner.precision import legible, parameter_words, std_text, value_text
-from planner.reports.figures import COLOURS, colour, identifiability_blocks, limits_chart, motion_blocks, thinned
+from planner.reports.figures import identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.identify import delay_words, noise_tile, residual_blocks, run_inputs
 from planner.reports.machine import pictured
-from planner.reports.page import Block, Chart, note, page, plain, section, table, tiles
+from planner.reports.page import COLOURS, Block, Chart, note, page, section, table, tiles
 from planner.reports.plan import starts_blocks
 from postprocessors.dialects import Program
-from postprocessors.execute import ExecutedRun
 from postprocessors.proving.homing import planned_excitation
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s] high enough to show the ripple of a controller's blocks
 
 
-def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
-    """The page of a demo.
-
-    Args:
-        answer: JSON answers of the steps: plan, post, check, run, identify, truth.
-    """
+def demo_page(chain: Demo) -> str:
+    """The page of a demo."""
     case, result, planned = chain.plan.case, chain.result, planned_excitation(chain.program)
     assert result.identifiability is not None
     assert result.residuals is not None
-    run, plan = answer["run"], answer["plan"]
+    run, plan = chain.recording.record, chain.plan.to_json()
     settings = [f"{key} {value}" for key, value in plan["settings"].items() if not isinstance(value, list | dict)]
     source = case.need_simulation("the demo").source
     return page(
@@ -46,28 +41,28 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> str:
             ("case", f"{case.name} (hash {case.hash})"),
             ("plan", f"{plan['family']}, criterion {plan['criterion']}, {', '.join(settings)}"),
             *run_inputs(run),
-            *answer["identify"]["versions"].items(),
+            *result.record.versions.items(),
         ),
         result.warnings,
-        section("What came out", _headline(answer, chain), *_truth(chain)),
+        section("What came out", _headline(chain), *_truth(chain)),
         *pictured(case, planned),
         section("The planned motion and its limits", *motion_blocks(case, sample(planned, DRAWN_RATE))),
         section("Proof of the program's text", *_proof(chain.program)),
-        section("What the controller made of it", _executed(case, answer, chain.run, planned)),
+        section("What the controller made of it", _executed(case, chain, planned)),
         section("Forces and residuals", *residual_blocks(case, result.residuals)),
         section("What the run determines", *identifiability_blocks(result.identifiability)),
         section("How the plan was found", *starts_blocks(plan)),
     )
 
 
-def _headline(answer: dict[str, Any], chain: Demo) -> Markup:
-    run, plan, parameters = answer["run"], answer["plan"], chain.result.parameters
+def _headline(chain: Demo) -> Markup:
+    run, parameters, (_, worth) = chain.recording.record, chain.result.parameters, chain.plan.of_motion
     m, z = parameters["m"].std_robust, parameters["zC"].std_robust
     return tiles(
-        (f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
+        (f"{run['executed_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
         (
             f"{run['d_efficiency']:.2f}",
-            f"D-efficiency as executed, behind the evaluation's filter ({plan['d_efficiency']:.2f} planned, "
+            f"D-efficiency as executed, behind the evaluation's filter ({worth.d_efficiency:.2f} planned, "
             f"{run['d_efficiency_planned']:.2f} as programmed)",
         ),
         (f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
@@ -83,23 +78,24 @@ def _truth(chain: Demo) -> tuple[Block, ...]:
     words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
     if (delay := delay_words(chain.result)) is not None:
         words += f" {delay}"
-    columns = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
-    return (errors_chart(rows), note(words), table(columns, map(truth_cells, rows)))
+    return (errors_chart(rows), note(words), table(TRUTH_COLUMNS, map(truth_cells, rows)))
+
+
+TRUTH_COLUMNS = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
 
 
 def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
-    """Name, truth, estimate, standard deviation, error, error / std and unit of one row of `truth_rows`."""
+    """The cells of `TRUTH_COLUMNS` of one row of `truth_rows`."""
     scale, unit = legible(row["unit"])
     std = row["std"] * scale
-    texts = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
-    estimate, error = texts
+    estimate, error = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
     return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
 def errors_chart(rows: Sequence[dict[str, Any]]) -> Chart:
     """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
-    names = [plain(r["name"]) for r in rows]
+    names = [r["name"] for r in rows]
     errors = [r["error"] / r["std"] for r in rows]
     caption = (
         "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
@@ -134,21 +130,20 @@ def _proof(program: Program) -> tuple[Block, ...]:
     return (note(words), limits_chart(limits), *([note(unproven)] if remarks else []))
 
 
-def _executed(case: Case, answer: dict[str, Any], run: ExecutedRun, excitation: Trajectory) -> Chart:
+def _executed(case: Case, chain: Demo, excitation: Trajectory) -> Chart:
     """Accelerations that the controller really made, along x, y, z or of each joint, beside the planned ones."""
-    t = instants(run.trigger, RECORDED_RATE)
-    execution, limits = run.execution, case.need_motion("the page of a demo")[1]
+    t = instants(chain.run.trigger, RECORDED_RATE)
+    execution, limits = chain.run.execution, case.need_motion("the page of a demo")[1]
     inside = np.clip(t, 0.0, execution.duration)
     of_pose = execution.machine.of_pose
     executed = execution.kinematics(inside).twist_rate[:, :3] if of_pose else execution.struts(inside, 2)
     planned = sample(excitation, DRAWN_RATE)
     unit = "acceleration [m/s²]" if of_pose else "acceleration [rad/s² or m/s²]"
-    caption = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
+    caption = (
+        f"Dotted: as planned. Strayed {chain.recording.record['path_error_mm']:.3f} mm at most from the planned path."
+    )
     figure = Chart("executed", caption, "time since the trigger [s]", unit, height=380)
-    for k in range(executed.shape[1]):
-        label, line = plain(limits.labels[k]), {"color": colour(k), "width": 1}
-        x, y = thinned(t - t[0], executed[:, k])
-        figure.add("scatter", x=x, y=y, name=f"{label} executed", line=line)
-        x, y = thinned(planned.t, planned.accelerations[:, k])
-        figure.add("scatter", x=x, y=y, name=f"{label} planned", line={**line, "width": 2, "dash": "dot"})
+    labels = limits.labels[: executed.shape[1]]
+    figure.add_lines(t - t[0], executed, labels, 1)
+    figure.add_lines(planned.t, planned.accelerations[:, : len(labels)], labels, 2, "dot")
     return figure

@@ -6,32 +6,17 @@ Okabe and Ito's colours (everybody can distinguish them) come from the page; wha
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import Identifiability
 from identification.limit import LimitReport, Status
-from identification.motion import Array, Motion
+from identification.motion import Motion
 from planner.precision import bounds_text
-from planner.reports.page import Block, Chart, note, plain, table
+from planner.reports.page import COLOURS, GREY, Block, Chart, colour, note, table
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-GREY = "#8593a1"
 MOST_SHARE = 120.0  # [%] largest share of a limit that a chart shows
-MOST_POINTS = 2000  # points of a line: more cannot be seen, and the page stays small
 MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
-
-
-def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line of at most `MOST_POINTS` points that looks the same: of each stretch its lowest and highest sample."""
-    if len(x) <= MOST_POINTS:
-        return x.astype(np.float32), y.astype(np.float32)
-    size = -(-len(x) // (MOST_POINTS // 2))
-    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
-    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
-    indices = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
-    return x[indices].astype(np.float32), y[indices].astype(np.float32)
 
 
 def motion_blocks(case: Case, motion: Motion) -> tuple[Block, ...]:
@@ -59,26 +44,13 @@ def motion_blocks(case: Case, motion: Motion) -> tuple[Block, ...]:
                 )
             key, half = f"{name.split()[0]}-{kind}", not own.all()
             figure = Chart(key, caption, "time [s]", f"{name} [{unit}]", half=half, height=280)
-            for k in axes:
-                x, y = thinned(motion.t, values[:, k] * factor)
-                figure.add("scatter", x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
+            figure.add_lines(motion.t, values[:, axes] * factor, [box.labels[k] for k in axes], 1.6)
             for row in limit[:, axes] * factor:  # grey where all axes share it
                 shared = bool(np.ptp(row) <= 1e-9 * np.abs(row).max())
-                own_colours = zip(row, map(colour, axes), strict=True)
-                for value, c in [(row[0], GREY)] if shared else list(own_colours):
-                    figure.add_line({"y": float(value)}, c)
+                for k, value in enumerate(row[:1] if shared else row):
+                    figure.add_line({"y": float(value)}, GREY if shared else colour(k))
             charts.append(figure)
     return (*charts, note("Dashed: the limit of the axis in its colour, grey where axes share it."))
-
-
-def colour(k: int) -> str:
-    """Colour of a line by its number, from 0."""
-    return COLOURS[k % len(COLOURS)]
-
-
-def colour_or_grey(k: int) -> str:
-    """Colour of one of up to seven entries of a comparison, by its number, from 0."""
-    return (*COLOURS, GREY)[k % 7]
 
 
 _ENFORCED = {Status.PROVEN: "proven", Status.ENFORCED: "enforced by the controller"}
@@ -92,23 +64,23 @@ def limits_chart(report: LimitReport) -> Chart:
         caption += (
             f" Nobody enforces {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
         )
-    names = [plain(c.name) for c in reversed(report.checks)]
+    names = [c.name for c in reversed(report.checks)]
     height = 130 + 30 * len(names)
     figure = Chart("limits", caption, "share of the limit [%]", height=height, showlegend=True, barmode="overlay")
-    for label, colour in zip((*_ENFORCED.values(), _NOBODY), (COLOURS[5], COLOURS[2], COLOURS[1]), strict=True):
+    for label, fill in zip((*_ENFORCED.values(), _NOBODY), (COLOURS[5], COLOURS[2], COLOURS[1]), strict=True):
         checks = [c for c in reversed(report.checks) if _ENFORCED.get(c.status, _NOBODY) == label]
         if not checks:
             continue
         figure.add(
             "bar",
             x=[min(100 * c.ratio, MOST_SHARE) for c in checks],
-            y=[plain(c.name) for c in checks],
+            y=[c.name for c in checks],
             name=label,
             orientation="h",
             text=[f"{c.worst:.4g} of {bounds_text(c)} {c.unit}" for c in checks],
             textposition="inside",
             insidetextanchor="start",
-            marker={"color": colour},
+            marker={"color": fill},
             textfont={"color": "#102a43" if label == "proven" else "#ffffff"},
         )
     figure.add_line({"x": 100}, GREY, 2, "solid")
@@ -127,14 +99,12 @@ def identifiability_blocks(found: Identifiability) -> tuple[Block, ...]:
         ("correlation", np.abs(found.correlation), "Magnitude of the correlation of the regressor's columns."),
         ("qr", np.abs(found.r), "Magnitude of R of the scaled regressor: what stands right of the diagonal is shared."),
     )
-    names = [plain(name) for name in found.names]
     charts = []
     for name, values, caption in panels:
         bar = {"thickness": 12, "outlinewidth": 0}
         figure = Chart(name, caption, half=True, height=460)
-        figure.add(
-            "heatmap", z=values.astype(np.float32), x=names, y=names, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar
-        )
+        both = {"x": found.names, "y": found.names}
+        figure.add("heatmap", z=values.astype(np.float32), zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar, **both)
         small = {"tickfont": {"size": 10}}
         figure.axes({**small, "tickangle": -90}, {**small, "autorange": "reversed"})
         charts.append(figure)

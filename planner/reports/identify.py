@@ -7,12 +7,11 @@ import numpy as np
 from markupsafe import Markup
 
 from cases.schema import Case
-from identification.estimation.fit import Value
 from identification.outcome import RUN_ENTRIES, Result
 from identification.signals import Residuals
-from planner.precision import carries_rods, legible, parameter_words, std_text, value_text, with_deviation
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
-from planner.reports.page import Block, Chart, answers, note, page, plain, section, table, tiles
+from planner.precision import carries_rods, legible, value_cells, value_text, with_deviation
+from planner.reports.figures import identifiability_blocks, unit_of
+from planner.reports.page import COLOURS, GREY, Block, Chart, answers, note, page, section, table, tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 ALIKE = 1.3  # largest ratio of robust deviations to those by (28) where noise is white
@@ -93,15 +92,13 @@ def parameter_blocks(result: Result) -> tuple[Block, ...]:
     for name, p in result.parameters.items():
         scale, unit = legible(p.unit)
         low, high = p.interval(freedom)
-        widest = p.reported * scale
-        value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
-        stds = (std_text(p.std * scale), std_text(p.std_robust * scale))
-        rows.append((parameter_words(name, rods), value, std_text(widest), unit, *ends, *stds))
+        ends = (value_text(v * scale, p.reported * scale) for v in (low, high))
+        words, value, widest, *stds, _ = value_cells(name, p, rods)
+        rows.append((words, value, widest, unit, *ends, *stds))
     delay = delay_words(result)
     return (
         table(PARAMETER_COLUMNS, rows),
         note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
-        parameters_chart(result.parameters),
         *map(note, [*([] if delay is None else [delay]), *result.notes]),
     )
 
@@ -118,9 +115,20 @@ def delay_words(result: Result) -> str | None:
 def residual_blocks(case: Case, residuals: Residuals) -> tuple[Block, ...]:
     """Forces, residuals over time, their distribution and spectrum."""
     channels = case.sensor_frame.channels
-    charts = [forces_chart(residuals, channels), residuals_chart(residuals, channels), distribution_chart(residuals)]
+    at, unit = "time [s]" if residuals.step is not None else "standstill", unit_of(channels)
+    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    forces = Chart("forces", f"Lines: {source}. Dotted: the identified model.", at, f"force [{unit}]", height=340)
+    forces.add_lines(residuals.t, residuals.explained, channels, 1)
+    forces.add_lines(residuals.t, residuals.predicted, channels, 2, "dot")
+    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
+    rest = Chart("residuals", caption, at, f"recorded - model [{unit}]", height=320)
+    rest.add_lines(residuals.t, residuals.evaluated, channels, 0.8)
+    charts = [forces, rest, distribution_chart(residuals)]
     if residuals.step is not None:
         charts.append(spectrum_chart(residuals, channels, case.recording.filter_cutoff_Hz))
+    else:
+        for trace in (*forces.data, *rest.data):
+            trace.update(mode="lines+markers", marker={"size": 4})
     columns = [("residual, rms", residuals.evaluated)]
     if residuals.filtered is not None:
         columns = [
@@ -143,30 +151,6 @@ def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
         k: ", ".join(f"{n} {v}" for n, v in value.items()) for k, value in known.items() if isinstance(value, Mapping)
     }
     return (("origin", simulated), *((key, words.get(key, str(value))) for key, value in known.items()))
-
-
-def forces_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
-    """Forces that the estimator used (lines) and those of the model (dotted)."""
-    source = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
-    caption = f"Lines: {source}. Dotted: the identified model."
-    figure = Chart("forces", caption, y=f"force [{unit_of(channels)}]", height=340)
-    for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.explained[:, k])
-        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
-        x, y = thinned(residuals.t, residuals.predicted[:, k])
-        dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
-        figure.add("scatter", x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
-    return _over_samples(figure, residuals)
-
-
-def residuals_chart(residuals: Residuals, channels: Sequence[str]) -> Chart:
-    """Residuals of each channel over time; a long run is drawn by its extremes."""
-    caption = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
-    figure = Chart("residuals", caption, y=f"recorded - model [{unit_of(channels)}]", height=320)
-    for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.evaluated[:, k])
-        figure.add("scatter", x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
-    return _over_samples(figure, residuals)
 
 
 def distribution_chart(residuals: Residuals) -> Chart:
@@ -195,46 +179,8 @@ def spectrum_chart(residuals: Residuals, channels: Sequence[str], cutoff: float 
         )
     titles = "frequency [Hz]", f"residual [{unit_of(channels)}/√Hz]"
     figure = Chart("spectrum", caption, *titles, half=True, height=320)
-    for k, name in enumerate(channels):
-        line = {"color": COLOURS[k], "width": 1.2}
-        figure.add(
-            "scatter",
-            x=frequency[1:].astype(np.float32),
-            y=density[1:, k].astype(np.float32),
-            name=plain(name),
-            line=line,
-        )
+    figure.add_lines(frequency[1:], density[1:], channels, 1.2)
     if cutoff is not None:
         figure.add_line({"x": cutoff}, GREY)
     figure.axes({"type": "log"}, {"type": "log"})
-    return figure
-
-
-def _over_samples(figure: Chart, residuals: Residuals) -> Chart:
-    """The figure with its x axis: time, or standstills, each a marker."""
-    if residuals.step is None:
-        for trace in figure.data:
-            trace.update(mode="lines+markers", marker={"size": 4})
-    figure.axes({"title": {"text": "standstill" if residuals.step is None else "time [s]"}})
-    return figure
-
-
-def parameters_chart(parameters: Mapping[str, Value]) -> Chart:
-    """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
-    names = list(parameters)
-    largest: dict[str, float] = {}
-    for p in parameters.values():
-        largest[p.unit] = max(largest.get(p.unit, 0.0), abs(p.value), 1e-300)
-    caption = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
-    figure = Chart("parameters", caption, y="half width of the 95 % interval [%]", height=360)
-    for label, colour in (("robust", COLOURS[1]), ("(28)", COLOURS[0])):
-        stds = [p.std_robust if label == "robust" else p.std for p in parameters.values()]
-        deviations = list(zip(parameters.values(), stds, strict=True))
-        width = [1.96 * std / largest[p.unit] * 100 for p, std in deviations]
-        text = [f"{value_text(p.value, std)} ± {std_text(1.96 * std)} {p.unit}" for p, std in deviations]
-        figure.add(
-            "scatter", x=[plain(n) for n in names], y=width, name=label, mode="markers", hovertext=text,
-            marker={"size": 9, "color": colour}, hoverinfo="text+name",
-        )  # fmt: skip
-    figure.axes({"tickangle": -45}, {"type": "log", "dtick": "D2"})
     return figure

@@ -17,10 +17,11 @@ from identification.motion import Array, Motion, Trajectory, sample
 from identification.overload import SHARE
 from identification.parameters import RIGID, nominal_parameters
 from identification.symbolic import over_samples
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, thinned, unit_of
-from planner.reports.page import Block, Chart, note, plain, player, section, table
+from planner.reports.figures import identifiability_blocks, unit_of
+from planner.reports.page import COLOURS, GREY, Block, Chart, note, player, section, table
 
 AROUND = 16  # corners of a ring around a tool
+MARGIN = 10.0  # [mm] around the picture: numbers on its edge are not drawn
 BESIDE = 0.25  # share of the machine's size: boxes are shown up to this distance
 _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
 
@@ -78,7 +79,7 @@ def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
         "upper": [] if bars is None else np.round(bars.upper.points / MM, 3).tolist(),
         "tools": [np.round(line, 2).tolist() for line in tools],
         "boxes": [np.round(line, 2).tolist() for line in box_outlines(workspace.keep_out, low, high)],
-        "range": np.column_stack([low, high]).round(1).tolist(),
+        "range": np.column_stack([low - MARGIN, high + MARGIN]).round(1).tolist(),
     }
 
 
@@ -169,9 +170,7 @@ def force_blocks(case: Case, motion: Motion, payload: int) -> tuple[Block, ...]:
 
 def _add_lines(figure: Chart, x: Array, values: Array, names: Sequence[str], limits: tuple[float, ...]) -> None:
     """Adds six lines over time, with the limits that they share."""
-    for k, name in enumerate(names):
-        thin_x, thin_y = thinned(x, values[:, k])
-        figure.add("scatter", x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
+    figure.add_lines(x, values, names, 1.3)
     for limit in limits:
         figure.add_line({"y": limit}, GREY)
 
@@ -186,31 +185,9 @@ def information_blocks(case: Case, motion: Trajectory, model: Model) -> tuple[Bl
     information = stacked.T @ stacked / len(matrices)
     alone = 1.0 / np.sqrt(np.diag(information))
     together = np.sqrt(np.diag(np.linalg.inv(information)))
-    names = [plain(name) for name in model.names]
     caption = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
     figure = Chart("information", caption, y="std of one sample, scaled", height=360, barmode="group")
-    figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
-    figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
+    figure.add("bar", x=model.names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
+    figure.add("bar", x=model.names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.axes({"tickangle": -60})
-    return (
-        figure,
-        _progress(states.t, motion.duration, matrices),
-        *identifiability_blocks(analyse(matrices, model.names)),
-    )
-
-
-def _progress(times: Array, duration: float, matrices: Array) -> Chart:
-    """Growth of the information while the motion runs: criterion D up to each time."""
-    per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
-    steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
-    gathered = np.cumsum(per_sample, axis=0)[steps]
-    sign, logdet = np.linalg.slogdet(gathered)
-    whole = logdet[-1]
-    share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
-    caption = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
-    figure = Chart("progress", caption, "time [s]", "information gathered [%]", height=300)
-    gathering, even = {"color": COLOURS[0], "width": 2}, {"color": GREY, "dash": "dash", "width": 1}
-    figure.add("scatter", x=times[steps], y=100 * share, line=gathering, name="gathered", mode="lines")
-    figure.add("scatter", x=[0.0, duration], y=[0.0, 100.0], line=even, name="at an even pace", mode="lines")
-    figure.axes({"range": [0.0, duration]}, {"range": [0, 105]})
-    return figure
+    return (figure, *identifiability_blocks(analyse(matrices, model.names)))

@@ -1,8 +1,7 @@
 """The report page: one HTML file that needs no network, put together from tiles, tables, notes and figures.
 
 Every function here returns HTML in which texts are escaped; plotly, compressed, the figures' data and the script are
-part of the file. Words of the field are explained where they stand. Text from outside that goes into a
-figure passes `plain`, for plotly reads some HTML in labels.
+part of the file. Words of the field are explained where they stand.
 """
 
 import base64
@@ -20,6 +19,11 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
+from cases.units import Array
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+GREY = "#8593a1"
+MOST_POINTS = 2000  # points of a line: more cannot be seen, and the page stays small
 TERMS = {
     "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
     "std robust": "standard deviation that allows for residuals alike from one sample or pose to the next",
@@ -60,9 +64,29 @@ def packed(values: NDArray[Any]) -> Any:
     return coded if values.ndim == 1 else {**coded, "shape": ", ".join(map(str, values.shape))}
 
 
-def plain(text: str) -> str:
-    """A text that plotly shows as it is: what looks like HTML in it stays text."""
-    return html.escape(text, quote=False)
+def plain(value: Any) -> Any:
+    """A value of which plotly, which reads some HTML in labels, shows every text as it is."""
+    if isinstance(value, str):
+        return html.escape(value, quote=False)
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    return {key: plain(each) for key, each in value.items()} if isinstance(value, dict) else value
+
+
+def colour(k: int) -> str:
+    """Colour of a line or an entry by its number, from 0; the seventh is grey."""
+    return (*COLOURS, GREY)[k % 7]
+
+
+def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A line of at most `MOST_POINTS` points that looks the same: of each stretch its lowest and highest sample."""
+    if len(x) <= MOST_POINTS:
+        return x.astype(np.float32), y.astype(np.float32)
+    size = -(-len(x) // (MOST_POINTS // 2))
+    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
+    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
+    indices = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
+    return x[indices].astype(np.float32), y[indices].astype(np.float32)
 
 
 class Chart:
@@ -89,6 +113,13 @@ class Chart:
         """Adds a trace of a type: scatter, bar, heatmap, box."""
         self.data.append({"type": kind, **attributes})
 
+    def add_lines(self, x: Array, y: Array, names: Sequence[str], width: float, dash: str = "solid") -> None:
+        """Adds a line for each column of `y`, shape (n, k), each in its colour; dashed ones need no legend."""
+        for k, name in enumerate(names):
+            line = {"color": colour(k), "width": width, "dash": dash}
+            few_x, few_y = thinned(x, y[:, k])
+            self.add("scatter", x=few_x, y=few_y, name=name, line=line, legendgroup=name, showlegend=dash == "solid")
+
     def add_line(self, at: dict[str, float], colour: str, width: float = 1, dash: str = "dash") -> None:
         """Adds a straight line across the whole figure, at `{"x": 3.0}` or `{"y": 3.0}`."""
         ((axis, value),) = at.items()
@@ -114,7 +145,7 @@ class Chart:
         kind = Markup(' class="half"') if self.half else ""
         plot = _plot(f"plot-{self.name}", self.caption, self.layout.get("height", 300))
         script = Markup('<script type="application/json" data-plot="{}">{}</script>')
-        data = script.format(self.name, script_json({"data": self.data, "layout": self.layout}))
+        data = script.format(self.name, script_json(plain({"data": self.data, "layout": self.layout})))
         caption = Markup("<figcaption>{}</figcaption>").format(explained(self.caption))
         return Markup("<figure{}>\n{}\n{}\n{}\n</figure>").format(kind, plot, data, caption)
 

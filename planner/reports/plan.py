@@ -20,9 +20,9 @@ from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
 from planner.poses.space import places
 from planner.precision import legible, parameter_words, solver_words, std_text
-from planner.reports.figures import COLOURS, GREY, identifiability_blocks, limits_chart, motion_blocks
+from planner.reports.figures import identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
-from planner.reports.page import Chart, answers, note, page, plain, section, table, tiles
+from planner.reports.page import COLOURS, GREY, Chart, answers, note, page, section, table, tiles
 from planner.request import PoseRequest
 
 DRAWN_RATE = 500.0  # [1/s]
@@ -50,13 +50,23 @@ def plan_page(plan: Plan) -> str:
     origin = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
         origin += f", re-timed with {method}"
+    notes = [f"{text[0].upper()}{text[1:]}." for text in plan.of_motion[1].notes]
+    if case.chain is not None:
+        notes.append(
+            "D-efficiency is an estimate here, perhaps too large: the most information that a chain of joints can have "
+            "is searched for, not proven."
+        )
+    first, last = map(case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
+    ends = f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
     return page(
         f"Plan: {case.title}",
         f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {origin}, to identify model {request.model} "
-        f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {_ends(plan)}.",
+        f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {ends}.",
         inputs,
         _warnings(plan),
-        section("What the plan promises", _headline(plan), _verdicts(plan), *_deviations(plan, model), *_notes(plan)),
+        section(
+            "What the plan promises", _headline(plan), _verdicts(plan), *_deviations(plan, model), *map(note, notes)
+        ),
         *pictured(case, plan.motion),
         section("How close it comes to each limit", limits_chart(plan.limits), note(shaped)),
         section("The motion and its limits", *motion_blocks(case, motion)),
@@ -78,21 +88,6 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
             f"{plan.case.name} --model {plan.model} with a longer --time-limit proves it."
         )
     return tuple(words)
-
-
-def _notes(plan: Plan) -> tuple[Markup, ...]:
-    notes = [f"{text[0].upper()}{text[1:]}." for text in plan.of_motion[1].notes]
-    if plan.case.chain is not None:
-        notes.append(
-            "D-efficiency is an estimate here, perhaps too large: the most information that a chain of joints can have "
-            "is searched for, not proven."
-        )
-    return tuple(map(note, notes))
-
-
-def _ends(plan: Plan) -> str:
-    first, last = map(plan.case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
-    return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
 
 
 def _headline(plan: Plan) -> Markup:
@@ -123,12 +118,9 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
     """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none.
 
     Returns:
-        Predicted standard deviation of each physical parameter [SI] for as much measuring time as the plan's, repeated
-        or broken off, where errors average out; else, where they depend on the pose, of one run; its duration [s];
-        whether they average out.
+        Predicted standard deviation of each physical parameter [SI], for as much measuring time as the plan's where
+        errors average out, else of one run; its duration [s]; whether they average out.
     """
-    if not plan.of_motion[0].family.optimised:
-        return "it is the motion itself"
     try:
         case = plan.case
         model = identification_model(case, plan.model)
@@ -145,14 +137,21 @@ def beside_manual(plan: Plan) -> tuple[dict[str, float], float, bool] | str:
         return f"there is no hand-made motion to compare with: {error.typed}"
 
 
+def assumed_words(plan: Plan) -> str:
+    """What predicted standard deviations assume: noise, rate, payloads and weights."""
+    request, worth = plan.of_motion
+    words = f"{plan.assumed_noise:g} N white force noise"
+    if worth.noise_of_accelerations:
+        words += " and noise of the accelerations as the case states it"
+    if (field := plan.case.sensors.pose_field) is not None:
+        words += f", {field.words} that depend on the pose"
+    most = "the largest with " if len(plan.payloads) > 1 else ""
+    return f"{words}, {plan.assumed_rate:g} Hz, {most}{request.mounted}, weights {worth.weights}"
+
+
 def _deviations(plan: Plan, model: Model) -> tuple[Markup, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
-    worth = plan.of_motion[1]
-    noise_text = " and noise of the accelerations as the case states it" if worth.noise_of_accelerations else ""
-    if (field := plan.case.sensors.pose_field) is not None:
-        noise_text += f" and errors of {field.words} that depend on the pose"
-    noise, rate = f"{plan.assumed_noise:g} N{noise_text}", plan.case.recording.rate_Hz
-    words = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
+    words = f"Predicted for {assumed_words(plan)}."
     columns = ["parameter", "predicted std"]
     other = None
     if plan.of_motion[0].family.optimised:
@@ -238,6 +237,6 @@ def _places(plan: Plan) -> Chart:
     ):
         at = places(plan.case, poses)
         marker = {"size": size, "color": colour}
-        figure.add("scatter", x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
+        figure.add("scatter", x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=name, marker=marker)
     figure.axes({"constrain": "domain"}, {"constrain": "domain", "scaleanchor": "x"})
     return figure

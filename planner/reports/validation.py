@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 
-import numpy as np
 from markupsafe import Markup
 
 from cases.files import provenance
@@ -14,8 +13,7 @@ from planner.comparison.trials import COMPARED, SHOWN, Trial
 from planner.comparison.validation import Validation
 from planner.precision import legible, parameter_words
 from planner.reports.compare import ratio_chart
-from planner.reports.figures import COLOURS, colour_or_grey
-from planner.reports.page import Block, Chart, answers, note, page, plain, section, table
+from planner.reports.page import COLOURS, Block, Chart, answers, colour, note, page, section, table
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 LEAST_DEVIATION = 1e-12  # the first trial is its own theory
@@ -107,28 +105,23 @@ THEORY = (
 def _std_charts(trials: Sequence[Trial]) -> list[Chart]:
     """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
     bare = [s for s in trials if s.weights == 0]
-    timed = [s for s in bare if s.duration is not None]
-    reported = [{n: v.reported for n, v in s.estimate.physical.items()} for s in bare]
-    caption = "Reported standard deviations without payload, at each method's own residuals"
-    kinds = [("std", bare, reported, caption)]
+    timed = [(s, s.duration**0.5) for s in bare if s.duration is not None]
+    words = "Reported standard deviations without payload, at each method's own residuals"
+    kinds = [("std", words, [(s, {n: v.reported for n, v in s.estimate.physical.items()}) for s in bare])]
     if bare and all(s.scatter for s in bare):
-        caption = (
+        words = (
             "What these deviations are in truth: over simulated machines whose errors of the pose differ, and which "
             "therefore repeat wherever a motion comes back to a pose"
         )
-        kinds.append(("std-true", bare, [dict(s.scatter) for s in bare], caption))
+        kinds.append(("std-true", words, [(s, dict(s.scatter)) for s in bare]))
     if timed:
-        times = [(s, float(np.sqrt(s.duration or 1.0))) for s in timed]
-        each = [{n: v.reported * time for n, v in s.estimate.physical.items()} for s, time in times]
-        caption = "The same for one second of measuring: times the square root of the measuring time"
-        kinds.append(("std-per-second", timed, each, caption))
+        words = "The same for one second of measuring: times the square root of the measuring time"
+        each = [(s, {n: v.reported * root for n, v in s.estimate.physical.items()}) for s, root in timed]
+        kinds.append(("std-per-second", words, each))
     charts = []
-    for name, shown, deviations, caption in kinds:
-        series = [
-            (s.method, d, {"color": colour_or_grey(k), "symbol": "circle"})
-            for k, (s, d) in enumerate(zip(shown, deviations, strict=True))
-        ]
-        caption += ", over the smallest of each parameter."
+    for name, words, shown in kinds:
+        series = [(s.method, d, {"color": colour(k), "symbol": "circle"}) for k, (s, d) in enumerate(shown)]
+        caption = f"{words}, over the smallest of each parameter."
         charts.append(ratio_chart(name, caption, series, height=400, showlegend=True))
     return charts
 
@@ -175,4 +168,4 @@ def _add_over_load(figure: Chart, trials: Sequence[Trial], values: Sequence[floa
         own = [(s.load, v) for s, v in zip(trials, values, strict=True) if s.method == method and v is not None]
         if own:
             x, y = zip(*own, strict=True)
-            figure.add("scatter", x=x, y=y, name=plain(method), mode="lines+markers", line={"color": colour_or_grey(k)})
+            figure.add("scatter", x=x, y=y, name=method, mode="lines+markers", line={"color": colour(k)})

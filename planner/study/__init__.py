@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field
 
 from cases.basis import KEPT, changes_since
 from cases.errors import FileProblem, HexciteError
-from cases.files import atomic_file, json_text, read_json, write_text
+from cases.files import atomic_file, check_folder, json_text, read_json, write_text
 from cases.tables import Part, Positive, read_tables
 from planner.families.settings import Fourier, family_class
 from planner.request import OWNERS, Request
@@ -34,7 +34,6 @@ def _listed(value: object) -> object:
 
 Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
 Whole = Annotated[int, Field(strict=True)]
-
 
 _USUAL = Request()
 OPTIONS = {"duration_s": "duration", "period_s": "period"}  # of settings whose columns carry a unit
@@ -96,12 +95,7 @@ BUILT_IN = Path(__file__).parent / "specs"
 
 
 def load_spec(name: str) -> Spec:
-    """Reads a study by its built-in name or its file.
-
-    Raises:
-        FileProblem: no such file.
-        CaseError: not TOML, an unknown setting, or an invalid value: key, value and remedy.
-    """
+    """Reads a study by its built-in name or its file; raises FileProblem or CaseError where it cannot be."""
     files = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
     path = files.get(name, Path(name))
     if not path.is_file():
@@ -110,11 +104,7 @@ def load_spec(name: str) -> Spec:
 
 
 def settings_of(spec: Spec) -> Iterator[CellSettings]:
-    """The settings of every cell, each once, in the order of the grid.
-
-    Raises:
-        HexciteError: more cells than a study can hold; the message states the time that they would take.
-    """
+    """The settings of every cell, each once, in the order of the grid; HexciteError where they are too many."""
     if spec.size > MOST_CELLS:
         hours = spec.size * 5.0 / 3600.0
         raise HexciteError(
@@ -137,11 +127,7 @@ def settings_of(spec: Spec) -> Iterator[CellSettings]:
 
 
 def request_of(settings: CellSettings) -> Request:
-    """The request of a cell, with one start.
-
-    Raises:
-        HexciteError: the settings cannot be planned.
-    """
+    """The request of a cell, with one start; HexciteError where its settings cannot be planned."""
     ours = {OPTIONS.get(k, k): v for k, v in settings.items()}
     kind = family_class(ours.pop("family"))
     own = {name: ours.pop(name) for name in OWNERS if name in ours}
@@ -173,28 +159,13 @@ ROWS = "rows"
 
 
 def open_study(folder: Path, about: dict[str, Any]) -> None:
-    """Makes a study folder, or accepts an existing one of the same study.
-
-    Args:
-        about: entries of study.json; `name` and the used part of the case must be those of an existing study.
-
-    Raises:
-        FileProblem: the folder belongs to another study or to something else, or cannot be written.
-    """
-    check_study(folder, about)
-    try:
-        (folder / ROWS).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileProblem(folder, f"cannot be written ({error.strerror})", "choose another place with -o") from error
+    """Makes a study folder with study.json."""
+    (folder / ROWS).mkdir(parents=True, exist_ok=True)
     write_text(folder / ABOUT, json_text(about))
 
 
 def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
-    """Writes the rows of one cell to a file of their own, `rows/NAME.parquet`: all of them or, if killed here, none.
-
-    Raises:
-        FileProblem: the disk is full or gone.
-    """
+    """Writes the rows of one cell to a file of their own, `rows/NAME.parquet`: all of them or, if killed here, none."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -203,19 +174,16 @@ def keep(folder: Path, name: str, rows: Sequence[dict[str, Any]]) -> None:
 
 
 def check_study(folder: Path, about: dict[str, Any]) -> None:
-    """Raises, before the work starts, where a study cannot use its folder.
+    """Refuses, before the work starts, a folder that a study cannot use.
+
+    Args:
+        about: entries of study.json; `name` and the used part of the case must be those of an existing study.
 
     Raises:
-        FileProblem: the folder belongs to another study or to something else.
+        FileProblem: the folder belongs to another study or to something else, or cannot be written.
     """
-    try:
-        names = {entry.name for entry in folder.iterdir()} if folder.exists() else set()
-    except OSError as error:
-        raise FileProblem(folder, f"cannot be read ({error.strerror})", "choose another place with -o") from error
-    if ABOUT not in names:
-        if names:
-            first = sorted(names)[0]
-            raise FileProblem(folder, f"is not a study of hexcite's (it holds {first})", "choose another with -o")
+    if not (folder / ABOUT).exists():
+        check_folder(folder, ("a study", frozenset({ROWS})), overwrite=True)
         return
     record = read_json(folder / ABOUT, "hexcite study")
     if record.get("name") != about["name"]:
@@ -231,11 +199,7 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
 
 
 def read_rows(folder: Path) -> "pa.Table":
-    """All rows of a study, each once.
-
-    Raises:
-        FileProblem: a file is damaged.
-    """
+    """All rows of a study, each once; FileProblem where a file is damaged."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

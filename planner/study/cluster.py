@@ -35,12 +35,7 @@ def require_dask() -> None:
 
 @contextmanager
 def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
-    """A cluster on this computer: one single-threaded process a core, each restarted when it takes too much memory.
-
-    Args:
-        workers: processes; by default one a core.
-        memory_GB: memory that a worker may take.
-    """
+    """A cluster on this computer: single-threaded processes, one a core, which restart where they need more memory."""
     import dask
     from distributed import Client, LocalCluster
 
@@ -79,11 +74,8 @@ def _without_interrupt() -> None:
 def remote_client(address: str) -> Iterator["Client"]:
     """A running cluster, after its workers have been found to have this version of hexcite.
 
-    Args:
-        address: address of the scheduler, `tcp://host:port`.
-
     Raises:
-        HexciteError: the cluster cannot be reached, has no workers, or one of them has no hexcite or another version.
+        HexciteError: `address` is not as `tcp://host:port`, nothing is reached there, or a worker has no such hexcite.
     """
     from distributed import Client
 

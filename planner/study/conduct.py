@@ -4,6 +4,8 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +14,9 @@ from cases.files import read_json, write_text
 from cases.schema import Case
 from cases.units import as_html
 from planner.request import require_workers
-from planner.study import ABOUT, DONE, PLANNED, Spec, check_study, load_spec, read_rows
-from planner.study.cluster import local_client, remote_client, require_dask
-from planner.study.study_run import about_study, cells_of, missing, run_study
+from planner.study import ABOUT, DONE, PLANNED, Spec, check_study, keep, load_spec, open_study, read_rows, request_of
+from planner.study.cluster import local_client, remote_client, require_dask, run_tasks
+from planner.study.study_run import about_study, cells_of, failure, missing, work
 from planner.study.summary import SettingsGroup, best_groups, groups, study_page
 
 
@@ -59,7 +61,7 @@ def study(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int, int, bool | None], None] = lambda open_cells, cells, ended: None,
+    progress: Callable[[str], None] = lambda remark: None,
 ) -> Study:
     """Plans, runs and identifies every cell of a grid of settings; a study that was stopped goes on.
 
@@ -71,8 +73,7 @@ def study(
         folder: its folder, continued if it is there; named after case and study unless given.
         workers: processes on this computer; one a core unless given.
         scheduler: a running Dask scheduler instead, tcp://host:port.
-        progress: called with the number of cells that were open, that of all, and None first, then at the end of each
-            cell whether it could be computed.
+        progress: shows a line at the start and at the end of each cell.
 
     Raises:
         HexciteError: the study cannot be understood, its folder is another's, Dask is missing or the cluster is lost.
@@ -88,23 +89,30 @@ def study(
     require_dask()
     place = Path(f"{case.name}-{asked.name}-study") if folder is None else Path(folder)
     cells = cells_of(asked, case)
-    check_study(place, about_study(asked, case, len(cells)))
-    number = len(missing(cells, asked, place))
+    about = about_study(asked, case, len(cells))
+    check_study(place, about)
+    open_cells = missing(cells, asked, place)
+    disturbed = asked.execute is not None and asked.execute.disturbed
     start, busy, computed, threads = time.perf_counter(), 0.0, 0, workers or os.cpu_count() or 1
-    if number or not (place / ABOUT).exists():
+    if open_cells or not (place / ABOUT).exists():
         context = local_client(workers, asked.cells.memory_GB) if scheduler is None else remote_client(scheduler)
         try:
             with context as client:
                 start = time.perf_counter()
                 threads = sum(client.nthreads().values())
-                progress(number, len(cells), None)
-
-                def on_end(seconds: float, computed: bool) -> None:
-                    nonlocal busy
-                    busy += seconds
-                    progress(number, len(cells), computed)
-
-                computed = run_study(client, asked, case, place, on_end)
+                open_study(place, about)
+                progress(f"{len(open_cells)} of {len(cells)} cells to do, in {place}")
+                tasks = (
+                    (key, partial(work, case, request_of(cells[key]), seeds, disturbed))
+                    for key, seeds in open_cells.items()
+                )
+                for key, answer, cell_s in run_tasks(client, tasks, asked.cells.time_limit_s):
+                    failed, seeds = isinstance(answer, HexciteError), open_cells[key]
+                    shared = {**cells[key], "cell": key, "case_hash": case.hash, "version": version("hexcite")}
+                    rows = [shared | row for row in ([failure(answer)] if failed else answer)]
+                    keep(place, f"{key}-{seeds[0]}" if seeds else key, rows)  # not from 0: more noise extends a study
+                    computed, busy = computed + 1, busy + cell_s
+                    progress(f"{computed} of {len(open_cells)} cells{', the last one failed' if failed else ''}")
         except Interrupted:
             raise Interrupted(f"what is done is kept in {place}, the same command goes on") from None
     seconds = time.perf_counter() - start

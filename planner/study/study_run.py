@@ -1,9 +1,8 @@
-"""Runs a study into its folder: only cells that are missing there."""
+"""The cells of a study, which of them its folder misses, and the work of one."""
 
 import math
 import time
-from collections.abc import Callable, Iterable
-from functools import partial
+from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,17 +22,12 @@ from planner.study import (
     CellSettings,
     ExecutionSpec,
     Spec,
-    keep,
-    open_study,
     read_rows,
     request_of,
     settings_of,
 )
-from planner.study.cluster import run_tasks
 
 if TYPE_CHECKING:
-    from distributed import Client
-
     from planner.plans import Plan
 
 
@@ -43,15 +37,13 @@ def work(case: Case, request: Request, noise_seeds: tuple[int, ...], disturbed: 
     A plan or run that is refused is a row with its reason: this is a result, not a failure of the study.
 
     Args:
-        case: machine and limits, and a simulated machine where runs are asked for.
         request: request of the plan, with one start.
         noise_seeds: noise seeds of the recordings to identify; none: the plan alone.
-        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
     """
     try:
         row, plan = _plan(case, request)
     except HexciteError as error:
-        return [_failure(error)]
+        return [failure(error)]
     if not noise_seeds:
         return [row]
     start = time.perf_counter()
@@ -59,10 +51,11 @@ def work(case: Case, request: Request, noise_seeds: tuple[int, ...], disturbed: 
         return [row, *_runs(plan, noise_seeds, disturbed)]
     except HexciteError as error:
         seconds = (time.perf_counter() - start) / len(noise_seeds)
-        return [row, *(_failure(error) | {"noise_seed": seed, "seconds": seconds} for seed in noise_seeds)]
+        return [row, *(failure(error) | {"noise_seed": seed, "seconds": seconds} for seed in noise_seeds)]
 
 
-def _failure(error: HexciteError) -> dict[str, Any]:
+def failure(error: HexciteError) -> dict[str, Any]:
+    """The row of a cell whose plan is refused."""
     return {"noise_seed": PLANNED, "status": FAILED, "reason": error.typed, "seconds": 0.0}
 
 
@@ -136,11 +129,7 @@ def cell_key(settings: CellSettings, execute: ExecutionSpec | None, case: Case, 
 
 
 def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
-    """Settings of every cell of a study, by the key of its rows.
-
-    Raises:
-        HexciteError: a combination cannot be planned, or there are too many.
-    """
+    """Settings of each cell, by the key of its rows; HexciteError where one cannot be planned, or for too many."""
     ours, cells = version("hexcite"), dict[str, CellSettings]()
     for choice in settings_of(spec):
         settings = {"model": full_model(case)} | choice
@@ -150,11 +139,7 @@ def cells_of(spec: Spec, case: Case) -> dict[str, CellSettings]:
 
 
 def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[int, ...]]:
-    """Cells with rows that are not in the folder yet, and noise seeds of these rows; failed cells are not missing.
-
-    Raises:
-        FileProblem: a file of the study is damaged.
-    """
+    """Cells with rows that are not in the folder yet, and noise seeds of these rows; failed cells are not missing."""
     there: set[tuple[str, int]] = set()
     failed: set[str] = set()
     if folder.is_dir():
@@ -182,26 +167,3 @@ def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
         "cells": cells,
         "spec": spec.model_dump(mode="json"),
     }
-
-
-def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Callable[[float, bool], None]) -> int:
-    """Computes the missing rows of a study folder, writes each cell as it arrives, and counts them.
-
-    Args:
-        done: called for each cell with its seconds, and whether it could be computed.
-
-    Raises:
-        HexciteError: the folder is another study's, or the cluster is lost; finished cells stay in the folder.
-    """
-    cells = cells_of(spec, case)
-    open_study(folder, about_study(spec, case, len(cells)))
-    open_cells = missing(cells, spec, folder)
-    disturbed = spec.execute is not None and spec.execute.disturbed
-    tasks = ((key, partial(work, case, request_of(cells[key]), seeds, disturbed)) for key, seeds in open_cells.items())
-    for key, answer, seconds in run_tasks(client, tasks, spec.cells.time_limit_s):
-        failed, seeds = isinstance(answer, HexciteError), open_cells[key]
-        shared = {**cells[key], "cell": key, "case_hash": case.hash, "version": version("hexcite")}
-        rows = [shared | row for row in ([_failure(answer)] if failed else answer)]
-        keep(folder, f"{key}-{seeds[0]}" if seeds else key, rows)  # not from 0 where more noise extends a study
-        done(seconds, not failed)
-    return len(open_cells)

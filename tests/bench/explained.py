@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 
 import hexcite as hx
 from cases.schema import Case
-from planner.demonstration import OF_PATHS
+from identification.limit import KINETIC
 from planner.execution import execute
 from planner.vibration import vibration
 from tests.bench.coverage import coloured_coverage, coverage, idealised
@@ -96,7 +96,7 @@ def executed(plans: dict[str, hx.Plan]) -> Figure:
 
 def on_linuxcnc(plan: hx.Plan, case: Case) -> hx.Recording:
     """A run of a plan on the real controller, everything accepted that it does not enforce."""
-    return execute(hx.write(replace(plan, case=case), "linuxcnc", accept=OF_PATHS), case, "linuxcnc", 0)[1]
+    return execute(hx.write(replace(plan, case=case), "linuxcnc", accept=KINETIC), case, "linuxcnc", 0)[1]
 
 
 def modes(plans: dict[str, hx.Plan]) -> Figure:
@@ -123,7 +123,7 @@ def modes(plans: dict[str, hx.Plan]) -> Figure:
 def deviations(plan: hx.Plan) -> Figure:
     """How many 95 % intervals hold the truth, by (28) and by the larger deviation."""
     case = hx.load_case("hexapod")
-    executed, _ = execute(hx.write(plan, "linuxcnc", accept=OF_PATHS), case, "virtual", 0)
+    executed, _ = execute(hx.write(plan, "linuxcnc", accept=KINETIC), case, "virtual", 0)
     run = executed.execution, executed.trigger
     white, filtered = coverage(idealised(case), *run, SEEDS), coloured_coverage(idealised(case), *run, SEEDS)
     figure, axes = drawn(2.2)

@@ -18,7 +18,7 @@ from planner.comparison.comparison import groups, recommend, warnings_of
 from planner.comparison.entries import Conditions, Entry, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.plan_program import plan_of_program
-from planner.reports.compare import coloured
+from planner.reports.compare import std_chart
 from postprocessors.dialects import DIALECTS
 from tests.helpers import few, tells
 from tests.planner.browser import opened
@@ -281,7 +281,7 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
     other = replace(found[0][0], name="another")
-    colours = [colour for _, colour in coloured([*found, [other]])]
+    colours = [trace["marker"]["color"] for trace in std_chart([*found, [other]]).data]
     assert len(set(colours[:3])) == 1
     assert colours[3] != colours[0]
 

@@ -17,7 +17,7 @@ from tests.planner.browser import Opened, opened
 
 PLOTS = {
     "limits", "position-translation", "jerk-rotation", "strut-lengths", "strut-velocities", "strut-accelerations",
-    "sensor-forces", "information", "progress", "correlation", "qr",
+    "sensor-forces", "information", "correlation", "qr",
 }  # fmt: skip
 SCREENS = {"a phone by night": (400, "dark"), "a wide screen by day": (1400, "light")}
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"

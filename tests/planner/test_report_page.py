@@ -17,7 +17,7 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.figures import motion_blocks, thinned
+from planner.reports.figures import motion_blocks
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import (
     TERMS,
@@ -25,10 +25,10 @@ from planner.reports.page import (
     explained,
     note,
     page,
-    plain,
     script_json,
     section,
     table,
+    thinned,
 )
 from tests.helpers import Harmonic
 from tests.planner.browser import DRAWN, PATIENCE, Opened, opened
@@ -53,7 +53,7 @@ def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.Tem
     """A page with everything that outsiders can name named in HTML."""
     plots = motion_blocks(hexapod_case, sample(motion, 200.0))
     for trace in plots[0].data:
-        trace["name"] = plain(HOSTILE)
+        trace["name"] = HOSTILE
     wide = tuple(f"a wide column {k}" for k in range(30))
     text = page(
         HOSTILE,
@@ -184,7 +184,7 @@ def test_a_narrow_page_by_night_fits_and_is_readable(browser: Browser, page_file
 
 def test_an_identification_has_its_page(result_tab: Opened):
     page, errors, requests = result_tab
-    names = {"parameters", "correlation", "qr", "forces", "residuals", "distribution", "spectrum"}
+    names = {"correlation", "qr", "forces", "residuals", "distribution", "spectrum"}
     assert {f"plot-{n}" for n in names} <= set(page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)"))
     assert "onerror" in page.locator(".lead").inner_text()
     assert page.locator("img").count() == 0
@@ -196,7 +196,7 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
     from plotly.graph_objects import Figure
 
     charts = [c for file in (page_file, result_page) for c in CHART.findall(file.read_text(encoding="utf-8"))]
-    assert len(charts) == 8 + 7
+    assert len(charts) == 8 + 6
     for chart in charts:
         Figure(json.loads(chart))
 

@@ -48,9 +48,14 @@ def tally_of_cases(seeds: range, folder: Path) -> Tally:
             Path(file).write_bytes(stained(text, draw))
 
         def check():
-            figures = case_figures(file)
             case = load_case(file)
-            return figures, case, reach(case) if has_motion_box(case) else None, readiness(case), leftovers(case)
+            return (
+                case_figures(case, file),
+                case,
+                reach(case) if has_motion_box(case) else None,
+                readiness(case),
+                leftovers(case),
+            )
 
         found = tally.attempt(seed, check, file)
         if found is None:

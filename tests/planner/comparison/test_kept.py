@@ -6,7 +6,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-from cases.errors import FileProblem, Interrupted
+from cases.errors import Interrupted
 from planner.comparison.methods import ValidationSettings, unfinished
 from planner.comparison.validation import validate
 from tests.planner.comparison.excitations import CASE
@@ -25,20 +25,19 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
             found.save(out)
         return found.to_json()
 
-    kept = tmp_path / "v.unfinished"
-
-    def ends(by: BaseException) -> None:
+    def ends(by: BaseException) -> Path:
         def trials(*_: object) -> NoReturn:
             raise by
 
-        monkeypatch.setattr("planner.comparison.methods.trials", trials)
+        monkeypatch.setattr("planner.comparison.validation.trials", trials)
         with pytest.raises(type(by)) as raised:
             run_validation()
-        assert [p.name for p in tmp_path.iterdir()] == ["v.unfinished"]
+        (folder,) = tmp_path.iterdir()
         if isinstance(by, Interrupted):
-            assert "kept in v.unfinished" in str(raised.value)
+            assert f"kept in {folder.name}" in str(raised.value)
+        return folder
 
-    ends(Interrupted())
+    kept = ends(Interrupted())
     plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
     monkeypatch.setattr("planner.comparison.methods.poses_planned", None)  # nothing is planned again
     ends(Stopped())
@@ -54,22 +53,16 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
 
 
 def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
-    def left(settings: ValidationSettings, make: bool, overwrite: bool = False) -> bool:
-        with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings, overwrite) as folder:
-            known = (folder / "plans" / "ptp" / "plan.json").is_file()
-            if make:
-                (folder / "plans" / "ptp").mkdir(exist_ok=True)
-                (folder / "plans" / "ptp" / "plan.json").touch()
+    def left(settings: ValidationSettings) -> bool:
+        with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings) as folder:
+            known = (folder / "plans").is_dir()
+            (folder / "plans").mkdir(parents=True, exist_ok=True)
             raise Stopped
         return known
 
-    assert not left(ValidationSettings("virtual", 2, 0), True)
-    assert left(ValidationSettings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
-    with pytest.raises(FileProblem, match="overwrite"):
-        left(ValidationSettings("virtual", 2, 1), False)
-    assert not left(ValidationSettings("virtual", 2, 1), False, overwrite=True)
-    assert not (tmp_path / "v.unfinished").exists()  # nothing in it is worth keeping
-    (tmp_path / "v.unfinished").mkdir()
-    (tmp_path / "v.unfinished" / "diary.txt").touch()
-    with pytest.raises(FileProblem, match=r"v\.unfinished: .*not an unfinished validation.*diary\.txt"):
-        left(ValidationSettings("virtual", 2, 0), False)
+    assert not left(ValidationSettings("virtual", 2, 0))
+    assert left(ValidationSettings("linuxcnc", 2, 0))  # plans are the same, whatever executes them
+    assert not left(ValidationSettings("virtual", 2, 1))
+    with unfinished(tmp_path / "v", CASE, ValidationSettings("virtual", 2, 1)):
+        pass
+    assert len(list(tmp_path.iterdir())) == 1  # of the first; a validation that is written leaves nothing

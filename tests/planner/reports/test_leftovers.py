@@ -100,7 +100,7 @@ def test_a_frame_in_metres_is_noticed_though_its_forces_keep_the_machine_from_ho
     answer = call("case", "check", mine(tmp_path, *frame))
     assert answer.code == 1
     assert "sensor force" in answer.refusal()
-    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm: 0\.14.* mm .*metres", answer.out)
+    assert re.search(r"sensor_frame\.bars\.lower\.ring\.radius_mm: 0\.14.* mm .*metres", answer.refusal())
 
 
 def test_case_check_says_once_what_several_commands_miss() -> None:

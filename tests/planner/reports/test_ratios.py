@@ -32,7 +32,7 @@ def test_markers_stand_at_their_parameter_and_side_by_side():
 
 
 def test_names_are_text():
-    assert "<b>" not in ratio_chart("std", "Ratios.", SERIES).data[2]["name"]
+    assert "&lt;b&gt;c&lt;/b&gt;" in ratio_chart("std", "Ratios.", SERIES).__html__()
 
 
 @pytest.mark.parametrize("largest", [1.3, 3.0, 30.0])

@@ -5,8 +5,10 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,12 +27,12 @@ from planner.study import (
     Grid,
     Spec,
     cluster,
+    conduct,
     open_study,
     read_rows,
     schema,
-    study_run,
 )
-from planner.study.study_run import cells_of, missing, run_study
+from planner.study.study_run import cells_of, missing
 from planner.study.summary import best_groups, groups
 from tests.helpers import tells
 from tests.planner.command_line import PROGRAM, call, refused
@@ -64,8 +66,10 @@ class Pretended:
 
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
-    monkeypatch.setattr(study_run, "run_tasks", cluster)
-    run_study(None, spec, case, folder, lambda seconds, computed: None)
+    client = SimpleNamespace(nthreads=lambda: {"one": 1})
+    monkeypatch.setattr(conduct, "run_tasks", cluster)
+    monkeypatch.setattr(conduct, "local_client", lambda workers, memory: nullcontext(client))
+    conduct.study(case, spec, folder)
     return cluster
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from cases.basis import KEPT
 from cases.errors import FileProblem
-from planner.study import ABOUT, ROWS, keep, open_study, read_rows, schema
+from planner.study import ABOUT, ROWS, check_study, keep, open_study, read_rows, schema
 from tests.helpers import one_line
 
 MINE = {"name": "mine", "case": "hexapod", "case_hash": "0123", KEPT: {"nominal.mass_kg": 33.0}}
@@ -82,14 +82,16 @@ def test_studies_do_not_mix(other: dict[str, Any], words: str, tmp_path: Path) -
     open_study(tmp_path / "s", MINE)
     keep(tmp_path / "s", "a", [row("a")])
     with pytest.raises(FileProblem, match=words) as caught:
-        open_study(tmp_path / "s", MINE | other)
+        check_study(tmp_path / "s", MINE | other)
     assert one_line(caught.value).startswith(str(tmp_path / "s"))
     assert held(tmp_path / "s") == [("a", -1)]
 
 
 def test_a_study_goes_on_whatever_of_the_case_it_does_not_use_has_changed(tmp_path: Path) -> None:
     for case_hash in ("0123", "4567"):
-        open_study(tmp_path / "s", MINE | {"case_hash": case_hash})
+        about = MINE | {"case_hash": case_hash}
+        check_study(tmp_path / "s", about)
+        open_study(tmp_path / "s", about)
         keep(tmp_path / "s", case_hash, [row(case_hash)])
     assert held(tmp_path / "s") == [("0123", -1), ("4567", -1)]
 
@@ -97,7 +99,7 @@ def test_a_study_goes_on_whatever_of_the_case_it_does_not_use_has_changed(tmp_pa
 def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(FileProblem, match="not a study"):
-        open_study(tmp_path, MINE)
+        check_study(tmp_path, MINE)
     assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
 
 
