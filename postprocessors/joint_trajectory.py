@@ -22,7 +22,7 @@ FIRST = 0.02  # [s] time of the first point: at 0 the controller would jump to i
 
 
 def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
-    """The message, plain ASCII, see `Language.write`; `controller.block_ms` is the distance of points."""
+    """The message, plain ASCII, see `Dialect.write`; `controller.block_ms` is the distance of points."""
     chain, _ = case.need_chain("a joint trajectory")
     controller = case.need_controller("a joint trajectory")
     lines = [f"# {line}" for text in header_of(program) for line in comment_lines(text)]
@@ -37,7 +37,7 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def require_same(program: Blocks, reading: Reading, case: Case) -> None:
+def require_same_trajectory(program: Blocks, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the message, as read back, is the program's motion, at its points and between them."""
     motion, clock = _motion(program), -FIRST
     for part in reading.stretches:

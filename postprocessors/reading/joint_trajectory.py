@@ -26,7 +26,7 @@ _Point = tuple[int, Array, float]  # line, position with rate and acceleration, 
 
 
 def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a message, see `Language.read`; its motion begins and ends at rest.
+    """Reads a message, see `Dialect.read`; its motion begins and ends at rest.
 
     The recording has no trigger: the whole motion counts as the excitation.
     """

@@ -155,7 +155,7 @@ def _words(text: str, line: int, file: str) -> list[Word]:
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, see `Language.read`, byte by byte: only a line feed ends a line, as for the controller."""
+    """Reads a program, see `Dialect.read`, byte by byte: only a line feed ends a line, as for the controller."""
     interpreter = _LinuxCncInterpreter(file, case)
     reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

@@ -73,7 +73,7 @@ class ModalState(ABC):
         """Executes the words of one block; raises ProgramError for a word that is not understood."""
 
     def read_program(self, lines: Iterable[str], words_of: Callable[[str, int, str], list[Word]]) -> Reading:
-        """Reads all lines, whose words are `words_of(text, line, file)`; errors as `Language.read`."""
+        """Reads all lines, whose words are `words_of(text, line, file)`; errors as `Dialect.read`."""
         blocks = 0
         for number, text in enumerate(lines, start=1):
             if words := words_of(text, number, self.file):

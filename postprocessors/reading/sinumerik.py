@@ -224,7 +224,7 @@ class _SinumerikInterpreter(ModalState):
 
 
 def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, see `Language.read`."""
+    """Reads a program, see `Dialect.read`."""
     settings = case.need_settings(SinumerikAxes, "a SINUMERIK program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _SinumerikInterpreter(file, settings, case).read_program(lines, sinumerik_words)

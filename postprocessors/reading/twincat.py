@@ -267,7 +267,7 @@ class _TwinCatInterpreter(ModalState):
 
 
 def read_twincat(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, see `Language.read`."""
+    """Reads a program, see `Dialect.read`."""
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _TwinCatInterpreter(file, settings, case).read_program(lines, twincat_words)

@@ -36,7 +36,7 @@ Place = tuple[str, int, int]
 
 
 def read_urscript(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, see `Language.read`."""
+    """Reads a program, see `Dialect.read`."""
     settings = case.need_settings(UrScript, "a URScript program")
     chain, limits = case.need_chain("a URScript program")
     if len(chain.joints) != JOINTS or not limits.turns.all():

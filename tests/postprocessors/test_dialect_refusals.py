@@ -175,7 +175,7 @@ def test_a_case_without_settings_of_a_dialect_is_told_the_missing_table(name: st
     controller = CASE.controller.model_copy(update={name: None})
     case = CASE.model_copy(update={"controller": controller})
     with pytest.raises(CaseError, match=rf"case hexapod: controller\.{name}: .*missing.*dialect {name}\b"):
-        dialect(name).load().read(b"M30\n", "p", case)
+        dialect(name).read(b"M30\n", "p", case)
 
 
 @pytest.mark.parametrize(

@@ -224,7 +224,7 @@ def test_what_another_controller_means_by_it_is_refused(typed: Typed, line: str,
 @pytest.mark.parametrize("line", LINUXCNC_TRAPS)
 def test_words_of_the_others_are_refused_by_linuxcnc(line: str):
     with pytest.raises(ProgramError, match=LINUXCNC_TRAPS[line]):
-        dialect("linuxcnc").load().read(typed_linuxcnc(line).encode(), "p.ngc", CASE)
+        dialect("linuxcnc").read(typed_linuxcnc(line).encode(), "p.ngc", CASE)
 
 
 @pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
@@ -237,7 +237,7 @@ def test_the_frame_around_the_refused_lines_is_itself_proven(typed: Typed):
 def test_a_whole_program_is_read_in_its_own_language_alone(writer: Typed | str, reader: str):
     name = writer if isinstance(writer, str) else writer.name
     text = typed_linuxcnc("G1 X1 A1 F3000") if isinstance(writer, str) else writer.text(f"G1 G60 X1 {writer.angle}1 F9")
-    language = dialect(reader).load()
+    language = dialect(reader)
     if name == reader:
         assert language.read(text.encode(), "p", CASE).stretches
     else:

@@ -21,7 +21,7 @@ from postprocessors.writing import proven_program
 from tests.helpers import few, one_line
 from tests.postprocessors.joint_walks import ROBOT, walk
 
-LANGUAGE = dialect("ros2").load()
+LANGUAGE = dialect("ros2")
 
 
 class Swing:

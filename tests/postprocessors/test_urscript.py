@@ -19,7 +19,7 @@ from tests.postprocessors.joint_walks import robot, walk
 
 CASE = robot()
 URSCRIPT = dialect("urscript")
-LANGUAGE = URSCRIPT.load()
+LANGUAGE = URSCRIPT
 
 
 def written(jerk: bool = False, speed: float = 1.0) -> Program:

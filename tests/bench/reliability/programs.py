@@ -84,7 +84,7 @@ def edited(text: str, draw: random.Random) -> str:
 
 
 def _proven(name: str, content: bytes, case: Case) -> tuple[Reading, ProgramProof]:
-    language = dialect(name).load()
+    language = dialect(name)
     reading = language.read(content, "p", case)
     return reading, prove_program(reading, language.guarantees(reading, case))
 

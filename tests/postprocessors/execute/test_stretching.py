@@ -89,7 +89,7 @@ def test_post_is_told_the_stretch_and_the_remedies(hexapod_case: Case):
         (6.0, "ms (controller.block_ms)"),
     ):
         tight = changed(hexapod_case, controller__linuxcnc__acceleration_headroom=headroom)
-        stretch, (remark, *_) = dialect("linuxcnc").load().forecast(reading, tight)
+        stretch, (remark, *_) = dialect("linuxcnc").forecast(reading, tight)
         paths = triggered_paths(reading)
         assert stretch == predicted_stretch(paths, tight, headroom)
         assert f"{stretch:.2f} times as long" in remark
