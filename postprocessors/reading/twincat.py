@@ -15,9 +15,8 @@ from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
-    MODAL,
     MOST_MESSAGES,
-    REMEDY,
+    OTHERS,
     twincat_words,
 )
 
@@ -30,7 +29,7 @@ _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+
 class _TwinCatInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, groups, last, straight_word = "TwinCAT", GROUPS, "M30", "G01"
+    name, groups, others, last, straight_word = "TwinCAT", GROUPS, OTHERS, "M30", "G01"
     block_time, inverse_time = "F, the block's time in seconds", False
     feed_group = "#FGROUP [{}]"
 
@@ -38,14 +37,15 @@ class _TwinCatInterpreter(ModalState):
         self.settings = settings
         self.of_pose = settings if isinstance(settings, TwinCat) else None  # None: in the machine's own axes
         letters = "XYZABC"
-        if self.of_pose is not None:
-            self.needed = {f"#KIN ID[{self.of_pose.kinematic_id}]": "#KIN ID", "#TRAFO ON": "#TRAFO ON"}
-        else:
+        if self.of_pose is None:
             letters = axis_letters(case, "TwinCAT", file, endless=False)
-            self.needed = {"G94": "G94", "#TRAFO OFF": "#TRAFO OFF"}
         super().__init__(file, letters, self.of_pose is None)
+        self.needed = {word: (word,) for word in ("G90", "G71")} | {f"#SLOPE [TYPE={settings.slope}]": ("#SLOPE",)}
         if self.of_pose is not None:
             self.scale[4] *= self.of_pose.angle_sign_b
+            self.needed |= {f"#KIN ID[{self.of_pose.kinematic_id}]": ("#KIN ID",), "#TRAFO ON": ("#TRAFO ON",)}
+        else:
+            self.needed |= {word: (word,) for word in ("G94", "#TRAFO OFF")}
         self.curve = ""  # SPLINE, HSC or CONTOUR while a path of points is open
         self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
         self.points = 0  # of the path, its start included
@@ -67,12 +67,14 @@ class _TwinCatInterpreter(ModalState):
                 self.fail(block[""], "a number without a letter; write its letter")
             self._feed_and_move(block)
         if end := block.get("M30") or block.get("M2"):
-            self._end(end)
+            if self.curve:
+                self.fail(end, "a path of points is still open at the end; close it")
+            self.end(end, "#TRAFO OFF")
 
     def _word(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in ("N", "G4", "G60", "M2", "M30", ""):
             return
-        if name in (_OF_OWN_AXES if self.own_axes else MODAL) and word.value is None:
+        if name in (_OF_OWN_AXES if self.own_axes else self.group_of) and word.value is None:
             if name == "G261":
                 self._open("CONTOUR", word)
             elif name == "G260":
@@ -87,9 +89,12 @@ class _TwinCatInterpreter(ModalState):
         elif name in (f"M{self.settings.trigger_on_m}", f"M{self.settings.trigger_off_m}"):
             self._switch(name, word, block)
         else:
-            remedy = f"M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
-            hint = f"not the trigger's M function; write {remedy}" if name[:1] == "M" else "not a word of an excitation"
-            self.fail(word, f"{name} is {REMEDY.get(name, hint + '; remove it')}")
+            hint = "a word of an excitation; remove it"
+            if name[:1] == "M":
+                hint = (
+                    f"the trigger's M function; write M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
+                )
+            self.refuse(word, f"not {hint}")
 
     def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
         self.require_alone(word, block)
@@ -102,7 +107,7 @@ class _TwinCatInterpreter(ModalState):
         if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
         if s is None and name not in _COMMANDS_OF_OWN_AXES:
-            self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of a program in own axes; remove it')}")
+            self.refuse(word, "not a command of a program in own axes; remove it")
         match name:
             case "#SLOPE":
                 slope = f"TYPE={self.settings.slope}"
@@ -142,7 +147,7 @@ class _TwinCatInterpreter(ModalState):
                 self._require_deviations(word, "DEV", s)
                 self.contour = True
             case _:
-                self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of an excitation; remove it')}")
+                self.refuse(word, "not a command of an excitation; remove it")
 
     def _open(self, kind: str, word: Word) -> None:
         """Begins a path where the machine stands, of a kind that was chosen before; refuses one within another."""
@@ -217,53 +222,27 @@ class _TwinCatInterpreter(ModalState):
                 self.fail(block["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
             return
         first = min(coordinates, key=lambda w: w.column)
-        self._require_ready(first)
+        self.require_said(first)
         exact = "G60" in block or self.active("G360")
         if self.active("G2", "G3"):
-            self._arc(block, first, exact)
+            if not self.active("G162"):
+                self.fail(first, "an arc needs relative centres; write G162")
+            self._require_no_curve(first)
+            self.arc(block, first, exact)
         else:
-            self._line(block, first, exact)
+            end, duration, feed = self.target(block, first)
+            if duration is None:
+                self._require_no_curve(first)
+            else:
+                self._point(first, exact)
+            # the exact stop at the end of a whole path is not a stop within it
+            self.straight(end, duration, feed, exact and duration is None)
         self.flowing = not exact
 
-    def _require_ready(self, word: Word) -> None:
-        for name in ("G90", "G71"):
-            if not self.active(name):
-                self.fail(word, f"a move before {name}; what it means is not known, add {name}")
-        for name, said in {f"#SLOPE [TYPE={self.settings.slope}]": "#SLOPE", **self.needed}.items():
-            if said not in self.said and not self.active(said):
-                self.fail(word, f"a move before {name}; what it means is not known, add it")
-
-    def _line(self, block: dict[str, Word], first: Word, exact: bool) -> None:
-        if not self.active("G0", "G1"):
-            self.fail(first, "coordinates without G00 or G01; add G01")
-        self.refuse_centres(block, "G02 or G03")
-        end = self.end_of(block, first)
-        unsure = "whether the machine stops after this move is not known; write G60 in its block"
-        duration, feed = self.timing(block, end, first)
-        if duration is not None:
-            self._point(first, exact)
-            exact = False  # the exact stop at the end of a whole path is not a stop within it
-        elif self.curve:
-            self.fail(
-                first, "a block of the controller's own timing within a path of points; write G93 and F in seconds"
-            )
-        elif not exact:
-            self.fail(first, unsure)
-        self.straight(end, duration, feed, exact)
-
-    def _arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
-        if not self.active("G162"):
-            self.fail(first, "an arc needs relative centres; write G162")
-        if self.curve or not exact:
-            self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
-        self.arc(block, first, exact)
-
-    def _end(self, word: Word) -> None:
+    def _require_no_curve(self, first: Word) -> None:
         if self.curve:
-            self.fail(word, "a path of points is still open at the end; close it")
-        if self.transformed:
-            self.fail(word, "the transformation is still on; write #TRAFO OFF before")
-        self.ended = True
+            problem = "a block of the controller's own timing within a path of points; write G93 and F in seconds"
+            self.fail(first, problem)
 
 
 def read_twincat(content: bytes, file: str, case: Case) -> Reading:
