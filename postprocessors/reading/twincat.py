@@ -40,12 +40,12 @@ class _TwinCatInterpreter(ModalState):
         if self.of_pose is None:
             letters = axis_letters(case, "TwinCAT", file, endless=False)
         super().__init__(file, letters, self.of_pose is None)
-        self.needed = {word: (word,) for word in ("G90", "G71")} | {f"#SLOPE [TYPE={settings.slope}]": ("#SLOPE",)}
+        self.needed |= {"G90": ("G90",), "G71": ("G71",), f"#SLOPE [TYPE={settings.slope}]": ("#SLOPE",)}
         if self.of_pose is not None:
             self.scale[4] *= self.of_pose.angle_sign_b
             self.needed |= {f"#KIN ID[{self.of_pose.kinematic_id}]": ("#KIN ID",), "#TRAFO ON": ("#TRAFO ON",)}
         else:
-            self.needed |= {word: (word,) for word in ("G94", "#TRAFO OFF")}
+            self.needed |= {"G94": ("G94",), "#TRAFO OFF": ("#TRAFO OFF",)}
         self.curve = ""  # SPLINE, HSC or CONTOUR while a path of points is open
         self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
         self.points = 0  # of the path, its start included
