@@ -107,8 +107,14 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
     """
     base = knots(motion)
     counts = np.ceil(np.diff(base) / longest - 1e-9).astype(int).clip(1)
-    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any():
-        return _cut(motion, counts, degree)
+    if isinstance(motion, PolynomialMotion) and not motion.table[4:].any():
+        times = divided(base, counts)
+        at = motion.at(times[:-1])  # a cubic is its Taylor polynomial anywhere
+        table = np.zeros((degree + 1, *at.pose.shape))
+        table[:4] = at.pose, at.rates, at.accelerations / 2, at.jerks / 6
+        return PolynomialMotion(table, np.diff(times))
+    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any() and (counts == 1).all():
+        return PolynomialMotion(motion.table[: degree + 1], motion.durations)
     finer = 1
     while finer <= FINEST:
         spline = _hermite(motion, divided(base, counts * finer), degree)
@@ -117,21 +123,6 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
             return spline
         finer *= 2
     raise ValueError(f"polynomials of degree {degree} stay {position * 1e3:.2g} mm off the motion")
-
-
-def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:
-    """The same motion, each of its pieces in a number of equal ones, with coefficients up to a degree."""
-    from scipy.linalg import pascal  # imported for splines only: every plan loads this module
-
-    order, binomial, cut = np.arange(degree + 1), pascal(degree + 1, kind="upper"), []
-    table = np.zeros((degree + 1, *motion.table.shape[1:]))
-    table[: len(motion.table)] = motion.table[: degree + 1]
-    for k, (duration, count) in enumerate(zip(motion.durations, counts, strict=True)):
-        step = duration / count
-        for start in step * np.arange(count):  # c_i of p(start + t): sum_j binomial(j, i) start^(j - i) c_j
-            shift = binomial * start ** np.maximum(np.subtract.outer(order, order).T, 0)
-            cut.append((shift @ table[:, k], step))
-    return PolynomialMotion.of_pieces(cut)
 
 
 def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
