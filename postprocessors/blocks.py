@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import groupby, takewhile
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, polynomials_of
@@ -85,10 +84,16 @@ def knots(motion: Trajectory) -> Array:
     return np.array([0.0, motion.duration])
 
 
-def divided(ends: Array, counts: ArrayLike) -> Array:
-    """Instants that divide each interval between ends, shape (k,) [s], into a number of equal ones, shape (k - 1,)."""
-    numbers = np.broadcast_to(counts, len(ends) - 1)
-    parts = (np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], numbers, strict=False))
+def divided(ends: Array, longest: float, fewest: int = 1, finer: int = 1) -> Array:
+    """Instants that divide each interval between ends, shape (k,) [s], into the fewest equal ones of a length.
+
+    Args:
+        longest: duration of an interval, at most [s].
+        fewest: least number of intervals between two ends.
+        finer: factor of these numbers.
+    """
+    counts = np.ceil(np.diff(ends) / longest - 1e-9).astype(int).clip(fewest) * finer
+    parts = (np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], counts, strict=False))
     return np.append(np.concatenate([*parts]), ends[-1])
 
 
@@ -106,18 +111,17 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
         ValueError: no subdivision is within the tolerance.
     """
     base = knots(motion)
-    counts = np.ceil(np.diff(base) / longest - 1e-9).astype(int).clip(1)
+    times = divided(base, longest)
     if isinstance(motion, PolynomialMotion) and not motion.table[4:].any():
-        times = divided(base, counts)
         at = motion.at(times[:-1])  # a cubic is its Taylor polynomial anywhere
         table = np.zeros((degree + 1, *at.pose.shape))
         table[:4] = at.pose, at.rates, at.accelerations / 2, at.jerks / 6
         return PolynomialMotion(table, np.diff(times))
-    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any() and (counts == 1).all():
+    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any() and len(times) == len(base):
         return PolynomialMotion(motion.table[: degree + 1], motion.durations)
     finer = 1
     while finer <= FINEST:
-        spline = _hermite(motion, divided(base, counts * finer), degree)
+        spline = _hermite(motion, divided(base, longest, finer=finer), degree)
         position, angle = even_deviation(spline, motion)
         if position <= tolerance[0] and angle <= tolerance[1]:
             return spline
@@ -187,6 +191,6 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
     knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
-    times = divided(knots, np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2))
+    times = divided(knots, block, 1 if len(knots) > 2 else 2)
     motion = trajectory if speed == 1.0 else Slowed(trajectory, speed)
     return TimedPath(name, times / speed, trajectory.at(times).pose, motion)

@@ -254,6 +254,9 @@ class Grouping:
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 """Pattern of a plain decimal number."""
 
+FLOAT = rf"((?>{NUMBER})(?:[eE][+-]?\d+)?)"
+"""Pattern of a number that may have an exponent, as one group."""
+
 _INK = re.compile(r"\S")
 
 

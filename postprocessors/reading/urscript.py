@@ -11,21 +11,20 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading import NUMBER, Grouping, Reading, program_lines
+from postprocessors.reading import FLOAT, Grouping, Reading, program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers
 LONGEST_LINE = 4096
 _BEGIN = re.compile(r"def ([A-Za-z]\w*)\(\):\s*$")
 _BLANKS = re.compile(r"\s*([\[\](),=])\s*")
-_NUMBER = rf"((?>{NUMBER})(?:[eE][+-]?\d+)?)"
 # statement -> its form for people, and without blanks
 _FORMS = {
     "movej": (
         "movej([q1, .., q6], a=.., v=.., r=0) with plain numbers: a time t would outrank a and v, blends skip moves",
-        re.compile(rf"movej\(\[{','.join([_NUMBER] * JOINTS)}\],a={_NUMBER},v={_NUMBER}(?:,r=0)?\)"),
+        re.compile(rf"movej\(\[{','.join([FLOAT] * JOINTS)}\],a={FLOAT},v={FLOAT}(?:,r=0)?\)"),
     ),
-    "sleep": ("sleep(seconds)", re.compile(rf"sleep\({_NUMBER}\)")),
+    "sleep": ("sleep(seconds)", re.compile(rf"sleep\({FLOAT}\)")),
     "set_standard_digital_out": (
         "set_standard_digital_out(n, True) or (n, False)",
         re.compile(r"set_standard_digital_out\((\d+),(True|False)\)"),
