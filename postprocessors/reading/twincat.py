@@ -15,13 +15,11 @@ from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
-    MOST_MESSAGES,
     OTHERS,
     twincat_words,
 )
 
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
-_COMMANDS_OF_OWN_AXES = ("#SLOPE", "#TRAFO OFF", "#FGROUP", "#MSG", "#MSG SYN", "#TIME")
 FEWEST_SPLINE_POINTS = 3  # fewest points of an AKIMA spline, its start included
 _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
 
@@ -40,17 +38,18 @@ class _TwinCatInterpreter(ModalState):
         if self.of_pose is None:
             letters = axis_letters(case, "TwinCAT", file, endless=False)
         super().__init__(file, letters, self.of_pose is None)
-        self.needed |= {"G90": ("G90",), "G71": ("G71",), f"#SLOPE [TYPE={settings.slope}]": ("#SLOPE",)}
+        # commands that state what the case says, with the text behind them
+        self.stated = {"#SLOPE": f"TYPE={settings.slope}", "#TRAFO OFF": ""}
+        needed = ["G90", "G71", "#SLOPE", "G94", "#TRAFO OFF"]
         if self.of_pose is not None:
             self.scale[4] *= self.of_pose.angle_sign_b
-            self.needed |= {f"#KIN ID[{self.of_pose.kinematic_id}]": ("#KIN ID",), "#TRAFO ON": ("#TRAFO ON",)}
-        else:
-            self.needed |= {"G94": ("G94",), "#TRAFO OFF": ("#TRAFO OFF",)}
+            self.stated |= {"#KIN ID": str(self.of_pose.kinematic_id), "#TRAFO ON": ""}
+            needed[3:] = ["#KIN ID", "#TRAFO ON"]
+        self.needed = {f"{name} {self._behind(name)}".rstrip(): (name,) for name in needed}
         self.curve = ""  # SPLINE, HSC or CONTOUR while a path of points is open
         self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
         self.points = 0  # of the path, its start included
         self.stopped = False  # whether an exact stop has ended the points
-        self.messages = 0
 
     def read(self, words: list[Word]) -> None:
         block = self.once_each(words)
@@ -106,35 +105,25 @@ class _TwinCatInterpreter(ModalState):
         name, s = word.name, self.of_pose
         if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
-        if s is None and name not in _COMMANDS_OF_OWN_AXES:
-            self.refuse(word, "not a command of a program in own axes; remove it")
         match name:
-            case "#SLOPE":
-                slope = f"TYPE={self.settings.slope}"
-                self._equal(word, (slope,), f"[{slope}]")
-                self.said.add(name)
-            case "#KIN ID" if s is not None:
-                self._equal(word, (str(s.kinematic_id),), f"[{s.kinematic_id}]")
-                if self.transformed:
+            case _ if name in self.stated:
+                if ",".join(word.arguments or ()) != self.stated[name] or word.value is not None:
+                    self.fail(word, f"{name} is not what the case says; write {name}{self._behind(name)}")
+                if name == "#KIN ID" and self.transformed:
                     self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
+                if name.startswith("#TRAFO"):
+                    self.transformed = name == "#TRAFO ON"
+                    self.said -= {"#TRAFO ON", "#TRAFO OFF"}
                 self.said.add(name)
-            case "#TRAFO ON" | "#TRAFO OFF":
-                self._equal(word, (), "")
-                if s is not None and name == "#TRAFO ON" and "#KIN ID" not in self.said:
-                    self.fail(word, f"#TRAFO ON before #KIN ID[{s.kinematic_id}]; add it")
-                self.transformed = name == "#TRAFO ON"
-                self.said = self.said - {"#TRAFO ON", "#TRAFO OFF"} | {name}
             case "#FGROUP":
                 self.feed_axes = word.arguments or ()
             case "#MSG" | "#MSG SYN":
-                self.messages += 1
-                if self.messages > MOST_MESSAGES:
-                    self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
+                pass
             case "#TIME":
                 self._pause(word, word.value)
-            case "#SPLINE TYPE AKIMA":
+            case "#SPLINE TYPE AKIMA" if s is not None:
                 self.akima = True
-            case "#SPLINE ON":
+            case "#SPLINE ON" if s is not None:
                 self._open("SPLINE", word)
             case "#SPLINE OFF":
                 self._close("SPLINE", word)
@@ -196,9 +185,10 @@ class _TwinCatInterpreter(ModalState):
                 problem = f"{name}={deviations[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
                 self.fail(word, problem)
 
-    def _equal(self, word: Word, expected: tuple[str, ...], written: str) -> None:
-        if (word.arguments or ()) != expected or word.value is not None:
-            self.fail(word, f"{word.name} is not what the case says; write {word.name}{written}")
+    def _behind(self, name: str) -> str:
+        """What a command states, in brackets."""
+        text = self.stated.get(name, "")
+        return f"[{text}]" if text else ""
 
     def _pause(self, word: Word, seconds: float | None) -> None:
         if self.curve:
