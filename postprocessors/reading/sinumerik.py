@@ -12,7 +12,7 @@ import numpy as np
 
 from cases.controller import SINUMERIK_NAME, Sinumerik, SinumerikAxes
 from cases.schema import Case
-from postprocessors.reading import Reading, axis_letters, program_lines
+from postprocessors.reading import NUMBER, Reading, axis_letters, program_lines
 from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.sinumerik_words import (
     GROUPS,
@@ -102,9 +102,10 @@ class _SinumerikInterpreter(ModalState):
         if name == "TRAFOOF":
             self.said.add(name)
         elif name == "FGREF":
-            radius = float((word.arguments or ("nan",))[0])
-            if word.selector not in self.angles or not abs(radius - MM_A_DEGREE) <= SAME_RADIUS:
-                self.fail(word, f"FGREF[{word.selector}]={radius:g} is not 1 mm a degree; write {MM_A_DEGREE:.6f}")
+            radius = (word.arguments or ("",))[0]
+            same = re.fullmatch(NUMBER, radius) and abs(float(radius) - MM_A_DEGREE) <= SAME_RADIUS
+            if word.selector not in self.angles or not same:
+                self.fail(word, f"FGREF[{word.selector}]={radius} is not 1 mm a degree; write {MM_A_DEGREE:.6f}")
             self.said.add(f"FGREF[{word.selector}]")
         else:
             self.refuse(word)
