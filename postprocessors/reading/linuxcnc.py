@@ -35,6 +35,8 @@ _GROUPS = (
     ("G49",),
     ("G54",),
     ("G92.1",),
+    ("M62", "M63", "M64", "M65"),
+    ("M2", "M30"),
 )
 _OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
@@ -98,11 +100,7 @@ class _LinuxCncInterpreter(ModalState):
         seconds = block["P"].value if "P" in block else None
         if self.own_axes and code in _OF_A_POSE:
             self.fail(word, f"{code} is {_OF_A_POSE[code]}, which no proof covers where rotary axes move; {_BY_MOVES}")
-        if code in self.group_of:
-            self.activate(code)
-            if code == "G64":
-                self.loose = self._looseness(word, block)
-        elif code == "G4":
+        if code == "G4":
             self.pause(word, seconds, "G4 P0.3")
         elif code in _SWITCHES:
             if seconds != 0.0:
@@ -110,6 +108,10 @@ class _LinuxCncInterpreter(ModalState):
             self.motions.switch(self.line, *_SWITCHES[code])
         elif code in ("M2", "M30"):
             self.end(word)
+        elif code in self.group_of:
+            self.activate(code)
+            if code == "G64":
+                self.loose = self._looseness(word, block)
         else:
             self.refuse(word)
 

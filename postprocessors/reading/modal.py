@@ -62,9 +62,8 @@ class ModalState(ABC):
         self.angles = tuple(name for name in axes if name not in ("X", "Y", "Z"))  # where F counts them
         self.scale = np.where(self.linear, MM, DEG)  # SI values of the coordinates' units [m or rad]
         self.said: set[str] = set()  # settings that were made, beside modal words
-        self.needed: dict[
-            str, tuple[str, ...]
-        ] = {}  # what a move needs before it -> modal words or settings, any of them
+        # what a move needs before it, for messages -> modal words or settings of which any one is it
+        self.needed: dict[str, tuple[str, ...]] = {}
         self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
@@ -91,9 +90,9 @@ class ModalState(ABC):
             raise ProgramError(self.file, 0, 0, problem)
         return self.motions.reading(blocks)
 
-    def fail(self, word: Word | None, problem: str) -> NoReturn:
-        """Raises ProgramError, at a word or for the line as a whole."""
-        raise ProgramError(self.file, self.line, word.column if word else 0, problem)
+    def fail(self, word: Word, problem: str) -> NoReturn:
+        """Raises ProgramError at a word."""
+        raise ProgramError(self.file, self.line, word.column, problem)
 
     def activate(self, name: str) -> None:
         """Makes a word the active one of its group."""

@@ -15,7 +15,6 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.model import machine_of
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
@@ -113,11 +112,9 @@ def one_session(
     program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
 ) -> tuple[ControllerLog, dict[str, Any]]:
     """Runs the lines once; returns the log and the report of `read_report`."""
-    home, _ = case.need_motion(configuration.PURPOSE)
-    home_joints = machine_of(case).drives(home[None])[0]
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
         folder = Path(name)
-        configuration.write_configuration(folder, case, home_joints, headroom, timed)
+        configuration.write_configuration(folder, case, headroom, timed)
         (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)
