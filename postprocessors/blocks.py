@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
 from identification.trajectories.curves import PolynomialMotion, polynomials_of
@@ -80,10 +79,16 @@ def knots(motion: Trajectory) -> Array:
     return np.array([0.0, motion.duration])
 
 
-def divided(ends: Array, counts: ArrayLike) -> Array:
-    """Instants that divide each interval between ends, shape (k,) [s], into a number of equal ones, shape (k - 1,)."""
-    numbers = np.broadcast_to(counts, len(ends) - 1)
-    parts = (np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], numbers, strict=False))
+def divided(ends: Array, longest: float, fewest: int = 1, finer: int = 1) -> Array:
+    """Instants that divide each interval between ends, shape (k,) [s], into the fewest equal ones of a length.
+
+    Args:
+        longest: duration of an interval, at most [s].
+        fewest: least number of intervals between two ends.
+        finer: factor of these numbers.
+    """
+    counts = np.ceil(np.diff(ends) / longest - 1e-9).astype(int).clip(fewest) * finer
+    parts = (np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], counts, strict=False))
     return np.append(np.concatenate([*parts]), ends[-1])
 
 
@@ -101,32 +106,22 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
         ValueError: no subdivision is within the tolerance.
     """
     base = knots(motion)
-    counts = np.ceil(np.diff(base) / longest - 1e-9).astype(int).clip(1)
-    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any():
-        return _cut(motion, counts, degree)
+    times = divided(base, longest)
+    if isinstance(motion, PolynomialMotion) and not motion.table[4:].any():
+        at = motion.at(times[:-1])  # a cubic is its Taylor polynomial anywhere
+        table = np.zeros((degree + 1, *at.pose.shape))
+        table[:4] = at.pose, at.rates, at.accelerations / 2, at.jerks / 6
+        return PolynomialMotion(table, np.diff(times))
+    if isinstance(motion, PolynomialMotion) and not motion.table[degree + 1 :].any() and len(times) == len(base):
+        return PolynomialMotion(motion.table[: degree + 1], motion.durations)
     finer = 1
     while finer <= FINEST:
-        spline = _hermite(motion, divided(base, counts * finer), degree)
+        spline = _hermite(motion, divided(base, longest, finer=finer), degree)
         position, angle = even_deviation(spline, motion)
         if position <= tolerance[0] and angle <= tolerance[1]:
             return spline
         finer *= 2
     raise ValueError(f"polynomials of degree {degree} stay {position * 1e3:.2g} mm off the motion")
-
-
-def _cut(motion: PolynomialMotion, counts: Array, degree: int) -> PolynomialMotion:
-    """The same motion, each of its pieces in a number of equal ones, with coefficients up to a degree."""
-    from scipy.linalg import pascal  # imported for splines only: every plan loads this module
-
-    order, binomial, cut = np.arange(degree + 1), pascal(degree + 1, kind="upper"), []
-    table = np.zeros((degree + 1, *motion.table.shape[1:]))
-    table[: len(motion.table)] = motion.table[: degree + 1]
-    for k, (duration, count) in enumerate(zip(motion.durations, counts, strict=True)):
-        step = duration / count
-        for start in step * np.arange(count):  # c_i of p(start + t): sum_j binomial(j, i) start^(j - i) c_j
-            shift = binomial * start ** np.maximum(np.subtract.outer(order, order).T, 0)
-            cut.append((shift @ table[:, k], step))
-    return PolynomialMotion.of_pieces(cut)
 
 
 def _hermite(motion: Trajectory, times: Array, degree: int) -> PolynomialMotion:
@@ -191,6 +186,6 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
     knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
-    times = divided(knots, np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2))
+    times = divided(knots, block, 1 if len(knots) > 2 else 2)
     motion = trajectory if speed == 1.0 else Slowed(trajectory, speed)
     return TimedPath(name, times / speed, trajectory.at(times).pose, motion)

@@ -1,7 +1,4 @@
-"""Programs and the languages of controllers: functions that write and read them, and the controllers' guarantees.
-
-The functions of a dialect are loaded when they are used.
-"""
+"""Programs and the languages of controllers: functions that write and read them, and the controllers' guarantees."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,15 +11,49 @@ from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
 from cases.units import as_html
 from postprocessors.blocks import Blocks
-from postprocessors.proving.guarantees import AS_PLANNED, Forecast, Guarantees
+from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
+from postprocessors.joint_trajectory import require_same_trajectory, write_joint_trajectory
+from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
+from postprocessors.proving.guarantees import (
+    AS_PLANNED,
+    Forecast,
+    Guarantees,
+    joint_trajectory_guarantees,
+    setpoint_guarantees,
+    sinumerik_forecast,
+    sinumerik_guarantees,
+    twincat_guarantees,
+    urscript_guarantees,
+)
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading import Reading
+from postprocessors.reading.joint_trajectory import read_joint_trajectory
+from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.reading.setpoints import read_setpoints
+from postprocessors.reading.sinumerik import read_sinumerik
+from postprocessors.reading.twincat import read_twincat
+from postprocessors.reading.urscript import read_urscript
+from postprocessors.setpoints import require_same_table, write_setpoints
+from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
+from postprocessors.twincat import write_twincat
+from postprocessors.urscript import write_urscript
+
+
+def _as_planned(reading: Reading, case: Case) -> Forecast:
+    return AS_PLANNED
+
+
+def _as_it_is(program: Blocks, case: Case) -> Blocks:
+    return program
 
 
 @dataclass(frozen=True, slots=True)
-class Language:
-    """Functions of a dialect."""
+class Dialect:
+    """A controller's language, and the functions that write and read it."""
 
+    name: ControllerName  # name on the command line
+    description: str  # one line for people
+    suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
     # program and case -> content of the file; raises CaseError where the case lacks the machine or the settings of this
     # dialect, HexciteError where the dialect cannot express a block
     write: Callable[[Blocks, Case], bytes]
@@ -33,20 +64,10 @@ class Language:
     guarantees: Callable[[Reading, Case], Guarantees]
     # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[Blocks, Reading, Case], None] | None = None
-    # forecast of the program's duration; by default that it is as planned
-    forecast: Callable[[Reading, Case], Forecast] = lambda reading, case: AS_PLANNED
+    # forecast of the program's duration
+    forecast: Callable[[Reading, Case], Forecast] = _as_planned
     # program and case -> the program in the blocks that this dialect is set up to use
-    prepare: Callable[[Blocks, Case], Blocks] = lambda program, case: program
-
-
-@dataclass(frozen=True, slots=True)
-class Dialect:
-    """A controller's language."""
-
-    name: ControllerName  # name on the command line
-    description: str  # one line for people
-    suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
-    load: Callable[..., Language]  # imports and returns the functions for files of a suffix, by default the usual one
+    prepare: Callable[[Blocks, Case], Blocks] = _as_it_is
     # first motion of the machine, for the program's header
     start: str = "first to home at a safe feed from wherever the machine stands: keep that way clear"
 
@@ -56,55 +77,6 @@ class Dialect:
         return self.suffixes[0]
 
 
-def _linuxcnc(suffix: str = "") -> Language:
-    from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
-    from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
-    from postprocessors.reading.linuxcnc import read_linuxcnc
-
-    return Language(write_linuxcnc, read_linuxcnc, linuxcnc_guarantees, None, linuxcnc_forecast, prepare_linuxcnc)
-
-
-def _sinumerik(suffix: str = "") -> Language:
-    from postprocessors.proving.guarantees import sinumerik_forecast, sinumerik_guarantees
-    from postprocessors.reading.sinumerik import read_sinumerik
-    from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
-
-    return Language(write_sinumerik, read_sinumerik, sinumerik_guarantees, None, sinumerik_forecast, prepare_sinumerik)
-
-
-def _twincat(suffix: str = "") -> Language:
-    from postprocessors.proving.guarantees import twincat_guarantees
-    from postprocessors.reading.twincat import read_twincat
-    from postprocessors.twincat import write_twincat
-
-    return Language(write_twincat, read_twincat, twincat_guarantees)
-
-
-def _setpoints(suffix: str = ".csv") -> Language:
-    from postprocessors.proving.guarantees import setpoint_guarantees
-    from postprocessors.reading.setpoints import read_setpoints
-    from postprocessors.setpoints import require_same, write_csv, write_parquet
-
-    write = write_parquet if suffix == ".parquet" else write_csv
-    return Language(write, read_setpoints, setpoint_guarantees, same=require_same)
-
-
-def _urscript(suffix: str = "") -> Language:
-    from postprocessors.proving.guarantees import urscript_guarantees
-    from postprocessors.reading.urscript import read_urscript
-    from postprocessors.urscript import write_urscript
-
-    return Language(write_urscript, read_urscript, urscript_guarantees)
-
-
-def _ros2(suffix: str = "") -> Language:
-    from postprocessors.joint_trajectory import require_same, write_joint_trajectory
-    from postprocessors.proving.guarantees import joint_trajectory_guarantees
-    from postprocessors.reading.joint_trajectory import read_joint_trajectory
-
-    return Language(write_joint_trajectory, read_joint_trajectory, joint_trajectory_guarantees, same=require_same)
-
-
 DIALECTS: dict[str, Dialect] = {
     d.name: d
     for d in (
@@ -112,39 +84,57 @@ DIALECTS: dict[str, Dialect] = {
             ControllerName.LINUXCNC,
             "LinuxCNC 2.9: G1 with exact stop, dense G93 paths, arcs; runs here with `hexcite run --on linuxcnc`",
             (".ngc",),
-            _linuxcnc,
+            write_linuxcnc,
+            read_linuxcnc,
+            linuxcnc_guarantees,
+            forecast=linuxcnc_forecast,
+            prepare=prepare_linuxcnc,
         ),
         Dialect(
             ControllerName.SINUMERIK,
             "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
             (".mpf",),
-            _sinumerik,
+            write_sinumerik,
+            read_sinumerik,
+            sinumerik_guarantees,
+            forecast=sinumerik_forecast,
+            prepare=prepare_sinumerik,
         ),
         Dialect(
             ControllerName.TWINCAT,
             "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
-            _twincat,
+            write_twincat,
+            read_twincat,
+            twincat_guarantees,
         ),
         Dialect(
             ControllerName.SETPOINTS,
             "a table row by row for every control cycle: pose, struts, their rates and accelerations, trigger",
-            (".csv", ".parquet"),
-            _setpoints,
-            "the machine must stand at home when the table starts",
+            (".csv",),
+            write_setpoints,
+            read_setpoints,
+            setpoint_guarantees,
+            require_same_table,
+            start="the machine must stand at home when the table starts",
         ),
         Dialect(
             ControllerName.URSCRIPT,
             "Universal Robots: movej from rest to rest with acceleration and speed, never with a time",
             (".script",),
-            _urscript,
+            write_urscript,
+            read_urscript,
+            urscript_guarantees,
         ),
         Dialect(
             ControllerName.ROS2,
             "ROS 2 joint_trajectory_controller: one JointTrajectory message, quintic between its points",
             (".yaml", ".yml"),
-            _ros2,
-            "the machine must stand at home when the trajectory starts",
+            write_joint_trajectory,
+            read_joint_trajectory,
+            joint_trajectory_guarantees,
+            require_same_trajectory,
+            start="the machine must stand at home when the trajectory starts",
         ),
     )
 }
@@ -187,11 +177,11 @@ class Program:
     @property
     def forecast(self) -> Forecast:
         """Forecast of the duration on its controller."""
-        return self.dialect.load().forecast(self.reading, self.case)
+        return self.dialect.forecast(self.reading, self.case)
 
     @property
     def text(self) -> str:
-        """Its content as text; a Parquet table is not readable."""
+        """Its content as text."""
         return self.content.decode("utf-8", errors="replace")
 
     def save(self, file: Path | str, overwrite: bool = False) -> None:
@@ -238,6 +228,5 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
         content = path.read_bytes()
     except OSError as error:
         raise ProgramError(path, 0, 0, f"cannot be read ({error.strerror}); name a program file") from error
-    language = spoken.load(path.suffix.lower())
-    reading = language.read(content, str(path), case)
-    return Program(path, spoken, content, reading, language.guarantees(reading, case), case)
+    reading = spoken.read(content, str(path), case)
+    return Program(path, spoken, content, reading, spoken.guarantees(reading, case), case)

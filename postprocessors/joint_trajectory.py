@@ -4,15 +4,13 @@
 the motion begin and end, and between them as close as the case's blocks: pieces up to the fifth power are exact.
 """
 
-from itertools import pairwise
-
 import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array, Joined, Standstill
 from postprocessors.block_writer import comment_lines, header_of
-from postprocessors.blocks import Blocks, block_motions, knots
+from postprocessors.blocks import Blocks, block_motions, divided, knots
 from postprocessors.reading import Reading, Still, Timed
 
 DECIMALS = 9  # decimals of rad, m and their derivatives
@@ -22,7 +20,7 @@ FIRST = 0.02  # [s] time of the first point: at 0 the controller would jump to i
 
 
 def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
-    """The message, plain ASCII, see `Language.write`; `controller.block_ms` is the distance of points."""
+    """The message, plain ASCII, see `Dialect.write`; `controller.block_ms` is the distance of points."""
     chain, _ = case.need_chain("a joint trajectory")
     controller = case.need_controller("a joint trajectory")
     lines = [f"# {line}" for text in header_of(program) for line in comment_lines(text)]
@@ -37,7 +35,7 @@ def write_joint_trajectory(program: Blocks, case: Case) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def require_same(program: Blocks, reading: Reading, case: Case) -> None:
+def require_same_trajectory(program: Blocks, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the message, as read back, is the program's motion, at its points and between them."""
     motion, clock = _motion(program), -FIRST
     for part in reading.stretches:
@@ -64,24 +62,12 @@ def _instants(motion: Joined, step: float) -> Array:
     """Ends of all pieces, and instants between them, shape (n,) [s]; none within a standstill."""
     instants = [np.zeros(1)]
     for part, start in zip(motion.parts, motion.starts, strict=False):
-        if isinstance(part, Standstill):
-            instants.append(np.array([start + part.duration]))
-            continue
-        for a, b in pairwise(_apart(knots(part).tolist())):
-            count = max(1, int(np.ceil((b - a) / step - 1e-9)))
-            instants.append(start + np.linspace(a, b, count + 1)[1:])
+        ends = [0.0]
+        if not isinstance(part, Standstill):  # without those that are too close to another one
+            ends += [t for t in knots(part)[1:-1] if min(t - ends[-1], part.duration - t) >= CLOSEST]
+        longest = part.duration if isinstance(part, Standstill) else step
+        instants.append(start + divided(np.array([*ends, part.duration]), longest)[1:])
     return np.concatenate(instants)
-
-
-def _apart(ends: list[float]) -> list[float]:
-    """Ends of pieces without those that are too close to another one: the first and the last stay."""
-    instants = ends[:1]
-    for end in ends[1:]:
-        if end - instants[-1] >= CLOSEST:
-            instants.append(end)
-        elif end == ends[-1] and len(instants) > 1:
-            instants[-1] = end
-    return instants if len(instants) > 1 else [ends[0], ends[-1]]
 
 
 def _number(value: float) -> str:

@@ -112,7 +112,7 @@ def _share_of_cycles(duration: float) -> float:
 
 
 def write_linuxcnc(program: Blocks, case: Case) -> bytes:
-    """The program's text, plain ASCII, with feeds for the limits of the controller's set-up; see `Language.write`."""
+    """The program's text, plain ASCII, with feeds for the limits of the controller's set-up; see `Dialect.write`."""
     of_pose = case.need_motion("a program")[1].of_pose
     timed = of_pose and any(isinstance(block, TimedPath) for block in program)
     headroom = case.need_settings(LinuxCnc, "a program").acceleration_headroom if timed else 1.0

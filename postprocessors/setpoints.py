@@ -5,7 +5,6 @@ one. Rates and accelerations are those of the motion, not differences; strut len
 are (7), (8) and the derivative of (8).
 """
 
-import io
 from collections.abc import Iterator
 from itertools import count, groupby
 
@@ -16,14 +15,12 @@ from cases.errors import ProgramError
 from cases.recording_format import setpoint_columns
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.model import machine_of
 from identification.motion import Array, Joined, Slowed, Standstill, Trajectory
 from postprocessors.block_writer import header_of
 from postprocessors.blocks import Blocks, ToHome, Trigger, block_motions
 from postprocessors.reading import Reading, Timed
 
 FORMAT = "hexcite setpoints 1"
-METADATA = b"hexcite"
 # Coordinates, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
 DECIMALS, STRUT_DECIMALS = (12, 9, 6), [9] * 6 + [7] * 6 + [5] * 6
 SAME = 1e-9  # [m, rad] tolerance between table and plan, for rounding
@@ -67,21 +64,29 @@ def _motion(program: Blocks, cycle: float) -> tuple[list[Array], Array]:
     return [np.vstack(column) for column in rows], np.concatenate([*trigger, [float(any(last))]])
 
 
-def _table(program: Blocks, case: Case) -> tuple[list[str], tuple[str, ...], Array]:
-    """Lines of the header, names of the columns, and the numbers in their units."""
-    settings = case.need_settings(Setpoints, "a setpoint table")
+def decimals_of(case: Case) -> list[int]:
+    """Decimals of each column of a table."""
+    home, limits = case.need_motion("a setpoint table")
+    return [6, *(places for places in DECIMALS for _ in home), *(STRUT_DECIMALS if limits.of_pose else ()), 0]
+
+
+def write_setpoints(program: Blocks, case: Case) -> bytes:
+    """The table as CSV, plain ASCII; see `Dialect.write`."""
+    settings, decimals = case.need_settings(Setpoints, "a setpoint table"), decimals_of(case)
     limits = case.need_motion("a setpoint table")[1]
     motion, trigger = _motion(program, settings.cycle)
     values = [v / np.where(limits.turns, DEG, MM) for v in motion]
     words = [f"joints: from the base, {', '.join(limits.labels)}; angles not wrapped"]
     if limits.of_pose:
+        from identification.model import machine_of  # CasADi, which other dialects do not need
+
         machine = machine_of(case)
         values += [v / MM for v in (machine.drives(motion[0]), *machine.further_drives(case, *motion)[0])]
         words = [
             "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
             "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
         ]
-    lines = [
+    notes = [
         f"format: {FORMAT}",
         f"cycle_ms: {settings.cycle_ms:g}",
         "units: as the columns say; t_s from the start",
@@ -89,40 +94,15 @@ def _table(program: Blocks, case: Case) -> tuple[list[str], tuple[str, ...], Arr
         "start: the machine must stand in the first row's pose",
         *(f"note: {line}" for line in header_of(program)),
     ]
-    header = ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in lines]
-    columns = setpoint_columns(limits.columns, limits.of_pose)
-    return header, columns, np.column_stack([np.arange(len(trigger)) * settings.cycle, *values, trigger])
-
-
-def decimals_of(case: Case) -> list[int]:
-    """Decimals of each column of a CSV table."""
-    home, limits = case.need_motion("a setpoint table")
-    return [6, *(places for places in DECIMALS for _ in home), *(STRUT_DECIMALS if limits.of_pose else ()), 0]
-
-
-def write_csv(program: Blocks, case: Case) -> bytes:
-    """The table as CSV, plain ASCII; see `Language.write`."""
-    (header, columns, values), decimals = _table(program, case), decimals_of(case)
-    rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, decimals, strict=True)]) + 0.0  # no -0
+    header = ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in notes]
+    columns = np.column_stack([np.arange(len(trigger)) * settings.cycle, *values, trigger]).T
+    rounded = np.column_stack([np.round(v, d) for v, d in zip(columns, decimals, strict=True)]) + 0.0  # no -0
     row = ",".join(f"%.{d}f" for d in decimals)
-    lines = [*header, ",".join(columns), *(row % tuple(v) for v in rounded)]
-    return ("\n".join(lines) + "\n").encode("ascii")
+    names = ",".join(setpoint_columns(limits.columns, limits.of_pose))
+    return ("\n".join([*header, names, *(row % tuple(v) for v in rounded)]) + "\n").encode("ascii")
 
 
-def write_parquet(program: Blocks, case: Case) -> bytes:
-    """The table as Parquet with all digits; header lines in the metadata. Otherwise as `write_csv`."""
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    header, columns, values = _table(program, case)
-    table = pa.table([pa.array(np.ascontiguousarray(column)) for column in values.T], names=list(columns))
-    table = table.replace_schema_metadata({METADATA: "\n".join(header).encode("ascii")})
-    sink = io.BytesIO()
-    parquet.write_table(table, sink)
-    return sink.getvalue()
-
-
-def require_same(program: Blocks, reading: Reading, case: Case) -> None:
+def require_same_table(program: Blocks, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
     cycle = case.need_settings(Setpoints, "a setpoint table").cycle
     read = [s for s in reading.stretches if isinstance(s, Timed)]

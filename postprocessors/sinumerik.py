@@ -121,5 +121,5 @@ def prepare_sinumerik(program: Blocks, case: Case) -> Blocks:
 
 
 def write_sinumerik(program: Blocks, case: Case) -> bytes:
-    """The program's text, plain ASCII; see `Language.write`."""
+    """The program's text, plain ASCII; see `Dialect.write`."""
     return _SinumerikWriter(case).written(program)

@@ -66,5 +66,5 @@ class _TwinCatWriter(BlockWriter):
 
 
 def write_twincat(program: Blocks, case: Case) -> bytes:
-    """The program's text, plain ASCII; see `Language.write`."""
+    """The program's text, plain ASCII; see `Dialect.write`."""
     return _TwinCatWriter(case).written(program)

@@ -36,7 +36,7 @@ def proven_program(
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
-        file: name of the program, whose suffix may choose between forms of the dialect.
+        file: name of the program.
         header: comment lines; the proven limits are added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without enforcement.
@@ -47,18 +47,17 @@ def proven_program(
         CaseError: the case has no machine or no controller.
     """
     path = Path(file)
-    language = dialect.load(path.suffix.lower())
-    program = language.prepare(excitation_program(trajectory, case, speed), case)
-    reading = language.read(language.write((*header, *program), case), str(path), case)
-    guarantees = language.guarantees(reading, case)
+    program = dialect.prepare(excitation_program(trajectory, case, speed), case)
+    reading = dialect.read(dialect.write((*header, *program), case), str(path), case)
+    guarantees = dialect.guarantees(reading, case)
     proof = prove_program(reading, guarantees)
     proof.require_accepted(accepted)
-    if language.same is None:
+    if dialect.same is None:
         _require_same(program, reading, guarantees.tolerance)
     else:
-        language.same(program, reading, case)
-    content = language.write((*header, *_findings(proof), *program), case)
-    again = language.read(content, str(path), case)
+        dialect.same(program, reading, case)
+    content = dialect.write((*header, *_findings(proof), *program), case)
+    again = dialect.read(content, str(path), case)
     if not _same_stretches(again, reading):
         raise ProgramError(path, 0, 0, "the header changes how the program reads; report this")
     proven = replace(proof, remarks=tuple(remarks(again, case)))
@@ -99,17 +98,16 @@ def _require_same(program: Blocks, reading: Reading, tolerance: Array) -> None:
     if len(read) != len(written):
         raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
     for block, stretch in zip(written, read, strict=True):
-        match block:
-            case TimedPath():
-                name = f"path {block.name!r}"
-                same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
-            case StraightMove() | CircularMove():
-                name = "a move"
-                same = (
-                    isinstance(stretch, Untimed)
-                    and (stretch.arc is not None) == isinstance(block, CircularMove)
-                    and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
-                )
+        if isinstance(block, TimedPath):
+            name = f"path {block.name!r}"
+            same = isinstance(stretch, Timed) and _same_path(block, stretch, tolerance)
+        else:
+            name = "a move"
+            same = (
+                isinstance(stretch, Untimed)
+                and (stretch.arc is not None) == isinstance(block, CircularMove)
+                and bool(np.all(np.abs(stretch.end - block.end) <= ROUNDING))
+            )
         if not same:
             raise ProgramError(reading.file, stretch.line, 0, f"{name} reads back differently; report this")
 

@@ -304,7 +304,7 @@ def controlled(case: Case, controller: str | None) -> tuple[Case, float]:
     """
     if controller in (None, ControllerName.VIRTUAL):  # which has the law of the program's own controller
         return case, 0.0
-    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
+    guarantees = dialect(controller).guarantees(Reading(controller, (), 0), case)
     return (case, 0.0) if limits_jerk(guarantees.law) else (case.without_jerk(), guarantees.jerk_time)
 
 

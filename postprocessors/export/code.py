@@ -5,7 +5,8 @@ mathematics stays CasADi's own expression graph; only the spelling of `a + b` or
 contain the text for people around it.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import casadi as ca
 
@@ -18,9 +19,6 @@ from identification.symbolic import rotation, twist, twist_rate
 from postprocessors.export.calibration import number, rendered
 
 RING = 256  # cycles in the memory of the signal chain: 40 ms of delay and as much window at 4 kHz
-
-_MATH = {ca.OP_SQRT: "sqrt({0})", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_ATAN2: "atan2({0}, {1})"}
-
 
 _HALF_GAIN = 0.443  # cut-off times half window: a triangle of half width T has the gain sinc(f T)^2, 1/2 at f T = 0.443
 
@@ -42,30 +40,29 @@ def c_sources(result: Result, name: str) -> tuple[str, str]:
 
 def c_parts(result: Result, name: str, linkage: str) -> tuple[str, str]:
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
-    half, functions = half_window(result.case), functions_of(result)
+    half = half_window(result.case)
+    calls = {ca.OP_SQRT: "sqrt({0})", ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_ATAN2: "atan2({0}, {1})"}
+    spelling = Spelling(
+        INFIX | calls,
+        temporary="t{0}",
+        first="const double {} = {};",
+        assignment="{} = {};",
+        structure=f"const {name}_parameters *u",
+        member="u->",
+        given="const double {0}[{1}]",
+        written="double {0}[{1}]",
+    )
     values = {
         "linkage": linkage,
         "ring": RING,
         "half_window": number(half),
         "window_meaning": f"half gain at {_HALF_GAIN / half:.3g} Hz",
-        "functions": [_c_function(f, name, result.model.names) for f in functions],
+        "functions": [spelled(f, spelling, result.model.names) for f in functions_of(result)],
     }
     return (
         rendered("declarations.c.jinja", result, name, **values),
         rendered("definitions.c.jinja", result, name, **values),
     )
-
-
-def _c_function(function: ca.Function, name: str, parameters: list[str]) -> dict[str, object]:
-    form = "const double {} = {};", "{} = {};"
-    code = statements(function, INFIX | _MATH, lambda k, _: f"t{k}", form, [f"u->{name}" for name in parameters])
-    arguments = [
-        f"const {name}_parameters *u" if n == "u" else f"const double {n}[{function.numel_in(k)}]"
-        for k, n in enumerate(function.name_in())
-    ]
-    arguments += [f"double {n}[{function.numel_out(k)}]" for k, n in enumerate(function.name_out())]
-    shown = {"name": function.name(), "comment": signature(function), "statements": code}
-    return shown | {"arguments": ", ".join(arguments)}
 
 
 AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N m]"), ("mz", "[N m]"))
@@ -90,27 +87,19 @@ def linuxcnc_component(result: Result, name: str) -> str:
 def structured_text(result: Result, name: str) -> str:
     """The text of a model called `name`: structure, constants, functions and function block."""
     camel = "".join(part.capitalize() for part in name.split("_"))
-    functions = functions_of(result)
-    spelled = [_st_function(f, camel, result.model.names) for f in functions]
-    return rendered("model.st.jinja", result, name, Name=camel, functions=spelled)
-
-
-def _st_function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:
-    operations = INFIX | {
-        ca.OP_SQRT: "SQRT({0})",
-        ca.OP_SIN: "SIN({0})",
-        ca.OP_COS: "COS({0})",
-        ca.OP_ATAN2: f"F_{camel}Atan2({{0}}, {{1}})",
-    }
-    form = "{} := {};", "{} := {};"
-    code = statements(function, operations, lambda _, slot: f"t[{slot}]", form, [f"u.{name}" for name in parameters])
-    arguments = [
-        f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
-        for k, n in enumerate(function.name_in())
-    ]
-    arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
-    shown = {"name": function.name(), "comment": signature(function), "statements": code}
-    return shown | {"arguments": arguments, "slots": function.sz_w()}
+    calls = {ca.OP_SQRT: "SQRT({0})", ca.OP_SIN: "SIN({0})", ca.OP_COS: "COS({0})"}
+    spelling = Spelling(
+        INFIX | calls | {ca.OP_ATAN2: f"F_{camel}Atan2({{0}}, {{1}})"},
+        temporary="t[{1}]",
+        first="{} := {};",
+        assignment="{} := {};",
+        structure=f"u : ST_{camel}Parameters;",
+        member="u.",
+        given="{0} : ARRAY[0..{2}] OF LREAL;",
+        written="{0} : ARRAY[0..{2}] OF LREAL;",
+    )
+    functions = [spelled(f, spelling, result.model.names) for f in functions_of(result)]
+    return rendered("model.st.jinja", result, name, Name=camel, functions=functions)
 
 
 INFIX = {
@@ -126,33 +115,44 @@ INFIX = {
 """Operations with the same spelling in C and Structured Text."""
 
 
-def operand(value: float) -> str:
-    """A literal inside an expression: in brackets if negative."""
-    text = number(value)
-    return f"({text})" if text.startswith("-") else text
+class Spelling(NamedTuple):
+    """Format strings of a language for code."""
+
+    operations: Mapping[int, str]  # each operation of CasADi, of its operands
+    temporary: str  # intermediate value, of its number (each is assigned once) and its slot (reused when free)
+    first: str  # assignment to it, of its name and an expression
+    assignment: str  # the same to an element of an output
+    structure: str  # the argument u
+    member: str  # what stands before the name of its element
+    given: str  # argument that is read, of its name, number of elements and last index
+    written: str  # the same of one that is written
 
 
-def statements(
-    function: ca.Function,
-    operations: Mapping[int, str],
-    temporary: Callable[[int, int], str],
-    form: tuple[str, str],
-    members: list[str],
-) -> Iterator[str]:
-    """The statements that evaluate `function`, in order.
-
-    Outputs are stored while inputs are still read: they must not share memory.
+def spelled(function: ca.Function, spelling: Spelling, parameters: list[str]) -> dict[str, object]:
+    """Name, comment, arguments, statements and number of slots of an SX function with dense inputs and outputs.
 
     Args:
-        function: an SX function with dense inputs and outputs.
-        operations: format string of each operation of CasADi.
-        temporary: an intermediate value, from its number (each is assigned once) and its slot (reused when free).
-        form: assignments to an intermediate value and to an element of an output, from its name and an expression.
-        members: elements of the argument u, which is a structure.
-
-    Raises:
-        ValueError: a sparse output, or an operation that has no spelling.
+        parameters: elements of the argument u.
     """
+    arguments = [
+        spelling.structure if n == "u" else spelling.given.format(n, function.numel_in(k), function.numel_in(k) - 1)
+        for k, n in enumerate(function.name_in())
+    ]
+    arguments += [
+        spelling.written.format(n, function.numel_out(k), function.numel_out(k) - 1)
+        for k, n in enumerate(function.name_out())
+    ]
+    return {
+        "name": function.name(),
+        "comment": f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}",
+        "arguments": arguments,
+        "statements": list(_statements(function, spelling, parameters)),
+        "slots": function.sz_w(),
+    }
+
+
+def _statements(function: ca.Function, spelling: Spelling, parameters: list[str]) -> Iterator[str]:
+    """The statements in order; outputs are stored while inputs are still read: they must not share memory."""
     for k in range(function.n_out()):
         if not function.sparsity_out(k).is_dense():
             raise ValueError(f"{function.name()}: output {function.name_out(k)} is not dense")
@@ -161,18 +161,18 @@ def statements(
         code = function.instruction_id(k)
         read, written = function.instruction_input(k), function.instruction_output(k)
         if code == ca.OP_CONST:
-            values[written[0]] = operand(function.instruction_constant(k))
+            literal = number(function.instruction_constant(k))
+            values[written[0]] = f"({literal})" if literal.startswith("-") else literal
         elif code == ca.OP_INPUT:
             argument, element = function.name_in(read[0]), read[1]
-            values[written[0]] = members[element] if argument == "u" else f"{argument}[{element}]"
+            own = argument == "u"
+            values[written[0]] = f"{spelling.member}{parameters[element]}" if own else f"{argument}[{element}]"
         elif code == ca.OP_OUTPUT:
-            yield form[1].format(f"{function.name_out(written[0])}[{written[1]}]", values[read[0]])
+            yield spelling.assignment.format(f"{function.name_out(written[0])}[{written[1]}]", values[read[0]])
         else:
-            if code not in operations:
-                raise ValueError(f"{function.name()}: instruction {k} has operation {code}, which has no spelling")
-            expression = operations[code].format(*(values[slot] for slot in read))
-            values[written[0]] = temporary(k, written[0])
-            yield form[0].format(values[written[0]], expression)
+            expression = spelling.operations[code].format(*(values[slot] for slot in read))
+            values[written[0]] = spelling.temporary.format(k, written[0])
+            yield spelling.first.format(values[written[0]], expression)
 
 
 def measurement(model: Model) -> ca.Function:
@@ -230,8 +230,3 @@ def functions_of(result: Result) -> list[ca.Function]:
     """All functions of a model; those of the mechanics where there is a hexapod."""
     own = mechanics(Hexapod.of(result.case)) if result.case.hexapod is not None else ()
     return [measurement(result.model), coordinates(), *own]
-
-
-def signature(function: ca.Function) -> str:
-    """Names of what goes in and comes out, for comments."""
-    return f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}"

@@ -21,7 +21,7 @@ from identification.limit_proof import (
     shares_at,
     worst_case,
 )
-from identification.motion import Array, Standstill, Trajectory
+from identification.motion import Array, Standstill, TimedPoints, Trajectory
 from identification.trajectories.curves import PolynomialMotion, Tabulated
 from identification.trajectories.moves import CircularMove, StraightMove
 from postprocessors.proving.forces import forces_along, forces_on, steady
@@ -86,7 +86,7 @@ def require_timing(part: Timed, by: Guarantees, file: str) -> None:
 def _timed(part: Timed, by: Guarantees) -> Iterable[LimitCheck]:
     """Checks of a timed path: values between its points are proven only where the controller follows the curve."""
     in_box = part.trigger or not isinstance(part.points, Tabulated)
-    report = prove_path(part.points, part.points.times, by.case, in_box)
+    report = prove_path(part.points, by.case, in_box)
     if isinstance(part.points, PolynomialMotion):
         steps = tuple(joint_checks(part.points, by.limits, by.shortest_block))
         report = worst_of([report, LimitReport(steps)])
@@ -180,19 +180,18 @@ NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
 """Share of a limit from which a block has a fine grid, and the number of blocks with the largest shares of each."""
 
 
-def prove_path(motion: Trajectory, times: Array, case: Case, in_box: bool) -> LimitReport:
+def prove_path(motion: TimedPoints | PolynomialMotion | Tabulated, case: Case, in_box: bool) -> LimitReport:
     """Checks every limit of a timed path, at most at 10 kHz and at a hundred instants a block.
 
     Slow programs need no finer grid. Blocks that stay far from a limit, and from what the path reaches elsewhere, are
     judged by a tenth of that: those of the coordinates and those of the mechanics, which rarely come near together.
 
     Args:
-        times: ends of its blocks, shape (k,), from 0 [s].
         in_box: whether it must keep the pose box of `[limits.motion]`.
     """
     reports = []
     for limited in (of_coordinates, of_mechanics):
-        instants = _critical_instants(motion, times, case, in_box, limited)
+        instants = _critical_instants(motion, motion.times, case, in_box, limited)
         reports.append(prove_at(motion, case, instants, in_box, limited))
     return worst_of(reports)
 

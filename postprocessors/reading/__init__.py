@@ -163,9 +163,11 @@ class Grouping:
         """Sets the pose before the start, to which the program itself does not bring the machine."""
         self.start = self.pose = pose
 
-    def pause(self, line: int, duration: float) -> None:
-        """Adds a standstill [s]."""
+    def pause(self, line: int, duration: float, switches: bool = False) -> None:
+        """Adds a standstill [s]; `switches`: whether the trigger waits for no longer than this."""
         self._finish_path()
+        if switches:
+            self._settle_trigger()
         self.stretches.append(Still(line, duration, self.trigger))
 
     def switch(self, line: int, on: bool, at_once: bool) -> None:
@@ -185,7 +187,7 @@ class Grouping:
         if self.pose is None:
             raise self.error(block[0], "a timed block starts from an unknown pose; first move home at a feed (G94)")
         if exact:
-            problem = "a timed block under G61: the controller stops at its end and does not keep the time; use G64"
+            problem = "a timed block under exact stop, at whose end the controller stops: it lasts longer; write G64"
             raise self.error(block[0], problem)
         self.timed.append(block)
 
@@ -203,9 +205,8 @@ class Grouping:
         self._finish_path()
         self._settle_trigger()
         if not exact:
-            raise self.error(line, "a move at a feed is blended into the next (G64), its path is not known; use G61")
-        if arc is not None and self.pose is None:
-            raise self.error(line, "an arc starts from an unknown pose; first move home at a feed")
+            problem = "a move at a feed without exact stop is blended into the next, its path is not known"
+            raise self.error(line, f"{problem}; write G61 (LinuxCNC) or G60")
         self.stretches.append(Untimed(line, self.pose, end, feed, linear, arc, self.trigger, *law))
         self.pose = end
 
@@ -221,7 +222,7 @@ class Grouping:
         """The reading of the whole program, with its number of blocks."""
         self._finish_path()
         if self.waiting is not None:
-            problem = "the trigger waits for a next motion that never comes; use M64 or M65"
+            problem = "the trigger waits for a next motion that never comes; switch it at once (M64, M65), or move"
             raise self.error(self.waiting[0], problem)
         left_on = self.switched if self.trigger else 0
         return Reading(self.file, tuple(self.stretches), blocks, self.start, left_on)
@@ -252,6 +253,9 @@ class Grouping:
 
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 """Pattern of a plain decimal number."""
+
+FLOAT = rf"((?>{NUMBER})(?:[eE][+-]?\d+)?)"
+"""Pattern of a number that may have an exponent, as one group."""
 
 _INK = re.compile(r"\S")
 

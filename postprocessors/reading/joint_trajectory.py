@@ -4,6 +4,7 @@ Between points with position, rate and acceleration `joint_trajectory_controller
 (ros2_controllers, trajectory.cpp). It reaches the first point from wherever the machine stands.
 """
 
+import itertools
 import re
 from itertools import pairwise
 
@@ -12,70 +13,49 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.reading import NUMBER, Grouping, Reading, TimedBlock, program_lines
+from postprocessors.reading import FLOAT, Grouping, Reading, TimedBlock, program_lines
 
 LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
 LONGEST_LINE = 4096
-_KEYS = ("positions", "velocities", "accelerations", "time_from_start")
-_LIST = re.compile(r"\[([^\[\]]*)\]$")
-_TIME = re.compile(r"  time_from_start: \{\s*sec:\s*(\d+)\s*,\s*nanosec:\s*(\d+)\s*\}$")
-_NUMBER = re.compile(rf"{NUMBER}(?:[eE][+-]?\d+)?")
-
+_TIME = re.compile(r"  time_from_start: \{\s*sec:\s*(\d{1,9})\s*,\s*nanosec:\s*(\d{1,9})\s*\}")
 
 _Point = tuple[int, Array, float]  # line, position with rate and acceleration, shape (3, joints), and time [s]
 
 
 def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a message, see `Language.read`; its motion begins and ends at rest.
+    """Reads a message, see `Dialect.read`; its motion begins and ends at rest.
 
     The recording has no trigger: the whole motion counts as the excitation.
     """
     chain, _ = case.need_chain("a joint trajectory")
+    names, row = "[ '\"]*,[ '\"]*".join(map(re.escape, chain.names)), r",\s*".join([FLOAT] * len(chain.names))
+    forms = [
+        (f"joint_names: [{', '.join(chain.names)}]", re.compile(rf"joint_names: \[[ '\"]*{names}[ '\"]*\]")),
+        ("points:", re.compile("points:")),
+    ]
+    of_a_point = [
+        (f"{mark} {key}: [{len(chain.names)} plain numbers]", re.compile(rf"{mark} {key}: \[\s*{row}\s*\]"))
+        for mark, key in zip("-  ", ("positions", "velocities", "accelerations"), strict=True)
+    ]
+    of_a_point.append(("  time_from_start: {sec: .., nanosec: ..}", _TIME))
     texts = (text.split("#", 1)[0].rstrip() for text in program_lines(content, file, LONGEST_LINE))
     lines = [(number, code) for number, code in enumerate(texts, 1) if code]
-    if len(lines) < 3:
-        raise ProgramError(file, 0, 0, "has no joint_names and points; is this a JointTrajectory?")
-    (line, first), (place, second), *rest = lines
-    names = [name.strip().strip("'\"") for name in _list_of((file, line, 0), first, "joint_names: ")]
-    if second != "points:":
-        problem = f"{second.strip()[:24]!r} where `points:` is expected; write joint_names, then points"
-        raise ProgramError(file, place, 0, problem)
-    if len(rest) % len(_KEYS):
-        problem = f"the last point is not complete; a point has {', '.join(_KEYS)}"
-        raise ProgramError(file, rest[-1][0], 0, problem)
-    groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
-    points = [_point(group, len(names), file) for group in groups]
-    if names != list(chain.names):
-        problem = f"joints {', '.join(names)} are not those of the case, {', '.join(chain.names)}"
-        raise ProgramError(file, line, 0, problem)
+    found: list[tuple[int, tuple[str, ...]]] = []
+    for (line, code), (form, pattern) in zip(lines, itertools.chain(forms, itertools.cycle(of_a_point)), strict=False):
+        if (match := pattern.fullmatch(code)) is None:
+            raise ProgramError(file, line, 0, f"{code.strip()[:24]!r} where `{form}` is expected; write it so")
+        found.append((line, match.groups()))
+    rows = found[len(forms) :]
+    if not rows or len(rows) % len(of_a_point):
+        raise ProgramError(file, lines[-1][0] if lines else 0, 0, "no point, or the last is not complete: truncated")
+    points = []
+    for k in range(0, len(rows), len(of_a_point)):
+        *states, (_, (seconds, nanoseconds)) = rows[k : k + len(of_a_point)]
+        values = np.array([words for _, words in states], dtype=float)
+        if np.abs(values).max() > LARGEST:
+            raise ProgramError(file, rows[k][0], 0, f"a number of this point is beyond {LARGEST:g}; correct it")
+        points.append((rows[k][0], values, int(seconds) + int(nanoseconds) * 1e-9))
     return _grouped(file, points).reading(len(points))
-
-
-def _point(group: list[tuple[int, str]], count: int, file: str) -> _Point:
-    rows = []
-    for mark, key, (line, code) in zip("-  ", _KEYS[:3], group, strict=False):
-        words = _list_of((file, line, 0), code, f"{mark} {key}: ")
-        if len(words) != count:
-            raise ProgramError(file, line, 0, f"{key} has {len(words)} numbers for {count} joints; correct it")
-        for word in map(str.strip, words):
-            if not _NUMBER.fullmatch(word) or abs(float(word)) > LARGEST:
-                problem = f"{word[:24]!r} is not a plain number below {LARGEST:g}; correct it"
-                raise ProgramError(file, line, 0, problem)
-        rows.append([float(word) for word in words])
-    line, code = group[3]
-    time = _TIME.match(code)
-    if time is None or int(time[2]) >= 10**9:
-        problem = "expected `  time_from_start: {sec: .., nanosec: ..}` with less than 10^9 nanoseconds"
-        raise ProgramError(file, line, 0, problem)
-    return group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9
-
-
-def _list_of(place: tuple[str, int, int], code: str, start: str) -> list[str]:
-    match = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
-    if match is None:
-        problem = f"{code.strip()[:24]!r} where `{start}[..]` is expected; write the keys in this order"
-        raise ProgramError(*place, problem)
-    return match[1].split(",")
 
 
 def _grouped(file: str, points: list[_Point]) -> Grouping:

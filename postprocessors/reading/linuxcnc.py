@@ -21,12 +21,13 @@ LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 LOOSEST = 1.0  # [mm] largest tolerance of G64: on 10 ms blocks corners are cut by far less
 
 _WORD = re.compile(rf"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>{NUMBER}))")
-# Two words of one modal group on a line are an error to the controller.
+# Modal words, of which two of a group on a line are an error to the controller. Those of groups of one are words that
+# change nothing that a program here relies on: no compensation, no offset; relative centres.
 _GROUPS = (
     ("G0", "G1", "G2", "G3", "G80"),
     ("G17", "G18", "G19"),
-    ("G20", "G21"),
-    ("G90", "G91"),
+    ("G21",),
+    ("G90",),
     ("G91.1",),
     ("G93", "G94"),
     ("G61", "G64"),
@@ -34,23 +35,18 @@ _GROUPS = (
     ("G49",),
     ("G54",),
     ("G92.1",),
-    ("G4",),
     ("M62", "M63", "M64", "M65"),
     ("M2", "M30"),
 )
-_MODAL = {"G0", "G1", "G2", "G3", "G80", "G17", "G18", "G19", "G21", "G90", "G93", "G94", "G61", "G64"}
-# Words that change nothing that a program here relies on: no compensation, no offset; relative centres.
-_NEUTRAL = {"G40", "G49", "G54", "G91.1", "G92.1"}
 _OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
-_REMEDY = {
-    "G20": "inches, which are not used here; write G21",
-    "G91": "incremental, which is not used here; write G90",
+_OTHERS = {
+    "G20": "inches; write G21",
+    "G91": "incremental; write G90",
     "G92": "a shift of all coordinates by an amount that is not known; write G92.1",
     "G60": "not known to LinuxCNC; write G61",
-    "G70": "a finishing cycle here; write G21 for millimetres",
-    "G71": "a turning cycle here; write G21 for millimetres",
-    "G90.1": "for absolute arc centres, which are not used here; write G91.1",
+    **dict.fromkeys(("G70", "G71"), "a cycle here; write G21 for millimetres"),
+    "G90.1": "for absolute arc centres; write G91.1",
 }
 
 _OF_A_POSE = {"G2": "an arc", "G3": "an arc", "G64": "rounding of corners", "G93": "a time for a block"}
@@ -60,11 +56,13 @@ _BY_MOVES = "write G1 moves with G94 and G61"
 class _LinuxCncInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, groups, last, straight_word, block_time = "LinuxCNC", _GROUPS, "M2", "G1", "F = 60 / seconds"
+    name, groups, others, last = "LinuxCNC", _GROUPS, _OTHERS, "M2"
+    straight_word, block_time = "G1", "F = 60 / seconds"
 
     def __init__(self, file: str, case: Case) -> None:
         axes = axis_letters(case, "LinuxCNC", file)
         super().__init__(file, axes, not case.need_motion("a program")[1].of_pose)
+        self.needed = {name: (name,) for name in ("G21", "G90")}
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.moved = False
@@ -84,8 +82,6 @@ class _LinuxCncInterpreter(ModalState):
         for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
             if letter in block and owners.isdisjoint(block):
                 self.fail(block[letter], f"{letter} without {' or '.join(sorted(owners))}; remove it")
-        if not self.active("G2", "G3"):
-            self.refuse_centres(block, "G2 or G3")
         self.take_feed(block)
         first = next((word for word in words if word.name in (*self.axes, "I", "J", "K")), None)
         if first is not None:
@@ -104,20 +100,20 @@ class _LinuxCncInterpreter(ModalState):
         seconds = block["P"].value if "P" in block else None
         if self.own_axes and code in _OF_A_POSE:
             self.fail(word, f"{code} is {_OF_A_POSE[code]}, which no proof covers where rotary axes move; {_BY_MOVES}")
-        if code in _MODAL:
-            self.activate(code)
-            if code == "G64":
-                self.loose = self._looseness(word, block)
-        elif code == "G4":
+        if code == "G4":
             self.pause(word, seconds, "G4 P0.3")
         elif code in _SWITCHES:
             if seconds != 0.0:
                 self.fail(word, f"{code} needs P0, the output that the trigger is wired to")
             self.motions.switch(self.line, *_SWITCHES[code])
         elif code in ("M2", "M30"):
-            self.ended = True
-        elif code not in _NEUTRAL:
-            self.fail(word, f"{code} is {_REMEDY.get(code, 'not a word of an excitation; remove it')}")
+            self.end(word)
+        elif code in self.group_of:
+            self.activate(code)
+            if code == "G64":
+                self.loose = self._looseness(word, block)
+        else:
+            self.refuse(word)
 
     def _looseness(self, word: Word, block: dict[str, Word]) -> ProgramError | None:
         """Error of a G64 that is too loose: P cuts corners by up to P; Q merges blocks, and is P where not written."""
@@ -128,17 +124,13 @@ class _LinuxCncInterpreter(ModalState):
         return ProgramError(self.file, self.line, word.column, remedy)
 
     def _move(self, block: dict[str, Word], first: Word) -> None:
-        if not (self.active("G21") and self.active("G90")):
-            self.fail(None, "a move before G21 and G90; units and coordinates are not known, add them")
-        if not self.active("G0", "G1", "G2", "G3"):
-            self.fail(first, "axis words without G0 or G1; add G1")
+        self.require_said(first)
         self.moved = True
         exact = self.active("G61")
         if self.active("G2", "G3"):
             self.arc(block, first, exact)
             return
-        end = self.end_of(block, first)
-        duration, feed = self.timing(block, end, first)
+        end, duration, feed = self.target(block, first)
         if duration is not None and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
         self.straight(end, duration, feed, exact)
@@ -155,7 +147,7 @@ def _words(text: str, line: int, file: str) -> list[Word]:
 
 
 def read_linuxcnc(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, see `Language.read`, byte by byte: only a line feed ends a line, as for the controller."""
+    """Reads a program, see `Dialect.read`, byte by byte: only a line feed ends a line, as for the controller."""
     interpreter = _LinuxCncInterpreter(file, case)
     reading = interpreter.read_program(program_lines(content, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

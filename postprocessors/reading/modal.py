@@ -44,6 +44,7 @@ class ModalState(ABC):
 
     name: ClassVar[str]  # name of the language, for messages
     groups: ClassVar[tuple[tuple[str, ...], ...]]  # groups of words of which one is active, and one may be in a block
+    others: ClassVar[dict[str, str]]  # words of other meaning than a program needs, with a reason and a remedy
     last: ClassVar[str]  # the word that ends a program
     straight_word: ClassVar[str]  # the word of a straight move at a feed
     block_time: ClassVar[str]  # F under G93, for messages
@@ -60,7 +61,9 @@ class ModalState(ABC):
         self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
         self.angles = tuple(name for name in axes if name not in ("X", "Y", "Z"))  # where F counts them
         self.scale = np.where(self.linear, MM, DEG)  # SI values of the coordinates' units [m or rad]
-        self.said: set[str] = set()  # settings that a move needs before it, beside modal words
+        self.said: set[str] = set()  # settings that were made, beside modal words
+        # what a move needs before it, for messages -> modal words or settings of which any one is it
+        self.needed: dict[str, tuple[str, ...]] = {}
         self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has stated all
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
@@ -73,7 +76,7 @@ class ModalState(ABC):
         """Executes the words of one block; raises ProgramError for a word that is not understood."""
 
     def read_program(self, lines: Iterable[str], words_of: Callable[[str, int, str], list[Word]]) -> Reading:
-        """Reads all lines, whose words are `words_of(text, line, file)`; errors as `Language.read`."""
+        """Reads all lines, whose words are `words_of(text, line, file)`; errors as `Dialect.read`."""
         blocks = 0
         for number, text in enumerate(lines, start=1):
             if words := words_of(text, number, self.file):
@@ -87,9 +90,9 @@ class ModalState(ABC):
             raise ProgramError(self.file, 0, 0, problem)
         return self.motions.reading(blocks)
 
-    def fail(self, word: Word | None, problem: str) -> NoReturn:
-        """Raises ProgramError, at a word or for the line as a whole."""
-        raise ProgramError(self.file, self.line, word.column if word else 0, problem)
+    def fail(self, word: Word, problem: str) -> NoReturn:
+        """Raises ProgramError at a word."""
+        raise ProgramError(self.file, self.line, word.column, problem)
 
     def activate(self, name: str) -> None:
         """Makes a word the active one of its group."""
@@ -128,23 +131,43 @@ class ModalState(ABC):
             written = word.name.rstrip("=") + ("" if word.value is None else f"{word.value:g}")
             self.fail(word, f"{written} is not a plain number of a machine's size; correct it")
 
+    def refuse(self, word: Word, otherwise: str = "not a word of an excitation; remove it") -> NoReturn:
+        """Refuses a word that has no meaning here."""
+        self.fail(word, f"{word.name.rstrip('=')} is {self.others.get(word.name, otherwise)}")
+
+    def require_said(self, word: Word) -> None:
+        """Refuses a move before what it needs."""
+        for text, words in self.needed.items():
+            if self.said.isdisjoint(words) and not self.active(*words):
+                self.fail(word, f"a move before {text}; what it means is not known, add {text}")
+
     def require_alone(self, word: Word, seen: dict[str, Word]) -> None:
         """Refuses other words in the block of one that needs it for itself."""
         if set(seen) - {word.name, "N"}:
             self.fail(word, f"{word.name} stands in a block of its own; move the other words")
 
-    def pause(self, word: Word, seconds: float | None, usual: str) -> None:
-        """Adds a dwell; `usual` is its usual form, for messages."""
+    def pause(self, word: Word, seconds: float | None, usual: str, switches: bool = False) -> None:
+        """Adds a dwell; `usual` is its usual form, for messages, `switches` as in `Grouping.pause`."""
         if seconds is None or not 0.0 <= seconds <= LARGEST:
             self.fail(word, f"{word.name} needs a duration of 0 to {LARGEST:g} s; write {usual}")
-        self.motions.pause(self.line, seconds)
+        self.motions.pause(self.line, seconds, switches)
         self.flowing = False
 
-    def refuse_centres(self, seen: dict[str, Word], arcs: str) -> None:
-        """Refuses I, J and K outside arcs."""
+    def target(self, seen: dict[str, Word], first: Word) -> tuple[Array, float | None, float | None]:
+        """End of a straight move, shape (k,) as written, and its duration [s] or feed; neither of a rapid."""
+        if not self.active("G0", "G1"):
+            self.fail(first, f"coordinates without G0 or {self.straight_word}; add {self.straight_word}")
         for name in ("I", "J", "K"):
             if name in seen:
-                self.fail(seen[name], f"{name} without {arcs}; remove it")
+                self.fail(seen[name], f"{name} without G2 or G3; remove it")
+        end = self.end_of(seen, first)
+        return end, *self.timing(seen, end, first)
+
+    def end(self, word: Word, transformation_off: str = "") -> None:
+        """Ends the program."""
+        if self.transformed:
+            self.fail(word, f"the transformation is still on; write {transformation_off} before")
+        self.ended = True
 
     def end_of(self, seen: dict[str, Word], first: Word) -> Array:
         """The coordinates in which a block ends, as written, shape (k,)."""

@@ -23,94 +23,40 @@ from postprocessors.reading import NUMBER, Grouping, Reading
 
 FORMAT = "hexcite setpoints 1"
 LARGEST = 1e7  # mm, degrees and their rates: no machine has such numbers
-PARQUET = b"PAR1"
-METADATA = b"hexcite"
-_HEADER = re.compile(r"#\s*(?P<key>[a-z_]+):\s*(?P<value>.*?)\s*$")
-_STRANGE = re.compile(r"[^0-9.,+\-\n]")
 
 
-Table = tuple[int, dict[str, str], Array]
-"""Line of the first row (Parquet: 1), keys and values of the header, and the numbers, one row a cycle."""
-
-
-def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> Table:
-    """The numbers of a table of at most `most` rows; errors as `Language.read`."""
-    table = _parquet(content, file, columns) if content[:4] == PARQUET else _csv(content, file, columns)
-    first, header, values = table
-    rows, _ = values.shape
-    if rows > most:
-        problem = f"{rows} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
-        raise ProgramError(file, 0, 0, problem)
-    if rows < 2:
-        raise ProgramError(file, 0, 0, "fewer than two rows; the file is truncated")
-    bad = ~(np.abs(values) <= LARGEST)
-    if bad.any():
-        row, column = np.argwhere(bad)[0]
-        value = values[row, column]
-        raise ProgramError(file, first + int(row), 0, f"{columns[column]} = {value:g} is not a machine's number")
-    if header.get("format") != FORMAT:
-        raise ProgramError(file, 1, 0, f"does not begin with '# format: {FORMAT}'; is this a table of setpoints?")
-    return table
-
-
-def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
-    text = content.decode("latin-1").replace("\r\n", "\n")
-    lines = text.split("\n")
-    header: dict[str, str] = {}
-    number = 0
-    while number < len(lines) and lines[number].startswith("#"):
-        if match := _HEADER.match(lines[number]):
-            header.setdefault(match["key"], match["value"])
-        number += 1
-    if number == len(lines) or lines[number].split(",") != list(columns):
+def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> tuple[int, Array]:
+    """Line of the first row, and the numbers of a table of at most `most` rows; errors as `Dialect.read`."""
+    lines = content.decode("latin-1").replace("\r\n", "\n").split("\n")
+    number = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    if lines[number : number + 1] != [",".join(columns)]:
         problem = f"the columns are not {columns[0]},{columns[1]},..,{columns[-1]}; write all of them"
         raise ProgramError(file, number + 1, 0, problem)
-    body = lines[number + 1 :]
-    if body[-1:] != [""]:
-        raise ProgramError(file, len(lines), 0, "the last line has no end; the file is truncated")
-    body.pop()
-    whole = "\n".join(body)
-    if match := _STRANGE.search(whole):
-        row, column = whole.count("\n", 0, match.start()), match.start() - whole.rfind("\n", 0, match.start()) - 1
-        bad = match[0]
-        raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is not a part of a plain number; correct it")
-    return (number + 2, header, _numbers(body, number + 2, file, columns))
+    if not re.fullmatch(rf"#\s*format: {FORMAT}\s*", lines[0]):
+        raise ProgramError(file, 1, 0, f"does not begin with '# format: {FORMAT}'; is this a table of setpoints?")
+    first, rows = number + 2, lines[number + 1 :]
+    if rows.pop() != "" or len(rows) < 2:
+        raise ProgramError(file, len(lines), 0, "the last line has no end, or is the only one; the file is truncated")
+    if len(rows) > most:
+        problem = f"{len(rows)} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
+        raise ProgramError(file, 0, 0, problem)
+    plain = re.compile(",".join([f"(?>{NUMBER})"] * len(columns)))  # (?>..) tries no second way: there are too many
+    for line, text in enumerate(rows, first):
+        if not plain.fullmatch(text):
+            raise _not_plain(text.split(","), file, line, columns)
+    values = np.array([text.split(",") for text in rows], dtype=float)
+    for row, column in np.argwhere(np.abs(values) > LARGEST)[:1].tolist():
+        problem = f"{columns[column]} = {values[row, column]:g} is not a machine's number"
+        raise ProgramError(file, first + row, 0, problem)
+    return first, values
 
 
-def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -> Array:
-    values = np.empty((len(body), len(columns)))
-    for row, line in enumerate(body):
-        cells = line.split(",")
-        if len(cells) != len(columns):
-            problem = f"{len(cells)} cells where {len(columns)} columns stand; correct it"
-            raise ProgramError(file, first + row, 0, problem)
-        try:
-            values[row] = cells
-        except ValueError:
-            bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(NUMBER, cell))
-            column = sum(len(cell) + 1 for cell in cells[:bad]) + 1
-            problem = f"{columns[bad]} = {cells[bad]!r} is not a number; correct it"
-            raise ProgramError(file, first + row, column, problem) from None
-    return values
-
-
-def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    try:
-        table = parquet.read_table(pa.BufferReader(content))
-    except (pa.ArrowException, OSError, ValueError) as error:
-        reason = str(error).splitlines()[0][:120] if str(error) else "damaged"
-        raise ProgramError(file, 0, 0, f"is damaged Parquet ({reason}); write it again") from error
-    if tuple(table.column_names) != columns:
-        raise ProgramError(file, 0, 0, f"the columns are not {columns[0]}, {columns[1]}, .., {columns[-1]}; write all")
-    wrong = next((f.name for f in table.schema if f.type != pa.float64()), None)
-    if wrong is not None:
-        raise ProgramError(file, 0, 0, f"column {wrong} does not hold 64-bit floats; write it so")
-    text = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
-    header = {m["key"]: m["value"] for line in reversed(text.split("\n")) if (m := _HEADER.match(line))}
-    return (1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
+def _not_plain(cells: list[str], file: str, line: int, columns: tuple[str, ...]) -> ProgramError:
+    if len(cells) != len(columns):
+        return ProgramError(file, line, 0, f"{len(cells)} cells where {len(columns)} columns stand; correct it")
+    bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(NUMBER, cell))
+    column = sum(len(cell) + 1 for cell in cells[:bad]) + 1
+    return ProgramError(file, line, column, f"{columns[bad]} = {cells[bad]!r} is not a plain number; correct it")
 
 
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # tolerance of poses and rates: a thousand times the last decimal of a table
@@ -124,11 +70,11 @@ Problem = tuple[int, int | None, str]
 
 
 def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a table, see `Language.read`: also rows that do not belong together are refused, with their line."""
+    """Reads a table, see `Dialect.read`: also rows that do not belong together are refused, with their line."""
     settings = case.need_settings(Setpoints, "a setpoint table")
     home, limits = case.need_motion("the check of a table")
     columns, count = setpoint_columns(limits.columns, limits.of_pose), len(home)
-    first, _, numbers = read_table(content, file, settings.most_rows, columns)
+    first, numbers = read_table(content, file, settings.most_rows, columns)
     values, trigger = numbers * own_units(columns), numbers[:, -1]
     pose, rates, accelerations = (values[:, 1 + k * count : 1 + (k + 1) * count] for k in range(3))
     motion = Motion(values[:, 0], pose, rates, accelerations, np.zeros_like(pose))

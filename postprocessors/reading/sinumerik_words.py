@@ -13,83 +13,57 @@ from postprocessors.reading.modal import LARGEST, ModalState, Word
 
 LONGEST_LINE = 512
 
-# Two words of one modal group in a block are an error to the controller.
+# Modal words, of which two of a group in a block are an error to the controller.
 GROUPS: tuple[tuple[str, ...], ...] = (
-    ("G0", "G1", "G2", "G3", "POLY", "ASPLINE", "BSPLINE", "CSPLINE"),
+    ("G0", "G1", "G2", "G3", "POLY"),
     ("G17", "G18", "G19"),
-    ("G90", "G91"),
-    ("G70", "G71", "G700", "G710"),
-    ("G93", "G94", "G95"),
-    ("G60", "G64", "G641", "G642", "G643", "G644", "G645"),
-    ("G40", "G41", "G42"),
-    ("G500", "G54", "G55", "G56", "G57"),
-    ("COMPOF", "COMPON", "COMPCURV", "COMPCAD", "COMPSURF"),
-    ("BRISK", "SOFT", "DRIVE"),
+    ("G90",),
+    ("G710",),
+    ("G93", "G94"),
+    ("G60", "G64", "G642"),
+    ("G40",),
+    ("G500",),
+    ("COMPOF", "COMPCAD"),
+    ("SOFT",),
     ("FFWON", "FFWOF"),
-    ("DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH", "DYNPREC"),
-    ("ORIWKS", "ORIMKS"),
-    ("ORIEULER", "ORIRPY", "ORIRPY2", "ORIVIRT1", "ORIVIRT2"),
-    ("ORIAXES", "ORIVECT", "ORIPLANE"),
-    ("PTP", "PTPG0", "CP"),
-    ("G4",),
-    ("M2", "M17", "M30"),
+    ("DYNNORM", "DYNPOS"),
+    ("ORIWKS",),
+    ("ORIRPY",),
+    ("ORIAXES",),
+    ("CP",),
 )
 
-# Words that a proven program may hold; those that change nothing it relies on need no more than this.
-NEUTRAL = {"G40", "FFWON", "FFWOF", "DYNNORM", "DYNPOS", "MSG", "N"}
-MODAL = {
-    *("G0", "G1", "G2", "G3", "POLY", "G17", "G18", "G19", "G90", "G710", "G93", "G94", "G60", "G64", "G642"),
-    *("G500", "COMPOF", "COMPCAD", "SOFT", "ORIWKS", "ORIRPY", "ORIAXES", "CP"),
-}
-
-REMEDY = {
-    "G20": "no inches here but unknown to SINUMERIK; write G710 for millimetres",
-    "G21": "unknown to SINUMERIK; write G710 for millimetres",
-    "G70": "inches; write G710",
-    "G71": "millimetres for the geometry alone, not for feeds; write G710",
-    "G700": "inches; write G710",
-    "G61": "not used here; write G60 for exact stop",
-    "G9": "an exact stop in this block alone; write G60",
-    "G80": "not a cancel of cycles here; remove it",
-    "G91": "incremental coordinates; write G90",
-    "G95": "feed per revolution; write G94 or G93",
-    "G54": "a frame that the proof does not know; write G500",
-    "BRISK": "without jerk limit; write SOFT",
-    "DRIVE": "without jerk limit; write SOFT",
-    "ORIEULER": "another order of rotations; write ORIRPY",
-    "ORIRPY2": "another order of rotations; write ORIRPY",
-    "ORIMKS": "relative to the machine, not the workpiece; write ORIWKS",
-    "ORIVECT": "a turn on a great circle, not along the angles; write ORIAXES",
-    "ORIPLANE": "a turn on a great circle, not along the angles; write ORIAXES",
-    "PTP": "straight in the machine's axes, another path; write CP",
-    "PTPG0": "straight in the machine's axes in rapid moves; write CP",
-    "STAT=": "a choice among assemblies, of which a hexapod has one; remove it",
-    "TU=": "a choice among turns, of which struts have none; remove it",
-    "RTLIOF": "ignored while a transformation is active; remove it",
-    "ASPLINE": "a spline whose time law nobody states; write POLY",
-    "BSPLINE": "a spline whose time law nobody states; write POLY",
-    "CSPLINE": "a spline whose time law nobody states; write POLY",
-    "STOPRE": "a stop of the look-ahead; remove it",
-    "M17": "the end of a subprogram; write M30",
-    "M62": "no output here; write DO $A_OUT[n]=1",
-    "M63": "no output here; write DO $A_OUT[n]=0",
-    "M64": "no output here; write DO $A_OUT[n]=1",
-    "M65": "no output here; write DO $A_OUT[n]=0",
-    "P": "not a word of an excitation; G4 takes seconds as F",
+OTHERS = {
+    word: reason
+    for words, reason in (
+        ("G20 G21 G70 G71 G700", "not the unit of lengths and feeds here; write G710 for millimetres"),
+        ("G9 G61", "no exact stop that lasts; write G60 for exact stop"),
+        ("G91", "incremental coordinates; write G90"),
+        ("G95", "feed per revolution; write G94 or G93"),
+        ("G54", "a frame that the proof does not know; write G500"),
+        ("BRISK DRIVE", "without jerk limit; write SOFT"),
+        ("ORIEULER ORIRPY2", "another order of rotations; write ORIRPY"),
+        ("ORIMKS", "relative to the machine, not the workpiece; write ORIWKS"),
+        ("ORIVECT ORIPLANE", "a turn on a great circle, not along the angles; write ORIAXES"),
+        ("PTP PTPG0", "straight in the machine's axes, another path; write CP"),
+        ("ASPLINE BSPLINE CSPLINE", "a spline whose time law nobody states; write POLY"),
+        ("M17", "the end of a subprogram; write M30"),
+        ("M62 M63 M64 M65", "no output here; write DO $A_OUT[n]=1 or =0"),
+        ("X= Y= Z= A= B= C= F=", "not read here as an assignment; write the letter and its number"),
+        ("P", "not a word of an excitation; G4 takes seconds as F"),
+    )
+    for word in words.split()
 }
 
 
+_COMMENT = re.compile(r'^((?:[^";]|"[^"]*+"?+)*+);.*$')  # from the first semicolon outside a string on
 _PROGRAM = re.compile(r"%_N_(?P<name>[A-Z0-9_]+)_(?:MPF|SPF)\s*$", re.IGNORECASE)
 _BLOCK_NUMBER = re.compile(r"\s*N(?P<number>\d+)", re.IGNORECASE)
-_ACTION = re.compile(
-    r"\s*(?:IDS?\s*=\s*\d+\s+)?(?P<condition>(?:WHENEVER|WHEN|FROM|EVERY)\b.*\S)?\s*\bDO\s+(?P<action>\S.*?)\s*$",
-    re.IGNORECASE,
-)
-_ASSIGNMENT = re.compile(r"(?P<name>\$?[A-Z_]+[A-Z0-9_]*)(?:\[(?P<index>[A-Z0-9_]+)\])?\s*=\s*(?P<value>[^=\s]+)$")
+_ACTION = re.compile(r"\s*DO\s+(?P<action>\S.*?)\s*$", re.IGNORECASE)
 _WORD = re.compile(
     rf"""\s*(?:
       (?P<list>[A-Z]+\d*)\[\s*(?P<index>[A-Z0-9_]+)\s*\]\s*=\s*(?:\((?P<items>[^()]*)\)|(?P<item>{NUMBER}))
-    | (?P<assigned>[A-Z]+\d*)\s*=\s*(?:(?P<value>{NUMBER})|(?P<quoted>'[BH]?[0-9A-F]+')|(?P<call>[A-Z]+\([^()]*\)))
+    | (?P<assigned>[A-Z]+\d*)\s*=\s*(?P<value>{NUMBER})
     | (?P<text>MSG)\s*\((?:"[^"]*")?\)
     | (?P<keyword>[A-Z_]{{2,}}[A-Z0-9_]*)(?:\((?P<arguments>[A-Z0-9_,.\s]*)\))?
     | (?P<letter>[A-Z])(?P<number>{NUMBER})
@@ -100,7 +74,7 @@ _WORD = re.compile(
 
 def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
     """The words of a line; raises ProgramError for anything that is not a word of this language."""
-    text = _without_comment(text)
+    text = _COMMENT.sub(r"\1", text)
     if line == 1 and (match := _PROGRAM.match(text)):
         return [Word("%", 1, arguments=(match["name"].upper(),))]
     words: list[Word] = []
@@ -109,21 +83,10 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
         words.append(Word("N", match.start("number"), float(match["number"])))
         position = match.end()
     if action := _ACTION.match(text, position):
-        column = action.start("action") + 1
-        return [*words, _action(action["action"].upper(), action["condition"], line, column, file)]
-
+        assignment = "".join(action["action"].upper().split())
+        return [*words, Word("DO", action.start("action") + 1, None, (assignment,))]
     found = each_word(text, position, _WORD, (file, line), _remedy)
     return [*words, *(_word(match, column, line, file) for match, column in found)]
-
-
-def _without_comment(text: str) -> str:
-    """The text up to the first semicolon outside a string."""
-    inside = False
-    for k, character in enumerate(text):
-        inside ^= character == '"'
-        if character == ";" and not inside:
-            return text[:k]
-    return text
 
 
 def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
@@ -131,9 +94,7 @@ def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
         items = match["items"] if match["items"] is not None else match["item"]
         return Word(match["list"].upper(), column, None, _items(items), match["index"].upper())
     if match["assigned"]:
-        value = None if match["value"] is None else float(match["value"])
-        written = match["quoted"] or match["call"]
-        return Word(match["assigned"].upper() + "=", column, value, None if written is None else (written.upper(),))
+        return Word(match["assigned"].upper() + "=", column, float(match["value"]))
     if match["text"]:
         return Word("MSG", column)
     if match["keyword"]:
@@ -149,13 +110,6 @@ def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
 
 def _items(text: str) -> tuple[str, ...]:
     return tuple(item.strip().upper() for item in text.split(","))
-
-
-def _action(text: str, condition: str | None, line: int, column: int, file: str) -> Word:
-    match = _ASSIGNMENT.match(text)
-    if match is None:
-        raise ProgramError(file, line, column, f"cannot read the action {text!r}; it assigns one value: $A_OUT[1]=1")
-    return Word("DO", column, None, (match["name"], match["index"] or "", match["value"]), condition)
 
 
 def _remedy(bad: str) -> str:
@@ -189,8 +143,6 @@ def polynomial(
         state.fail(first, "POLY under exact stop or rounding does not keep its time; write G64")
     if not state.active("G93") or "F" not in seen:
         state.fail(first, "POLY without a time of its own; write G93 and F = 60 / seconds in the block")
-    if np.isnan(state.pose).any():
-        state.fail(first, "a polynomial starts from an unknown pose; first move home at a feed (G94)")
     if len(pieces) > settings.poly_axes:
         state.fail(pieces[-1], f"{len(pieces)} axes in a POLY block, the controller takes {settings.poly_axes}")
     length = float(seen["PL="].value or 0.0) if "PL=" in seen else 1.0

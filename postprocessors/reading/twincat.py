@@ -15,14 +15,11 @@ from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
-    MODAL,
-    MOST_MESSAGES,
-    REMEDY,
+    OTHERS,
     twincat_words,
 )
 
 _OF_OWN_AXES = {"G1", "G17", "G90", "G94", "G71"}  # modal words
-_COMMANDS_OF_OWN_AXES = ("#SLOPE", "#TRAFO OFF", "#FGROUP", "#MSG", "#MSG SYN", "#TIME")
 FEWEST_SPLINE_POINTS = 3  # fewest points of an AKIMA spline, its start included
 _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
 
@@ -30,7 +27,7 @@ _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+
 class _TwinCatInterpreter(ModalState):
     """Meaning of the words."""
 
-    name, groups, last, straight_word = "TwinCAT", GROUPS, "M30", "G01"
+    name, groups, others, last, straight_word = "TwinCAT", GROUPS, OTHERS, "M30", "G01"
     block_time, inverse_time = "F, the block's time in seconds", False
     feed_group = "#FGROUP [{}]"
 
@@ -38,19 +35,21 @@ class _TwinCatInterpreter(ModalState):
         self.settings = settings
         self.of_pose = settings if isinstance(settings, TwinCat) else None  # None: in the machine's own axes
         letters = "XYZABC"
-        if self.of_pose is not None:
-            self.needed = {f"#KIN ID[{self.of_pose.kinematic_id}]": "#KIN ID", "#TRAFO ON": "#TRAFO ON"}
-        else:
+        if self.of_pose is None:
             letters = axis_letters(case, "TwinCAT", file, endless=False)
-            self.needed = {"G94": "G94", "#TRAFO OFF": "#TRAFO OFF"}
         super().__init__(file, letters, self.of_pose is None)
+        # commands that state what the case says, with the text behind them
+        self.stated = {"#SLOPE": f"TYPE={settings.slope}", "#TRAFO OFF": ""}
+        needed = ["G90", "G71", "#SLOPE", "G94", "#TRAFO OFF"]
         if self.of_pose is not None:
             self.scale[4] *= self.of_pose.angle_sign_b
+            self.stated |= {"#KIN ID": str(self.of_pose.kinematic_id), "#TRAFO ON": ""}
+            needed[3:] = ["#KIN ID", "#TRAFO ON"]
+        self.needed = {f"{name} {self._behind(name)}".rstrip(): (name,) for name in needed}
         self.curve = ""  # SPLINE, HSC or CONTOUR while a path of points is open
         self.akima = self.contour = False  # whether the settings that SPLINE and CONTOUR need are active
         self.points = 0  # of the path, its start included
         self.stopped = False  # whether an exact stop has ended the points
-        self.messages = 0
 
     def read(self, words: list[Word]) -> None:
         block = self.once_each(words)
@@ -67,12 +66,14 @@ class _TwinCatInterpreter(ModalState):
                 self.fail(block[""], "a number without a letter; write its letter")
             self._feed_and_move(block)
         if end := block.get("M30") or block.get("M2"):
-            self._end(end)
+            if self.curve:
+                self.fail(end, "a path of points is still open at the end; close it")
+            self.end(end, "#TRAFO OFF")
 
     def _word(self, name: str, word: Word, block: dict[str, Word]) -> None:
         if name in ("N", "G4", "G60", "M2", "M30", ""):
             return
-        if name in (_OF_OWN_AXES if self.own_axes else MODAL) and word.value is None:
+        if name in (_OF_OWN_AXES if self.own_axes else self.group_of) and word.value is None:
             if name == "G261":
                 self._open("CONTOUR", word)
             elif name == "G260":
@@ -87,9 +88,12 @@ class _TwinCatInterpreter(ModalState):
         elif name in (f"M{self.settings.trigger_on_m}", f"M{self.settings.trigger_off_m}"):
             self._switch(name, word, block)
         else:
-            remedy = f"M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
-            hint = f"not the trigger's M function; write {remedy}" if name[:1] == "M" else "not a word of an excitation"
-            self.fail(word, f"{name} is {REMEDY.get(name, hint + '; remove it')}")
+            hint = "a word of an excitation; remove it"
+            if name[:1] == "M":
+                hint = (
+                    f"the trigger's M function; write M{self.settings.trigger_on_m} and M{self.settings.trigger_off_m}"
+                )
+            self.refuse(word, f"not {hint}")
 
     def _switch(self, name: str, word: Word, block: dict[str, Word]) -> None:
         self.require_alone(word, block)
@@ -101,35 +105,25 @@ class _TwinCatInterpreter(ModalState):
         name, s = word.name, self.of_pose
         if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
-        if s is None and name not in _COMMANDS_OF_OWN_AXES:
-            self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of a program in own axes; remove it')}")
         match name:
-            case "#SLOPE":
-                slope = f"TYPE={self.settings.slope}"
-                self._equal(word, (slope,), f"[{slope}]")
-                self.said.add(name)
-            case "#KIN ID" if s is not None:
-                self._equal(word, (str(s.kinematic_id),), f"[{s.kinematic_id}]")
-                if self.transformed:
+            case _ if name in self.stated:
+                if ",".join(word.arguments or ()) != self.stated[name] or word.value is not None:
+                    self.fail(word, f"{name} is not what the case says; write {name}{self._behind(name)}")
+                if name == "#KIN ID" and self.transformed:
                     self.fail(word, "the kinematics cannot change while the transformation is on; write #TRAFO OFF")
+                if name.startswith("#TRAFO"):
+                    self.transformed = name == "#TRAFO ON"
+                    self.said -= {"#TRAFO ON", "#TRAFO OFF"}
                 self.said.add(name)
-            case "#TRAFO ON" | "#TRAFO OFF":
-                self._equal(word, (), "")
-                if s is not None and name == "#TRAFO ON" and "#KIN ID" not in self.said:
-                    self.fail(word, f"#TRAFO ON before #KIN ID[{s.kinematic_id}]; add it")
-                self.transformed = name == "#TRAFO ON"
-                self.said = self.said - {"#TRAFO ON", "#TRAFO OFF"} | {name}
             case "#FGROUP":
                 self.feed_axes = word.arguments or ()
             case "#MSG" | "#MSG SYN":
-                self.messages += 1
-                if self.messages > MOST_MESSAGES:
-                    self.fail(word, f"the controller stops at {MOST_MESSAGES} messages that nobody reads; remove some")
+                pass
             case "#TIME":
                 self._pause(word, word.value)
-            case "#SPLINE TYPE AKIMA":
+            case "#SPLINE TYPE AKIMA" if s is not None:
                 self.akima = True
-            case "#SPLINE ON":
+            case "#SPLINE ON" if s is not None:
                 self._open("SPLINE", word)
             case "#SPLINE OFF":
                 self._close("SPLINE", word)
@@ -142,7 +136,7 @@ class _TwinCatInterpreter(ModalState):
                 self._require_deviations(word, "DEV", s)
                 self.contour = True
             case _:
-                self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of an excitation; remove it')}")
+                self.refuse(word, "not a command of an excitation; remove it")
 
     def _open(self, kind: str, word: Word) -> None:
         """Begins a path where the machine stands, of a kind that was chosen before; refuses one within another."""
@@ -191,9 +185,10 @@ class _TwinCatInterpreter(ModalState):
                 problem = f"{name}={deviations[name]:g} is not above 0 and at most {limit:g}, the case's; correct it"
                 self.fail(word, problem)
 
-    def _equal(self, word: Word, expected: tuple[str, ...], written: str) -> None:
-        if (word.arguments or ()) != expected or word.value is not None:
-            self.fail(word, f"{word.name} is not what the case says; write {word.name}{written}")
+    def _behind(self, name: str) -> str:
+        """What a command states, in brackets."""
+        text = self.stated.get(name, "")
+        return f"[{text}]" if text else ""
 
     def _pause(self, word: Word, seconds: float | None) -> None:
         if self.curve:
@@ -217,57 +212,31 @@ class _TwinCatInterpreter(ModalState):
                 self.fail(block["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
             return
         first = min(coordinates, key=lambda w: w.column)
-        self._require_ready(first)
+        self.require_said(first)
         exact = "G60" in block or self.active("G360")
         if self.active("G2", "G3"):
-            self._arc(block, first, exact)
+            if not self.active("G162"):
+                self.fail(first, "an arc needs relative centres; write G162")
+            self._require_no_curve(first)
+            self.arc(block, first, exact)
         else:
-            self._line(block, first, exact)
+            end, duration, feed = self.target(block, first)
+            if duration is None:
+                self._require_no_curve(first)
+            else:
+                self._point(first, exact)
+            # the exact stop at the end of a whole path is not a stop within it
+            self.straight(end, duration, feed, exact and duration is None)
         self.flowing = not exact
 
-    def _require_ready(self, word: Word) -> None:
-        for name in ("G90", "G71"):
-            if not self.active(name):
-                self.fail(word, f"a move before {name}; what it means is not known, add {name}")
-        for name, said in {f"#SLOPE [TYPE={self.settings.slope}]": "#SLOPE", **self.needed}.items():
-            if said not in self.said and not self.active(said):
-                self.fail(word, f"a move before {name}; what it means is not known, add it")
-
-    def _line(self, block: dict[str, Word], first: Word, exact: bool) -> None:
-        if not self.active("G0", "G1"):
-            self.fail(first, "coordinates without G00 or G01; add G01")
-        self.refuse_centres(block, "G02 or G03")
-        end = self.end_of(block, first)
-        unsure = "whether the machine stops after this move is not known; write G60 in its block"
-        duration, feed = self.timing(block, end, first)
-        if duration is not None:
-            self._point(first, exact)
-            exact = False  # the exact stop at the end of a whole path is not a stop within it
-        elif self.curve:
-            self.fail(
-                first, "a block of the controller's own timing within a path of points; write G93 and F in seconds"
-            )
-        elif not exact:
-            self.fail(first, unsure)
-        self.straight(end, duration, feed, exact)
-
-    def _arc(self, block: dict[str, Word], first: Word, exact: bool) -> None:
-        if not self.active("G162"):
-            self.fail(first, "an arc needs relative centres; write G162")
-        if self.curve or not exact:
-            self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
-        self.arc(block, first, exact)
-
-    def _end(self, word: Word) -> None:
+    def _require_no_curve(self, first: Word) -> None:
         if self.curve:
-            self.fail(word, "a path of points is still open at the end; close it")
-        if self.transformed:
-            self.fail(word, "the transformation is still on; write #TRAFO OFF before")
-        self.ended = True
+            problem = "a block of the controller's own timing within a path of points; write G93 and F in seconds"
+            self.fail(first, problem)
 
 
 def read_twincat(content: bytes, file: str, case: Case) -> Reading:
-    """Reads a program, see `Language.read`."""
+    """Reads a program, see `Dialect.read`."""
     settings = case.need_settings(TwinCatAxes, "a TwinCAT program")
     lines = program_lines(content, file, LONGEST_LINE, settings.most_blocks)
     return _TwinCatInterpreter(file, settings, case).read_program(lines, twincat_words)

@@ -23,13 +23,13 @@ NAMES = [n for n in CASES if n != "sinumerik lines"]
 
 
 def proof(name: str, text: str) -> ProgramProof:
-    language, case = dialect(name.split()[0]).load(), CASES[name]
+    language, case = dialect(name.split()[0]), CASES[name]
     reading = language.read(text.encode("latin-1"), "p", case)
     return prove_program(reading, language.guarantees(reading, case))
 
 
 def written(name: str, motion: Trajectory) -> str:
-    language, case = dialect(name.split()[0]).load(), CASES[name]
+    language, case = dialect(name.split()[0]), CASES[name]
     return language.write(language.prepare(excitation_program(motion, case), case), case).decode("ascii")
 
 

@@ -10,7 +10,7 @@ from cases.schema import Case, load_case
 from identification.motion import Standstill
 from identification.trajectories.curves import PolynomialMotion
 from postprocessors.blocks import Block, Blocks, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.dialects import Language, dialect
+from postprocessors.dialects import Dialect, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -49,9 +49,9 @@ class Typed:
         return self.head.count("\n") + 1
 
     @property
-    def language(self) -> Language:
+    def language(self) -> Dialect:
         """Its writer, reader and guarantees."""
-        return dialect(self.name).load()
+        return dialect(self.name)
 
     def text(self, body: str) -> str:
         """A whole program around some lines."""

@@ -44,7 +44,7 @@ class _Log(Grouping):
     def move(self, line: int, end: np.ndarray, feed: float | None, linear: bool, exact: bool, arc=None, law=()) -> None:
         self.reports.append(Move(end, None, feed, exact, arc))
 
-    def pause(self, line: int, duration: float) -> None:
+    def pause(self, line: int, duration: float, switches: bool = False) -> None:
         self.reports.append(Pause(duration))
 
     def switch(self, line: int, on: bool, at_once: bool) -> None:

@@ -3,13 +3,10 @@
 The judge looks at the positions alone, as drives would follow them.
 """
 
-import io
 from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-import pyarrow as pa
-from pyarrow import parquet
 
 from cases.errors import ProgramError
 from cases.recording_format import setpoint_columns
@@ -21,8 +18,7 @@ from identification.trajectories.moves import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading.setpoints import METADATA
-from postprocessors.setpoints import decimals_of, write_parquet
+from postprocessors.setpoints import decimals_of, write_setpoints
 from postprocessors.writing import excitation_program
 from tests.helpers import one_line
 from tests.postprocessors.independent import derivatives_reached, share_of_limits, strut_lengths
@@ -32,7 +28,7 @@ CASE = load_case("hexapod")
 LIMITS = CASE.limits.motion
 COLUMNS, DECIMALS = setpoint_columns(LIMITS.columns, struts=True), decimals_of(CASE)
 UNITS = own_units(COLUMNS)
-LANGUAGE = dialect("setpoints").load()
+LANGUAGE = dialect("setpoints")
 HEADER = "# format: hexcite setpoints 1"
 CYCLE = 1e-3
 T, POSE, RATES, ACCELERATIONS, STRUTS, TRIGGER = 0, slice(1, 7), slice(7, 13), slice(13, 19), slice(19, 37), 37
@@ -43,8 +39,7 @@ Edit = Callable[[Table], Table]
 
 
 def cells(content: bytes) -> Table:
-    table = parquet.read_table(pa.BufferReader(content))
-    return np.column_stack([table.column(name).to_numpy() for name in COLUMNS])
+    return np.loadtxt([line for line in content.decode().splitlines() if line[0] not in "#t"], delimiter=",")
 
 
 @cache
@@ -54,7 +49,7 @@ def moves() -> Table:
     far = HOME + np.r_[0.02, -0.015, 0.01, 0.02, -0.01, 0.03]
     there, back = StraightMove.fastest(HOME, far, *limits), StraightMove.fastest(far, HOME, *limits)
     program = excitation_program(Joined((there, Standstill(far, 0.02), back)), CASE)
-    return cells(write_parquet(program, CASE))
+    return cells(write_setpoints(program, CASE))
 
 
 @cache
@@ -64,7 +59,7 @@ def path() -> Table:
     unknowns = np.random.default_rng(1).normal(size=family.unknowns * 6)
     for _ in range(6):
         unknowns *= 0.85 / prove(family.motion(unknowns), CASE, 2000.0).worst_ratio
-    return cells(write_parquet(excitation_program(family.motion(unknowns), CASE), CASE))
+    return cells(write_setpoints(excitation_program(family.motion(unknowns), CASE), CASE))
 
 
 TABLES = {"moves": moves, "path": path}
@@ -73,13 +68,6 @@ TABLES = {"moves": moves, "path": path}
 def as_csv(table: Table) -> bytes:
     row = ",".join(f"%.{digits}f" for digits in DECIMALS)
     return "\n".join([HEADER, ",".join(COLUMNS), *(row % tuple(cells) for cells in table), ""]).encode()
-
-
-def as_parquet(table: Table) -> bytes:
-    packed = pa.table([pa.array(np.ascontiguousarray(column)) for column in table.T], names=list(COLUMNS))
-    sink = io.BytesIO()
-    parquet.write_table(packed.replace_schema_metadata({METADATA: HEADER.encode()}), sink)
-    return sink.getvalue()
 
 
 def proof(content: bytes, case=CASE) -> ProgramProof:

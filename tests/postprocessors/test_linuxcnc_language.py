@@ -54,7 +54,7 @@ OF_OTHERS = {
     "G60": "G60 is not known to LinuxCNC; write G61",
     "G360": "G360 is not a word",
     "G9 X1": "G9 is not a word",
-    "G71": "G71 is a turning cycle",
+    "G71": "G71 is a cycle here; write G21",
     "G710": "G710 is not a word",
     "G162": "G162 is not a word",
     "G642": "G642 is not a word",

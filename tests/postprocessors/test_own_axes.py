@@ -20,7 +20,7 @@ from tests.postprocessors.joint_walks import ROBOT, walk
 
 CASE = load_case("five_axis_table")
 LINUXCNC = dialect("linuxcnc")
-LANGUAGE = LINUXCNC.load()
+LANGUAGE = LINUXCNC
 TEXT = proven_program(
     walk(CASE, jerk=False), CASE, LINUXCNC, "walk.ngc", ("a walk",), accepted=("jerk",)
 ).content.decode()

@@ -48,13 +48,13 @@ TEXTS = {
 
 
 def read(name: str, text: str, case: Case = CASE):
-    return dialect(name).load().read(text.encode(), FILES[name], case)
+    return dialect(name).read(text.encode(), FILES[name], case)
 
 
 @BOTH
 def test_every_move_lasts_as_planned_and_all_limits_are_proven_or_enforced(name: str) -> None:
     reading = read(name, TEXTS[name])
-    guarantees = dialect(name).load().guarantees(reading, CASE)
+    guarantees = dialect(name).guarantees(reading, CASE)
     moves = [part for part in reading.stretches if isinstance(part, Untimed) and part.start is not None]
     lasting = [predicted(part, guarantees).duration for part in moves]
     assert lasting[1:-1] == pytest.approx([part.duration for part in walk(CASE).parts], rel=1e-6)
@@ -95,6 +95,7 @@ REFUSED = {
     "sinumerik": {
         "a transformation": ("TRAFOOF", "TRAORI", "TRAORI"),
         "another measure of a degree": ("FGREF[A]=57.29578", "FGREF[A]=100", "1 mm a degree"),
+        "a measure that is no number": ("FGREF[A]=57.29578", "FGREF[A]=(R)", "1 mm a degree"),
         "no measure": ("FGREF[C]=57.29578\n", "", "FGREF"),
         "a group that is not that of the move": ("FGROUP(X,Y,Z)", "FGROUP(A,C)", "FGROUP"),
         "a first move that counts lengths alone": ("FGROUP(X,Y,Z,A,C)", "FGROUP(X,Y,Z)", "FGROUP"),

@@ -24,7 +24,7 @@ WRONG: dict[str, tuple[int, str]] = {
     "G1 X1 I1 F10": (7, "I without G2 or G3"),
     "G17 G2 R1 X1 F10": (8, "R1 is not a word"),
     "G60 X1": (1, "G60 is not known to LinuxCNC; write G61"),
-    "G71": (1, "G71 is a turning cycle here; write G21"),
+    "G71": (1, "G71 is a cycle here; write G21"),
     "G92.2": (1, "G92.2 is not a word"),
     "G5": (1, "G5 is not a word of an excitation; remove it"),
     "G53 G0 X1": (1, "G53 is not a word"),
@@ -92,10 +92,13 @@ def test_a_word_that_is_not_understood_is_named_with_line_and_column(line: str):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("G1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "p.ngc, line 1: a move before G21 and G90"),
-        ("G90\nG1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2: a move before G21 and G90"),
-        ("G21\nG1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2: a move before G21 and G90"),
-        ("G21 G90\nX0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2, column 1: axis words without G0 or G1"),
+        (
+            "G1 X0 Y0 Z900 A0 B0 C0 F10\nM2",
+            "p.ngc, line 1, column 4: a move before G21; what it means is not known, add G21",
+        ),
+        ("G90\nG1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2, column 4: a move before G21"),
+        ("G21\nG1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2, column 4: a move before G90"),
+        ("G21 G90\nX0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2, column 1: coordinates without G0 or G1; add G1"),
         (
             "G21 G90\nG1 X0 Y0 Z900 A0 B0 F10\nM2",
             "line 2, column 4: the first move leaves C open; name all 6 coordinates",

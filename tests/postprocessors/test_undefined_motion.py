@@ -19,10 +19,10 @@ FREE = "G21 G90 G94\n"
         ),
         (
             typed("G64\nG1 X5 F100\nG1 X6"),
-            "line 5: a move at a feed is blended into the next .G64., its path is not known; use G61",
+            "line 5: a move at a feed without exact stop is blended into the next, its path is not known; write G61",
         ),
-        (typed("G1 X0 Y0 Z900 A0 B0 C0 F100", head=FREE), "line 2: a move at a feed is blended"),
-        (typed("G64\nG0 X5"), "line 5: a move at a feed is blended"),
+        (typed("G1 X0 Y0 Z900 A0 B0 C0 F100", head=FREE), "line 2: a move at a feed without exact stop is blended"),
+        (typed("G64\nG0 X5"), "line 5: a move at a feed without exact stop is blended"),
         (typed("", head=FREE), "contains no motion; is this the right file"),
         (typed("G4 P1\nM64 P0", head=FREE), "contains no motion"),
     ],

@@ -90,9 +90,9 @@ def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: F
         else:
             poses, times = poses[[*range(0, len(poses) - 1, 2), -1]], times[[*range(0, len(times) - 1, 2), -1]]
         blocks[k] = TimedPath(path.name, times, poses, path.motion)
-        return LINUXCNC.load().write(tuple(blocks), case)
+        return LINUXCNC.write(tuple(blocks), case)
 
-    broken = replace(LINUXCNC, load=lambda suffix: replace(LINUXCNC.load(), write=wrong))
+    broken = replace(LINUXCNC, write=wrong)
     with pytest.raises(ProgramError, match=r"'excitation' .*differently"):
         proven_text(motion, hexapod_case, broken, "p.ngc", ())
 

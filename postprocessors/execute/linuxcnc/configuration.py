@@ -115,7 +115,7 @@ def _templates() -> "Environment":
     return templates
 
 
-def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) -> str:
+def ini_text(case: Case, headroom: float, box: bool = True) -> str:
     """The INI file.
 
     Position limits of the axes are `pose_range`, those of struts `[workspace]`. Velocity limits of
@@ -123,10 +123,11 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
     as a whole are the diagonals of these boxes, so that they never bind before an axis does.
 
     Args:
-        home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.
         box: whether the axes have the limits of `[limits.motion]`, else of `[workspace]`; see `pose_range`.
     """
+    from identification.model import machine_of  # CasADi, which writers and readers do not need
+
     (start, limits), layout = case.need_motion(PURPOSE), AxisLayout.of(case)
     home = start / layout.units
     low, high = home + pose_range(case, box) / layout.units + ROUNDING * np.array([[-1.0], [1.0]])
@@ -140,9 +141,9 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
         if own.any()
     ]
     values = {"name": case.name, "layout": layout, "period_ns": round(SERVO_PERIOD * 1e9), "home": home.tolist()}
-    joints_at_home = (np.asarray(home_joints) / layout.joint_units).tolist()
+    home_joints = (machine_of(case).drives(start[None])[0] / layout.joint_units).tolist()
     template = _templates().get_template("machine.ini.jinja")
-    return template.render(values, paths=diagonals, axes=axes, joints=joints, home_joints=joints_at_home)
+    return template.render(values, paths=diagonals, axes=axes, joints=joints, home_joints=home_joints)
 
 
 def hal_text(case: Case) -> str:
@@ -151,10 +152,10 @@ def hal_text(case: Case) -> str:
     return template.render(layout=AxisLayout.of(case), hexapod=case.hexapod, mm=MM)
 
 
-def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: float, box: bool = True) -> None:
+def write_configuration(folder: Path, case: Case, headroom: float, box: bool = True) -> None:
     """Writes the files of LinuxCNC, but its program and display, into a folder of its own; the rest as `ini_text`."""
     for name, text in (
-        (INI_FILE, ini_text(case, home_joints, headroom, box)),
+        (INI_FILE, ini_text(case, headroom, box)),
         (HAL_FILE, hal_text(case)),
         ("tool.tbl", "T1 P1 Z0 D1\n"),
         ("dwell.ngc", (HERE / "dwell.ngc").read_text(encoding="ascii")),

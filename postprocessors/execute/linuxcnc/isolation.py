@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -130,7 +130,7 @@ def end_marked(mark: str) -> None:
     """Kills the remaining processes of a session and returns when all have ended: a killed process, or one whose
     namespace ends, may run on for a moment and start another one, which a single check of the list would miss."""
     deadline = time.monotonic() + GRACE
-    while processes := _marked(mark):
+    while processes := running(mark):
         if time.monotonic() > deadline:
             names = ", ".join(f"{name} ({number})" for number, name in processes.items())
             _log.warning("processes of LinuxCNC did not end within %g s of being killed: %s", GRACE, names)
@@ -141,23 +141,16 @@ def end_marked(mark: str) -> None:
         time.sleep(POLL)
 
 
-def _marked(mark: str) -> dict[int, str]:
-    """Numbers and names of the processes that carry a session's mark."""
-    return _processes(lambda entry: mark.encode() in (entry / "environ").read_bytes().split(b"\0"))
+def running(mark: str = "") -> dict[int, str]:
+    """Numbers and names of all processes, or of those that carry the mark of a session.
 
-
-def running() -> dict[int, str]:
-    """Numbers and names of all processes but zombies, which stay in the list for ever in a container without an init
-    process."""
-    return _processes(lambda entry: not (entry / "stat").read_text().rpartition(") ")[2].startswith("Z"))
-
-
-def _processes(wanted: Callable[[Path], bool]) -> dict[int, str]:
-    """Numbers and names of the processes that are wanted, each by its folder in /proc."""
+    Without zombies, which stay in the list for ever in a container without an init process.
+    """
     processes = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone, or another user's
-            if wanted(entry):
+            zombie = (entry / "stat").read_text().rpartition(") ")[2].startswith("Z")
+            if not zombie and (not mark or mark.encode() in (entry / "environ").read_bytes().split(b"\0")):
                 processes[int(entry.name)] = (entry / "comm").read_text().strip()
     return processes
 

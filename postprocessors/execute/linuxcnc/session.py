@@ -2,7 +2,6 @@
 
 import json
 import logging
-import math
 import re
 import shutil
 import subprocess
@@ -16,7 +15,6 @@ import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.model import machine_of
 from postprocessors.execute import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
@@ -46,19 +44,15 @@ def linuxcnc_missing() -> str | None:
     """Reason why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
     if not sys.platform.startswith("linux"):
         return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with --on virtual"
-    for program in ("linuxcnc", "halcmd"):
+    cnc, compiler = "linuxcnc-uspace", "gcc libc6-dev"
+    for program, packages in {"linuxcnc": cnc, "halcmd": cnc, "python3": "python3", "gcc": compiler}.items():
         if shutil.which(program, path=SYSTEM_PATH) is None:
-            return f"LinuxCNC is not installed ({program} is missing); install the package linuxcnc-uspace"
-    if shutil.which("gcc", path=SYSTEM_PATH) is None:
-        return "gcc, which compiles LinuxCNC's faster clock, is missing; install the packages gcc and libc6-dev"
+            return f"{program}, which LinuxCNC here needs, is missing; install the packages {packages}"
     imports = ["/usr/bin/python3", "-c", "import hal, linuxcnc"]
-    try:
-        result = subprocess.run(imports, env={"PATH": SYSTEM_PATH}, capture_output=True, text=True)
-    except OSError:
-        return "/usr/bin/python3, which LinuxCNC needs, is missing; install the package python3"
+    result = subprocess.run(imports, env={"PATH": SYSTEM_PATH}, capture_output=True, text=True)
     if result.returncode != 0:
         reason = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
-        return f"/usr/bin/python3 cannot import LinuxCNC's modules ({reason}); reinstall the package linuxcnc-uspace"
+        return f"/usr/bin/python3 cannot import LinuxCNC's modules ({reason}); reinstall the package {cnc}"
     return None
 
 
@@ -89,13 +83,10 @@ def run_linuxcnc(
         HexciteError: LinuxCNC is not installed, refuses the program, stops, loses cycles, waits for blocks or does
             not end in time.
         CaseError: the case lacks a part.
-        ValueError: speedup is not positive and finite.
     """
     path, reading = program.path, program.reading
     if (missing := linuxcnc_missing()) is not None:
         raise HexciteError(path, f"cannot be run: {missing}")
-    if not 0.0 < speedup < math.inf:
-        raise ValueError(f"speedup is {speedup}, must be positive and finite")
     lines = timing.with_dwells(path, program.content.decode("ascii").split("\n"), reading)
     timed = any(isinstance(part, Timed) for part in reading.stretches)
     headroom = acceleration_headroom(reading, case)
@@ -121,11 +112,9 @@ def one_session(
     program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
 ) -> tuple[ControllerLog, dict[str, Any]]:
     """Runs the lines once; returns the log and the report of `read_report`."""
-    home, _ = case.need_motion(configuration.PURPOSE)
-    home_joints = machine_of(case).drives(home[None])[0]
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
         folder = Path(name)
-        configuration.write_configuration(folder, case, home_joints, headroom, timed)
+        configuration.write_configuration(folder, case, headroom, timed)
         (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)
@@ -189,15 +178,12 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         place = f"{program}, line {match[1]}"
     else:  # the last line in motion
         place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
-    if report["outcome"] == "time limit":
-        raise HexciteError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
-    if report["outcome"] == "paused":
-        raise HexciteError(place, "LinuxCNC waits for its operator", "remove the pause from the program")
-    if "limit" in message:
-        remedy = "bring the program inside the limits of the case (hexcite check names what is outside)"
-    else:
-        remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
-    raise HexciteError(place, f"LinuxCNC stopped: {message}", remedy)
+    remedy = "correct the program (hexcite check names what is outside a limit), or write it again with hexcite post"
+    problem, remedy = {
+        "time limit": ("LinuxCNC was not through in time", "check the feeds, or allow more time"),
+        "paused": ("LinuxCNC waits for its operator", "remove the pause from the program"),
+    }.get(report["outcome"], (f"LinuxCNC stopped: {message}", remedy))
+    raise HexciteError(place, problem, remedy)
 
 
 def lost_cycles(report: dict[str, Any], speedup: float) -> str | None:

@@ -9,6 +9,7 @@ with LinuxCNC within 1 % for blocks of 10 to 210 ms that last whole cycles; what
 """
 
 import math
+from bisect import bisect_left
 from functools import partial
 
 import numpy as np
@@ -59,10 +60,7 @@ def _trapezoid(headroom: float, velocity: float, acceleration: float, jerk: floa
 
 
 NOTICEABLE = 1.01
-CUT = 2e-3  # largest distance from the path of longer blocks that a message names as a remedy [m]
-
-LONGER = 1.1
-MOST_HEADROOM = 1e6
+MOST_HEADROOM = 10**6
 
 
 def triggered_paths(reading: Reading) -> list[TimedPoints]:
@@ -84,32 +82,9 @@ def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> 
 
 def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -> int:
     """The least whole multiple of the case's acceleration limits, above `headroom`, without a stretch of the paths."""
-    low, high = math.floor(headroom), math.ceil(headroom) + 1
-    while predicted_stretch(paths, case, high) > NOTICEABLE and high < MOST_HEADROOM:
-        low, high = high, 2 * high
-    while high - low > 1:
-        middle = (low + high) // 2
-        late = predicted_stretch(paths, case, middle) > NOTICEABLE
-        low, high = (middle, high) if late else (low, middle)
-    return high
-
-
-def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> tuple[float, float] | None:
-    """The shortest longer blocks [s] without a stretch, and how far they cut corners [m]; None if too far."""
-    block = max(float(np.diff(p.times).max()) for p in paths)
-    while (block := math.ceil(1e3 * LONGER * block) / 1e3) <= LONGEST_BLOCK:
-        coarse = [_in_blocks(p, block) for p in paths]
-        cut = max(largest_cut(p.times, p.poses) for p in coarse)
-        if cut > CUT:
-            return None
-        if predicted_stretch(coarse, case, headroom) <= NOTICEABLE:
-            return block, cut
-    return None
-
-
-def _in_blocks(path: TimedPoints, block: float) -> TimedPoints:
-    times = np.linspace(0.0, path.duration, max(2, math.ceil(path.duration / block)) + 1)
-    return TimedPoints(times, path.at(times).pose, path.spline)
+    candidates = range(math.floor(headroom) + 1, MOST_HEADROOM)
+    enough = bisect_left(candidates, True, key=lambda high: predicted_stretch(paths, case, high) <= NOTICEABLE)
+    return candidates.start + enough
 
 
 def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
@@ -121,15 +96,10 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     planned = sum(p.duration for p in paths)
     remarks = []
     if stretch > NOTICEABLE:
-        about = f"; longer blocks that do would leave the path by more than {1e3 * CUT:g} mm"
-        if longer := longer_blocks(paths, case, headroom):
-            about = f", or blocks of {1e3 * longer[0]:.0f} ms (controller.block_ms), which leave the path by "
-            about += f"{1e3 * longer[1]:.1f} mm"
         remarks.append(
             f"LinuxCNC will take {stretch:.2f} times as long for the timed path ({stretch * planned:.1f} s, not "
             f"{planned:.1f} s); what keeps its time: controller.linuxcnc.acceleration_headroom = "
             f"{sufficient_headroom(paths, case, headroom)}, or point-to-point moves (hexcite plan --family ptp)"
-            f"{about}"
         )
     if own > NOTICEABLE and headroom > 1.0:
         remarks.append(
@@ -139,7 +109,6 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     return stretch, tuple(remarks)
 
 
-ROUNDED = 1 / 8  # distance of a parabola from its corner over the change of velocity times the block
 TOLERANCE = 1e-3  # [m] G64 P1, as in programs of hexcite
 NOTHING = 1e-9  # [m, rad] length below which a block does not move
 
@@ -168,10 +137,3 @@ def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
     corner = 2.0 * np.sqrt(np.divide(TOLERANCE, slope[:-1] * bend, out=np.full(len(bend), np.inf), where=bend > 0.0))
     together = np.where(standing[:-1] | standing[1:], 0.0, np.minimum(together, corner))
     return np.where(standing, steps, alone + ramp - np.append(together, 0.0))
-
-
-def largest_cut(times: Array, poses: Array) -> float:
-    """Largest distance of the origin from the corners between blocks [m]; shapes (k,) [s] and (k, 6) [m, rad]."""
-    steps = np.diff(times)
-    turns = np.diff(np.diff(poses[:, :3], axis=0) / steps[:, None], axis=0)
-    return float(np.max(ROUNDED * np.linalg.norm(turns, axis=1) * np.minimum(steps[:-1], steps[1:]), initial=0.0))

@@ -23,7 +23,7 @@ from tests.postprocessors.independent import share_of_limits
 from tests.postprocessors.naive import naive_share
 from tests.postprocessors.other_dialects import BOTH, LINUXCNC, Typed, smooth_points
 from tests.postprocessors.programs import there_and_back
-from tests.postprocessors.tables import as_csv, as_parquet, share_as_driven
+from tests.postprocessors.tables import as_csv, share_as_driven
 
 CASE = load_case("hexapod")
 ROUNDED = 1.0 + 1e-3  # of a limit
@@ -84,7 +84,7 @@ def edited(text: str, draw: random.Random) -> str:
 
 
 def _proven(name: str, content: bytes, case: Case) -> tuple[Reading, ProgramProof]:
-    language = dialect(name).load()
+    language = dialect(name)
     reading = language.read(content, "p", case)
     return reading, prove_program(reading, language.guarantees(reading, case))
 
@@ -138,7 +138,7 @@ def tally_of_tables(seeds: range) -> Tally:
     def one(seed: int, tally: Tally) -> None:
         draw = random.Random(seed)
         table = damaged_table(draw)
-        content = as_parquet(table) if draw.random() < 0.5 else as_csv(table)
+        content = as_csv(table)
         found = tally.attempt(seed, lambda: _proven("setpoints", content, CASE), "p")
         if found is not None and found[1].ok:
             tally.counts.update({"answered": -1, "proven": 1})

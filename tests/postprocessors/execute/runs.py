@@ -47,6 +47,6 @@ def run_text(file: Path, case: Case, **settings) -> ControllerLog:
         assert "G4" not in file.read_text()
         language = dialect("linuxcnc")
         reading = Reading(str(file), (), 0)
-        guarantees = language.load().guarantees(reading, case)
+        guarantees = language.guarantees(reading, case)
         program = Program(file, language, file.read_bytes(), reading, guarantees, case)
     return run_linuxcnc(program, case, **settings)

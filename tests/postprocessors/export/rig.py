@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.hexapod import Hexapod
 from postprocessors.execute.linuxcnc import configuration, session
 from postprocessors.execute.linuxcnc.isolation import run_session
 
@@ -35,8 +34,7 @@ def run_rig(
         One row a cycle.
     """
     assert case.machine is not None
-    home = Hexapod.of(case).strut_lengths(case.machine.home.vector[None])[0]
-    configuration.write_configuration(folder, case, home, 1.0)
+    configuration.write_configuration(folder, case, 1.0)
     kinds = "".join(kind for kind, _ in pins)
     layout = configuration.AxisLayout.of(case)
     usual = layout.sampler
