@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from enum import StrEnum
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -109,20 +110,52 @@ def value_cells(name: str, value: "Value", rods: bool = False) -> tuple[str, ...
     return parameter_words(name, rods), value_text(value.value * scale, value.reported * scale), *deviations, unit
 
 
-SETTLED, STOPPED = "no more gained", "user requested stop"  # statuses of a solver: ours, and one of IPOPT's
-CONVERGED = "solve succeeded", "solved to acceptable level", "feasible point found", SETTLED  # gained no more, at least
+class SolverStatus(StrEnum):
+    """How a run of IPOPT ended: its own return statuses as CasADi names them, in small letters, and ours."""
+
+    CONVERGED = "solve succeeded"
+    ACCEPTABLE = "solved to acceptable level"
+    INFEASIBLE = "infeasible problem detected"
+    TINY_STEPS = "search direction becomes too small"
+    DIVERGING = "diverging iterates"
+    STOPPED = "user requested stop"
+    FEASIBLE = "feasible point found"
+    ITERATION_LIMIT = "maximum iterations exceeded"
+    RESTORATION_FAILED = "restoration failed"
+    STEP_FAILED = "error in step computation"
+    CPU_LIMIT = "maximum cputime exceeded"
+    TIME_LIMIT = "maximum walltime exceeded"
+    TOO_FEW_FREEDOMS = "not enough degrees of freedom"
+    INVALID_PROBLEM = "invalid problem definition"
+    INVALID_OPTION = "invalid option"
+    INVALID_NUMBER = "invalid number detected"
+    EXCEPTION = "unrecoverable exception"
+    FOREIGN_EXCEPTION = "nonipopt exception thrown"
+    NO_MEMORY = "insufficient memory"
+    INTERNAL_ERROR = "internal error"
+    SETTLED = "no more gained"
+    NOT_RUN = ""
+    UNKNOWN = "unknown"
+
+    @classmethod
+    def _missing_(cls, value: object) -> "SolverStatus":
+        """The member of a status as IPOPT writes it, such as `Solve_Succeeded`."""
+        plain = str(value).replace("_", " ").lower()
+        return next((status for status in cls if status.value == plain), cls.UNKNOWN)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the solver converged, or gained so little that it was stopped."""
+        return self in (SolverStatus.CONVERGED, SolverStatus.ACCEPTABLE, SolverStatus.FEASIBLE, SolverStatus.SETTLED)
+
+    @property
+    def words(self) -> str:
+        """What people are shown: to stop at the iterations that a stage has is not a failure."""
+        return _SHOWN.get(self, str(self))
 
 
-def solver_status(returned: str) -> str:
-    """IPOPT's return status, such as `Solve_Succeeded`, as plans hold it: in small letters."""
-    return returned.replace("_", " ").lower()
-
-
-def solver_words(status: str) -> str:
-    """A status as people are shown it: to stop at the iterations that a stage has is not a failure."""
-    shown = {
-        "maximum iterations exceeded": "at its iteration limit",
-        STOPPED: "stopped by the time limit or by Ctrl-C",
-        "solve succeeded": "converged",
-    }
-    return shown.get(status, status)
+_SHOWN = {
+    SolverStatus.ITERATION_LIMIT: "at its iteration limit",
+    SolverStatus.STOPPED: "stopped by the time limit or by Ctrl-C",
+    SolverStatus.CONVERGED: "converged",
+}

@@ -17,7 +17,6 @@ from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise, expected_noise, without_pose_errors
 from planner.plan_figures import BINDING, Worth, bound_by, figures_of, predicted_std_of, worst_std
 from planner.plans import Plan
-from planner.precision import solver_words
 from planner.request import Request, parse_targets
 from planner.search import Failed
 from planner.search.solving import DRAWN_BACK, Start
@@ -142,7 +141,7 @@ def weaknesses(planned: PlannedMotion, case: Case, parameters: int) -> tuple[str
     refined = [s.record for s in planned.starts if s.record.refined]
     if refined and not planned.interrupted and not refined[0].converged:
         words.append(
-            f"the search had not converged where it ended ({solver_words(refined[0].solver)}): more --seconds or "
+            f"the search had not converged where it ended ({refined[0].solver.words}): more --seconds or "
             "--starts may find more"
         )
     if planned.starts and (share := planned.starts[0].shrunk) < DRAWN_BACK:

@@ -19,7 +19,7 @@ from identification.model import Model
 from identification.motion import Array
 from planner.pose_criteria import Index, PoseCriterion, Screen, pose_regressors, total_information
 from planner.poses.space import Space, space_of, valid_poses
-from planner.precision import solver_status, solver_words
+from planner.precision import SolverStatus
 from planner.search.ipopt import NumpyFunction
 from planner.search.objective import Local, criterion_at
 
@@ -177,7 +177,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     }
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective(triangle), "g": margins}, options)
     solution = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
-    status = solver_words(solver_status(solver.stats()["return_status"]))
+    status = SolverStatus(solver.stats()["return_status"]).words
     refined = space.poses(space.project(solution["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):

@@ -19,7 +19,7 @@ from planner.plans import Plan
 from planner.pose_criteria import pose_regressors
 from planner.poses.planned_poses import candidates_of
 from planner.poses.space import places
-from planner.precision import legible, parameter_words, solver_words, std_text
+from planner.precision import SolverStatus, legible, parameter_words, std_text
 from planner.reports.figures import identifiability_blocks, limits_chart, motion_blocks
 from planner.reports.machine import force_blocks, information_blocks, pictured, posing_machine, strut_charts
 from planner.reports.page import COLOURS, GREY, Chart, answers, note, page, section, table, tiles
@@ -187,7 +187,7 @@ def starts_blocks(plan: dict[str, Any]) -> tuple[Markup, ...]:
     rows = []
     for s in plan["starts"]:
         begin = "singular" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}"
-        end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", solver_words(s["solver"]))
+        end = (f"{s['logdet']:.3f}", str(s["iterations"]), f"{s['seconds']:.1f} s", SolverStatus(s["solver"]).words)
         rows.append((str(s["seed"]), "refined" if s["refined"] else "explored", begin, *end))
     failed = (note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
     return (table(columns, rows, left=2), *failed, note(words))

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from cases.schema import Case
 from identification.model import machine_of
 from identification.motion import Array, Motion, Trajectory
-from planner.precision import solver_status, solver_words
+from planner.precision import SolverStatus
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -136,7 +136,7 @@ def paced(path: Trajectory, case: Case, margin: float, most: float, free: tuple[
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
     stats = solver.stats()
     solution = answer["x"].full()[:, 0]
-    status = solver_words(solver_status(stats["return_status"]))
+    status = SolverStatus(stats["return_status"]).words
     if not np.isfinite(solution).all():
         solution, status = np.full(len(solution), begin), f"{status}; one pace all along"
     return PacedMotion(path, BSpline(basis.t, solution, 3), f"ipopt: {status}, {int(stats['iter_count'])} iterations")

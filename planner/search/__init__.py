@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from planner.precision import SolverStatus
+
 
 @dataclass(frozen=True, slots=True)
 class StartRecord:
@@ -12,7 +14,7 @@ class StartRecord:
     start_logdet: float | None  # log det F where it began, reference scaling; None where F was singular
     logdet: float  # log det F of the motion within the limits, W as in the identification
     criterion_value: float  # value of the requested criterion for the same motion, to be maximised
-    solver: str  # status of the solver at last, in words of `planner.precision`
+    solver: SolverStatus  # the solver's last
     converged: bool  # whether its last stage converged
     iterations: int  # iterations of the solver, all stages
     seconds: float  # time spent

@@ -16,7 +16,7 @@ import numpy as np
 from cases.units import Array, Indices
 from planner.families.rows import LinearRows, Rows, StateRows
 from planner.families.states import LinearStates
-from planner.precision import CONVERGED, SETTLED, solver_status
+from planner.precision import SolverStatus
 from planner.search.program import NonlinearProgram
 
 Watch = Callable[[float], bool]
@@ -106,7 +106,7 @@ class NumpyFunction(ca.Callback):  # type: ignore[misc]
 
 def solve(
     program: NonlinearProgram, start: Array, iterations: int, watch: Watch, barrier: Barrier | None = None
-) -> tuple[Array, str, int]:
+) -> tuple[Array, SolverStatus, int]:
     """Solves a program from a start, which need not be inside its limits.
 
     Args:
@@ -175,8 +175,8 @@ def solve(
     solver = ca.nlpsol("solver", "ipopt", nlp, settings)
     answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
     stats = solver.stats()
-    status = SETTLED if settled else solver_status(stats["return_status"])
-    better = settled or best < float(answer["f"]) or status not in CONVERGED
+    status = SolverStatus.SETTLED if settled else SolverStatus(stats["return_status"])
+    better = settled or best < float(answer["f"]) or not status.converged
     last = best_unknowns if np.isfinite(best) and better else answer["x"].full()[:, 0]
     return last[:own], status, int(stats["iter_count"])
 

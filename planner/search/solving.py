@@ -18,7 +18,7 @@ from identification.criteria import CRITERIA, Criterion, reference_scaling, sing
 from identification.model import identification_model
 from planner.families import Family
 from planner.noise import PoseErrors, expected_noise, information_of, seen_through
-from planner.precision import CONVERGED
+from planner.precision import SolverStatus
 from planner.search import Failed, StartRecord
 from planner.search.annealing import annealed_start
 from planner.search.feasibility import MARGIN, keep_limits, require_rest
@@ -161,7 +161,7 @@ class _Run:
         noise = expected_noise(task.case, model, task.payload)
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
         self.program = build_program(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
-        self.iterations, self.status = 0, ""
+        self.iterations, self.status = 0, SolverStatus.NOT_RUN
         self.converged, self.stopped, self.close = False, False, False
         self.begun = np.zeros(0)  # where the solver began
 
@@ -212,7 +212,7 @@ class _Run:
         program = replace(self.program, convex=convex)
         solution, self.status, count = solve(program, unknowns, iterations, self.stops, barrier)
         self.iterations += count
-        self.converged = self.status in CONVERGED and bool(np.isfinite(solution).all())
+        self.converged = self.status.converged and bool(np.isfinite(solution).all())
         if not np.isfinite(solution).all():
             return unknowns
         return np.asarray(np.clip(solution, program.lower, program.upper))

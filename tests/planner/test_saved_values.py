@@ -19,7 +19,7 @@ from planner.plan_folder import motion_entries
 from planner.planning import shipped_start
 from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
-from planner.precision import CONVERGED, STOPPED
+from planner.precision import SolverStatus
 from planner.rating import PlannedMotion, rated_plan
 from planner.request import PoseRequest, Request
 from planner.search import Failed, StartRecord
@@ -32,7 +32,7 @@ NUMBERS = st.floats(-1e6, 1e6)
 FAMILIES = st.sampled_from([hx.Fourier(order=5, period=DURATION), hx.PointToPoint(moves=10), hx.Spline(knots=30)])
 RECORDS = st.builds(
     StartRecord, st.integers(0, 2**32), st.booleans(), st.none() | NUMBERS, NUMBERS, NUMBERS,
-    st.sampled_from((*CONVERGED, STOPPED, "")), st.booleans(), st.integers(0, 3000), st.floats(0.0, 1e5),
+    st.sampled_from(SolverStatus), st.booleans(), st.integers(0, 3000), st.floats(0.0, 1e5),
 )  # fmt: skip
 SEARCHES = st.tuples(
     st.lists(RECORDS, max_size=3),

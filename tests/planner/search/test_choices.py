@@ -16,7 +16,7 @@ from planner.comparison.methods import ValidationSettings
 from planner.families import ptp, spline
 from planner.families.settings import FAMILIES, Fourier
 from planner.planning import search
-from planner.precision import SETTLED
+from planner.precision import SolverStatus
 from planner.request import OWNERS, Request
 from planner.search import StartRecord
 from planner.search.parallel import Listener, Outcome, silent
@@ -65,7 +65,7 @@ def _made_up(task: Task) -> Start:
     refined = task.step is Step.REFINE
     score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
     unknowns = np.full(18, 0.01)
-    tried = StartRecord(task.seed, refined, 0.0, 0.0, score, SETTLED, True, 1, 0.0)
+    tried = StartRecord(task.seed, refined, 0.0, 0.0, score, SolverStatus.SETTLED, True, 1, 0.0)
     return Start(tried, unknowns, task.family, 1.0, unknowns, promise)
 
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from planner.families.rows import LinearRows
-from planner.precision import CONVERGED, STOPPED, solver_status, solver_words
+from planner.precision import SolverStatus
 from planner.search.ipopt import INSIDE, solve
 from planner.search.program import NonlinearProgram
 from tests.helpers import few
@@ -56,13 +56,15 @@ def valley() -> NonlinearProgram:
     return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))  # type: ignore[arg-type]
 
 
-def solved(start: list[float], iterations: int, watch: Any = lambda objective: False) -> tuple[np.ndarray, str, int]:
+def solved(
+    start: list[float], iterations: int, watch: Any = lambda objective: False
+) -> tuple[np.ndarray, SolverStatus, int]:
     return solve(valley(), np.array(start), iterations, watch)
 
 
 def test_it_finds_the_constrained_optimum_and_says_so():
     x, status, count = solved([0.1, 0.1, 0.2], 200)
-    assert status in CONVERGED
+    assert status.converged
     assert x[2] == pytest.approx(x[0] + x[1], abs=1e-5)
     assert x[0] ** 2 + x[1] ** 2 == pytest.approx(1.0, abs=2e-3)
     assert x[:2] == pytest.approx([0.786, 0.618], abs=0.01)  # the last term moves it little
@@ -77,7 +79,7 @@ def test_a_watch_that_has_seen_enough_stops_it():
         return len(seen) >= 3
 
     reached, status, _ = solved([-1.5, 1.5, 0.0], 200, watch)
-    assert status == STOPPED
+    assert status is SolverStatus.STOPPED
     assert np.isfinite(reached).all()
     assert len(seen) == 3
 
@@ -103,7 +105,7 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
         return float(max((lower - rows).max(), (rows - upper).max()))
 
     inside = [value for value, unknowns in passed if outside(unknowns) < INSIDE]
-    if inside and status not in CONVERGED:
+    if inside and not status.converged:
         assert outside(reached) < INSIDE
         assert program.value(reached) <= min(inside) + 1e-9
 
@@ -117,20 +119,25 @@ def test_it_ends_where_no_more_is_gained(small: Small):
     _, problem, at = small
     program = replace(problem, convex=True)
     reached, status, count = solve(program, at, 400, lambda objective: False)
-    assert status in CONVERGED
+    assert status.converged
     assert count < 400
     assert program.value(reached) < program.value(at) - 0.2
 
 
-def test_a_status_is_held_in_small_letters_and_shown_in_words():
-    assert solver_status("Search_Direction_Becomes_Too_Small") == "search direction becomes too small"
-    assert solver_words(solver_status("Solve_Succeeded")) == "converged"
-    assert solver_words("diverging iterates") == "diverging iterates"
+@pytest.mark.parametrize("status", SolverStatus)
+def test_a_status_is_found_by_its_text_and_as_ipopt_writes_it(status: SolverStatus):
+    assert SolverStatus(str(status)) is status
+    assert SolverStatus(str(status).title().replace(" ", "_")) is status
 
 
 def test_a_stage_that_used_its_iterations_is_no_failure():
-    assert solver_words(solver_status("Maximum_Iterations_Exceeded")) == "at its iteration limit"
+    assert SolverStatus("Maximum_Iterations_Exceeded").words == "at its iteration limit"
+    assert SolverStatus("Solve_Succeeded").words == "converged"
 
 
 def test_a_search_that_ran_out_of_time_was_not_stopped_by_its_user_alone():
-    assert "time limit" in solver_words(STOPPED)
+    assert "time limit" in SolverStatus.STOPPED.words
+
+
+def test_a_status_of_another_solver_is_unknown():
+    assert SolverStatus("Something_New") is SolverStatus.UNKNOWN

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint, Spline
-from planner.precision import SETTLED
+from planner.precision import SolverStatus
 from planner.request import Request
 from planner.search import Failed, StartRecord
 from planner.search.parallel import (
@@ -33,7 +33,7 @@ STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
 
 
 def start(promise: float, seed: int = 0) -> Start:
-    tried = StartRecord(seed, False, 0.0, promise, promise, SETTLED, True, 1, 0.0)
+    tried = StartRecord(seed, False, 0.0, promise, promise, SolverStatus.SETTLED, True, 1, 0.0)
     return Start(tried, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise)
 
 
