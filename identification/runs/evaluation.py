@@ -79,7 +79,9 @@ class Run(PlainSamples):
     @property
     def places(self) -> Indices:
         """Places of the evaluated samples in a series of equal steps, shape (n,); gaps and sections leave some out."""
-        return np.asarray(np.rint((self.t - self.t[0]) / self.step), dtype=np.int64)
+        lost = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
+        samples = self.rows - self.rows[0] + lost - lost[0]
+        return np.asarray(np.floor(samples / self.filter.stride + 0.5), dtype=np.int64)
 
     @property
     def filtered(self) -> Filtered:
