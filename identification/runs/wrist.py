@@ -56,6 +56,12 @@ class WristRun(PlainSamples):
         """Effect of the filter on white noise."""
         return Filtered(self.filter.noise_gain, self.filter.stride)
 
+    @property
+    def places(self) -> Indices:
+        """Places of the evaluated samples in a series of equal steps, shape (n,); gaps leave some out."""
+        samples = np.rint((self.t - self.t[0]) / self.filter.step)
+        return np.asarray(np.floor(samples / self.filter.stride + 0.5), dtype=np.int64)
+
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
         return self._matrices(delay, self.specific_force(self.t - delay))
@@ -104,9 +110,7 @@ class WristRun(PlainSamples):
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        step = self.filter.step * self.filter.stride
-        places = np.asarray(np.round((self.t - self.t[0]) / step), dtype=np.int64)
-        coloured = coloured_covariance(turned(matrices, residuals, weights, places))
+        coloured = coloured_covariance(turned(matrices, residuals, weights, self.places))
         return None if coloured is None else Robust(coloured)
 
     def series(self, delay: float, values: Array) -> Residuals:
