@@ -122,7 +122,9 @@ class Moving(Samples):
     @property
     def places(self) -> Indices:
         """Places of the evaluated samples in a series of equal steps, shape (n,); gaps and sections leave some out."""
-        return np.asarray(np.rint((self.t - self.t[0]) / self.step), dtype=np.int64)
+        recorded = np.rint((self.t - self.t[0]) / self.filter.step)
+        # Halves go up: where a gap ends between two of the series, no two samples may share a place.
+        return np.asarray(np.floor(recorded / self.filter.stride + 0.5), dtype=np.int64)
 
     @property
     def filtered(self) -> Filtered:

@@ -10,7 +10,9 @@ import pytest
 from cases.errors import IdentificationError
 from cases.schema import Case, load_case
 from identification.identify import estimate_parameters
+from identification.model import identification_model
 from identification.recording import Recording, read
+from identification.runs.wrist import wrist_run
 from tests.helpers import few, one_line, tells
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
@@ -103,6 +105,15 @@ def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -
     mass = estimate.physical["m"]
     assert abs(mass.value - 0.932) < 1.96 * mass.reported
     assert mass.reported < 0.007
+
+
+def test_a_gap_of_half_a_step_between_evaluated_samples_leaves_no_place_twice() -> None:
+    run = wrist_run(moving(CASE), CASE, identification_model(CASE, 6), cutoff=5.0)
+    assert run.filter.stride % 2 == 0
+    pause = run.filter.step * (run.filter.stride // 2)
+    later = replace(run, t=np.where(np.arange(len(run.t)) < 40, run.t, run.t + pause))
+    assert np.all(np.diff(later.places) >= 1)
+    assert later.places[-1] - run.places[-1] in (0, 1)
 
 
 def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:

@@ -142,11 +142,13 @@ def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], sound: Estimate
     assert 0.0 < apart.max() < 1.0
 
 
-def test_places_of_samples_count_what_is_missing(lines: list[str], tmp_path: Path) -> None:
-    """Noise with memory is correlated over the time that has passed, not over the rows that are left."""
-    recording = read(damaged(lines, tmp_path, without(1500, 2000)), CASE)
+@pytest.mark.parametrize("end", range(2000, 2008))
+def test_places_of_samples_count_what_is_missing(end: int, lines: list[str], tmp_path: Path) -> None:
+    """Noise with memory is correlated over the time that has passed, and a gap of any length leaves no place twice."""
+    recording = read(damaged(lines, tmp_path, without(1500, end)), CASE)
     run = moving_run(recording, CASE, identification_model(CASE, 9))
     np.testing.assert_allclose(run.places * run.step, run.t - run.t[0], atol=0.51 * run.step)
+    assert run.filter.stride == 8  # so that these are all places of a section among the evaluated samples
     assert np.all(np.diff(run.places) >= 1)
 
 
