@@ -81,9 +81,9 @@ def plan(
     from planner.search.parallel import first_ctrl_c
 
     kind, options = family_class(family), context.params
-    sources = {name: context.get_parameter_source(name) for name in ("family", *SEARCHED, *OWNERS)}
-    given = [name for name, source in sources.items() if source and source.name != "DEFAULT"]
-    refuse_foreign([name for name in given if name != "family"], family)
+    sources = {name: context.get_parameter_source(name) for name in (*SEARCHED, *OWNERS)}
+    family_source = context.get_parameter_source("family")
+    refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     loaded = hx.load_case(case)
     request = Request(
@@ -98,7 +98,7 @@ def plan(
         seconds=seconds,
         seed=seed,
         workers=workers,
-        may_be_smooth="family" not in given and moves is None,
+        may_be_smooth=not (family_source and family_source.name != "DEFAULT") and moves is None,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)

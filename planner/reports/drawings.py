@@ -17,7 +17,6 @@ from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentenc
 from planner.reports.machine import box_outlines, posing_machine, room, tool_outlines
 from planner.reports.page import COLOURS, GREY, Chart, note, page, section, table
 
-NARROWEST = 0.6  # of the longest side of a picture in 3-D: joints in one line make no room
 GRID = 25  # poses along each side of a map
 MOST_SHARE = 1.5  # share of a limit from which the colour stays the same
 _TITLES = (
@@ -90,22 +89,15 @@ def _chain(case: Case) -> Chart:
     }
     drawn = np.vstack([origins, *(line for lines in shapes.values() for line in lines)])
     shapes["kept out"] = box_outlines(chain.keep_out, *room(drawn.min(axis=0), drawn.max(axis=0), chain.keep_out))
-    drawn = np.vstack([drawn, *shapes["kept out"]])
-    middle, sides = (drawn.min(axis=0) + drawn.max(axis=0)) / 2, np.ptp(drawn, axis=0)
-    half = 0.55 * np.maximum(sides, NARROWEST * sides.max())
     titles = {f"{axis}axis": {"title": {"text": f"{axis} [mm]"}} for axis in "xyz"}
     caption = "Joints with their names, bodies, and boxes that are kept out of. Drag to turn, wheel to zoom."
     figure = Chart("chain", caption, height=560, showlegend=True, scene={"aspectmode": "data", **titles})
-    x, y, z = np.array([middle - half, middle + half]).T  # unseen corners, which scale the axes alike
-    figure.add("scatter3d", x=x, y=y, z=z, mode="markers", marker={"opacity": 0}, hoverinfo="skip", showlegend=False)
+    names = ["", *(joint.name for joint in chain.joints), "sensor"][: len(origins)]
     x, y, z = origins.T
     thick = {"color": GREY, "width": 6}
-    figure.add("scatter3d", x=x, y=y, z=z, name="joints", mode="lines+markers", line=thick, marker={"size": 4})
-    labels: dict[tuple[float, ...], str] = {}  # joints may lie at one place
-    for name, place in zip((*(joint.name for joint in chain.joints), "sensor"), origins[1:].round(2), strict=False):
-        labels[tuple(place)] = ", ".join(filter(None, (labels.get(tuple(place)), name)))
-    x, y, z = np.array(list(labels)).T
-    figure.add("scatter3d", x=x, y=y, z=z, name="joints", mode="text", text=list(labels.values()), showlegend=False)
+    figure.add(
+        "scatter3d", x=x, y=y, z=z, name="joints", mode="lines+markers+text", text=names, line=thick, marker={"size": 4}
+    )
     for (name, lines), colour in zip(shapes.items(), (GREY, *COLOURS[:3]), strict=True):
         if lines:
             x, y, z = np.vstack([part for line in lines for part in (line, np.full((1, 3), np.nan))]).T

@@ -51,7 +51,7 @@ def test_a_chain_is_drawn_with_the_names_of_its_joints_and_its_bodies(tmp_path: 
     file = tmp_path / "robot.html"
     call("case", "show", "ur10_wrist", "-o", file)
     with opened(browser, file) as tab:
-        data = tab.page.evaluate("document.getElementById('plot-chain').data.map(d => [d.name ?? '', d.text ?? []])")
+        data = tab.page.evaluate("document.getElementById('plot-chain').data.map(d => [d.name, d.text ?? []])")
         assert {name for name, _ in data} >= {"joints", "links", "kept out"}
         assert {"elbow", "sensor"} <= set(dict(data)["joints"])
         assert (tab.errors, tab.requests) == ([], [])
