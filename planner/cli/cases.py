@@ -7,7 +7,7 @@ import typer
 
 import hexcite as hx
 from cases.errors import CaseError
-from cases.files import check_file, output_place, write_text
+from cases.files import atomic_file, check_file, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -110,7 +110,7 @@ def _print_proposal(box: "MotionBox") -> None:
 @app.command("show")
 def show(
     case: Annotated[str, argument("Built-in name, folder or case file.")],
-    output: Annotated[Path | None, out("Page to write; NAME-machine.html by default.")] = None,
+    output: Annotated[Path | None, out("Picture to write: .svg, .png or .pdf; SVG by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
@@ -119,15 +119,17 @@ def show(
 
     loaded = hx.load_case(case)
     loaded.need_motion("the picture of the machine")
-    file = output_place(output, Path(f"{loaded.name}-machine.html"), overwrite)
-    check_file(file, (".html",), [find_case(case)], overwrite)
+    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with console.status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_figures import share_sentences
-        from planner.reports.drawings import case_page
+        from planner.reports.plots import case_figure
 
         reach = reach_of(loaded)
-        write_text(file, case_page(loaded, reach))
+        figure = case_figure(loaded, reach)
+        with atomic_file(file) as part:
+            figure.savefig(part, format=file.suffix[1:].lower())
     if not console.answered({"ok": True, "figure": str(file)}, json):
         print(share_sentences(reach))
         print(f"picture written: {file}")

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import hexcite as hx
-from cases.files import RESULT, check_file, check_folder, output_place, write_text
+from cases.files import RESULT, atomic_file, check_file, check_folder, output_place
 from planner.cli import console
 from planner.cli.console import argument, option, out
 
@@ -109,7 +109,7 @@ def look(
     case: Annotated[
         str | None, option("Built-in name, folder or file: by its machine units are known, and what is missing.")
     ] = None,
-    output: Annotated[Path | None, out("Page to write; RECORDING-look.html by default.")] = None,
+    output: Annotated[Path | None, out("Picture to write; RECORDING-look.svg by default.")] = None,
     overwrite: console.Overwrite = False,
     json: console.Json = False,
 ) -> None:
@@ -118,13 +118,14 @@ def look(
     Nothing is changed: compare the proposal with what you know, and paste it into the case file.
     """
 
-    file = output_place(output, Path(f"{recording.stem}-look.html"), overwrite)
-    check_file(file, (".html",), [recording], overwrite)
+    file = output_place(output, Path(f"{recording.stem}-look.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), [recording], overwrite)
     with console.status("looking", json):
         report = hx.look(recording, None if case is None else hx.load_case(case))
-        from planner.reports.drawings import look_page
+        from planner.reports.plots import look_figure
 
-        write_text(file, look_page(report))
+        with atomic_file(file) as part:
+            look_figure(report).savefig(part, format=file.suffix[1:].lower())
     columns = [{"name": c.name, "meaning": c.ours, "unit": c.unit, "guessed": c.guessed} for c in report.columns]
     answer = {
         "recording": str(report.file),

@@ -85,18 +85,22 @@ def percent(share: float) -> str:
     return f"{100 * share:.6g} %" if text in ("100", "0") and share not in (0.0, 1.0) else f"{text} %"
 
 
+def share_words(reach: Reach) -> str:
+    """The reachable share of the box's volume; one of 0 or 1 as the bound that holds with a probability of 95 %."""
+    if reach.whole:
+        return "100 %"
+    if reach.share == 1.0:
+        return f"more than {100 * (1 - 3 / reach.poses):.2f} %"
+    return f"less than {100 * 3 / reach.poses:.2g} %" if reach.share == 0.0 else percent(reach.share)
+
+
 def share_sentences(reach: Reach) -> str:
     """The reachable share of the box's volume, and the limits that the rest exceeds, in a line."""
     worst = f"{share_text(reach.worst)} of the limit {reach.worst_limit}"
     poses = f"{reach.poses} random poses"
     if reach.whole:
         return f"The whole motion box is reachable: of {poses} and a search, the worst uses {worst}."
-    share = percent(reach.share)  # one of 0 or 1 as the bound that holds with a probability of 95 %
-    if reach.share == 1.0:
-        share = f"more than {100 * (1 - 3 / reach.poses):.2f} %"
-    elif reach.share == 0.0:
-        share = f"less than {100 * 3 / reach.poses:.2g} %"
-    start = f"Of the motion box's volume {share} is reachable"
+    start = f"Of the motion box's volume {share_words(reach)} is reachable"
     if reach.share == 1.0:
         return f"{start} (all of {poses}), but not every corner: the worst pose uses {worst}."
     exceeded = sorted(reach.exceeded.items(), key=lambda item: -item[1])

@@ -21,7 +21,6 @@ from planner.reports.figures import identifiability_blocks, unit_of
 from planner.reports.page import COLOURS, GREY, Block, Chart, note, player, section, table
 
 AROUND = 16  # corners of a ring around a tool
-MARGIN = 10.0  # [mm] around the picture: numbers on its edge are not drawn
 BESIDE = 0.25  # share of the machine's size: boxes are shown up to this distance
 _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
 
@@ -79,7 +78,7 @@ def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
         "upper": [] if bars is None else np.round(bars.upper.points / MM, 3).tolist(),
         "tools": [np.round(line, 2).tolist() for line in tools],
         "boxes": [np.round(line, 2).tolist() for line in box_outlines(workspace.keep_out, low, high)],
-        "range": np.column_stack([low - MARGIN, high + MARGIN]).round(1).tolist(),
+        "range": np.column_stack([low, high]).round(1).tolist(),
     }
 
 

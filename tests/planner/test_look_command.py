@@ -17,26 +17,24 @@ def _recording(folder: Path) -> Path:
 
 def test_the_printed_table_is_toml_that_reads_the_file(tmp_path: Path) -> None:
     file = _recording(tmp_path)
-    answer = hexcite("look", file, "--case", "ft_wrist", "-o", tmp_path / "look.html")
+    answer = hexcite("look", file, "--case", "ft_wrist", "-o", tmp_path / "look.svg")
     assert answer.code == 0, answer.err
     table = tomllib.loads(answer.out[answer.out.index("[recording]") : answer.out.index("picture written")])
     assert table["recording"]["delimiter"] == ";"
     assert table["recording"]["decimal"] == ","
     assert table["recording"]["columns"]["fx_N"] == "Kraft x"
-    assert (tmp_path / "look.html").read_text().startswith("<!doctype html>")
+    assert (tmp_path / "look.svg").read_text().lstrip().startswith("<?xml")
 
 
 def test_json_says_the_same(tmp_path: Path) -> None:
-    answer = hexcite(
-        "look", _recording(tmp_path), "--case", "ft_wrist", "-o", tmp_path / "look-2.html", "--json"
-    ).json()
+    answer = hexcite("look", _recording(tmp_path), "--case", "ft_wrist", "-o", tmp_path / "look.png", "--json").json()
     assert answer["reads"]
     assert answer["rows"] == 12
     assert {"name": "Kraft x", "meaning": "fx_N", "unit": "N", "guessed": False} in answer["columns"]
 
 
 def test_a_picture_is_not_replaced(tmp_path: Path) -> None:
-    (tmp_path / "look.html").write_text("mine")
-    refusal = hexcite("look", _recording(tmp_path), "-o", tmp_path / "look.html").refusal()
+    (tmp_path / "look.svg").write_text("mine")
+    refusal = hexcite("look", _recording(tmp_path), "-o", tmp_path / "look.svg").refusal()
     assert "--overwrite" in refusal
-    assert (tmp_path / "look.html").read_text() == "mine"
+    assert (tmp_path / "look.svg").read_text() == "mine"

@@ -237,7 +237,7 @@ def test_the_command_prints_and_draws_the_reach(small: Case, tmp_path: Path) -> 
     (row,) = (line for line in text.splitlines() if "z_mm" in line)
     assert "below: strut length" in row
     assert "above: strut length" in row
-    drawn = call("case", "show", file, "-o", tmp_path / "machine.html").out
+    drawn = call("case", "show", file, "-o", tmp_path / "machine.svg").out
     assert "is reachable" in drawn
 
 

@@ -71,15 +71,13 @@ function machine(div, scene) {
     shapes.push([Array.from(pose(k).subarray(0, 3))]);
     return shapes.map(columns);
   };
-  const single = t.length < 2; // a machine at home, with the numbers of its joints and sensors
-  const numbered = (points, texts) => (single ? { mode: "lines+text", text: points.flatMap((_, k) => texts(String(k + 1))) } : {});
   const trace = (xyz, name, style) => ({
     type: "scatter3d", mode: "lines", x: xyz[0], y: xyz[1], z: xyz[2], name, hoverinfo: "name", ...style,
   });
   const styles = [
     ["struts", { line: { width: 7, color: PALETTE[0] } }],
-    ["platform", { line: { width: 8, color: PALETTE[1] }, ...numbered(scene.platform, (n) => [n]) }],
-    ["sensors", { line: { width: 5, color: PALETTE[4] }, ...numbered(scene.upper, (n) => ["", n, ""]) }],
+    ["platform", { line: { width: 8, color: PALETTE[1] } }],
+    ["sensors", { line: { width: 5, color: PALETTE[4] } }],
     ["frame", { line: { width: 5, color: PALETTE[4] }, showlegend: false }],
   ];
   const tip = ["origin of {P}", { mode: "markers", marker: { size: 4, color: PALETTE[2] }, showlegend: false }];
@@ -87,7 +85,7 @@ function machine(div, scene) {
   const named = [...styles.slice(0, scene.lower.length ? 4 : 2), ...(scene.tools.length ? [tools] : []), tip];
   const path = columns(Array.from(t, (_, k) => Array.from(pose(k).subarray(0, 3))));
   const still = [
-    trace(columns(closed(scene.base)), "base", { line: { width: 6, color: PALETTE[3] }, ...numbered(scene.base, (n) => [n]) }),
+    trace(columns(closed(scene.base)), "base", { line: { width: 6, color: PALETTE[3] } }),
     trace(path, scene.steps ? "poses" : "path", scene.steps
       ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } } : { line: { width: 2, color: PALETTE[2] } }),
   ];
@@ -106,7 +104,6 @@ function machine(div, scene) {
   const slider = document.getElementById("scrub"), button = document.getElementById("play");
   const instant = document.getElementById("instant");
   slider.max = String(t.length - 1);
-  if (single) slider.parentElement.style.display = "none";
   let shown = 0, wanted = 0, busy = true, began = null;
 
   const label = () => {

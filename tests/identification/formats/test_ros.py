@@ -174,7 +174,7 @@ def test_topics_and_names_are_those_of_the_case(tmp_path: Path) -> None:
 
 
 def test_look_names_topics_rates_and_the_frame(bag: Path, tmp_path: Path) -> None:
-    answer = call("look", bag, "--case", "ur10_wrist", "-o", tmp_path / "look.html", "--json").json()
+    answer = call("look", bag, "--case", "ur10_wrist", "-o", tmp_path / "look.svg", "--json").json()
     assert answer["reads"]
     text = " ".join(answer["odd"])
     assert "ft_sensor" in text
