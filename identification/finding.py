@@ -24,6 +24,7 @@ class Kind(StrEnum):
     ESTIMATOR = "estimator"  # what an estimator did, constraints and priors included
     OFFSETS = "offsets"  # biases that were taken from another result
     CASE = "case"  # what has changed, or contradicts the case
+    UNSAID = "unsaid"  # of a result of version 0.1, which has sentences only
 
 
 def frozen(value: Any) -> Any:

@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from cases.errors import FileProblem
 from cases.files import json_text, read_json
+from identification.finding import SEVERITIES, Kind
 from identification.model import Model
 from identification.result import SCHEMA_VERSION, ResultEntries, physical_values
 
@@ -25,6 +26,15 @@ def read_entries(path: Path) -> tuple[Path, ResultEntries]:
     version = data.get("schema_version")
     if version != SCHEMA_VERSION:
         raise FileProblem(file, f"schema_version {version!r}, expected {SCHEMA_VERSION}", AGAIN)
+    for key in (key for key in ("notes", "warnings") if not isinstance(data.get(key), list)):
+        raise FileProblem(file, f"entry {key} is missing or damaged", AGAIN)
+    if "findings" not in data:  # version 0.1
+        own = {*ResultEntries.model_fields, "linear", "schema_version", "notes", "warnings"}
+        quantity = {key: value for key, value in data.items() if key not in own}
+        texts = [(s, text) for s in SEVERITIES for text in data[f"{s}s"]]
+        findings = [{"kind": Kind.UNSAID, "severity": severity, "sentence": text} for severity, text in texts]
+        numbers = {"kind": Kind.UNSAID, "severity": "note", "sentence": "", "quantity": quantity}
+        data["findings"] = [*findings, numbers] if quantity else findings
     try:
         entries = ResultEntries.model_validate_json(json_text(data))
     except ValidationError as error:

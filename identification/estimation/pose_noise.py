@@ -142,38 +142,41 @@ def covariance_by_pose(found: Turned, struts: Array, residuals: Array | None = N
 
 
 def likeliest(noise: Array, taken: Array, kernels: Array, distances: Array | None = None) -> tuple[Array, float]:
-    """Shares of noises of the largest restricted likelihood, and minus the logarithm of that.
+    """Shares of noises of the largest restricted likelihood, and minus the logarithm of that; as `likelihood`."""
+    from scipy.optimize import minimize  # half a second, which those that simulate or plan can do without
+
+    begin, bounds = [BEGIN[0], *[BEGIN[1]] * (len(kernels) - 1)], [SHARES] * len(kernels)
+    if distances is not None:
+        begin, bounds = [*begin, *BEGIN[2:]], [*bounds, SHARES, LENGTHS]
+    options, given = {"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20}, (noise, taken, kernels, distances)
+    best = minimize(likelihood, np.log(begin), given, "L-BFGS-B", jac=True, bounds=np.log(bounds), options=options)
+    return np.exp(best.x), float(best.fun)
+
+
+def likelihood(
+    logarithms: Array, noise: Array, taken: Array, kernels: Array, distances: Array | None
+) -> tuple[float, Array]:
+    """Minus the logarithm of the restricted likelihood, and its slope.
 
     Args:
+        logarithms: logarithms of the noises' shares, shape (c,), of the field's after them, and of its length.
         noise: residuals of some samples, in channels with independent noise, shape (m, s).
         taken: `independent` columns that the fit may have taken any multiple of, shape (m, s, r).
         kernels: covariances of the noises, shape (c, m, m).
-        distances: distances of the samples, shape (m, m), where there is a field too: its share and its length follow.
+        distances: distances of the samples, shape (m, m); None where there is no field.
     """
-    from scipy.optimize import minimize  # half a second, which those that simulate or plan can do without
-
-    count, flat = len(kernels), kernels.reshape(len(kernels), -1)
-    begin, bounds = [BEGIN[0], *[BEGIN[1]] * (count - 1)], [SHARES] * count
+    count, flat, shares = len(kernels), kernels.reshape(len(kernels), -1), np.exp(logarithms)
+    covariance = (shares[:count] @ flat).reshape(kernels.shape[1:])
     if distances is not None:
-        begin, bounds = [*begin, *BEGIN[2:]], [*bounds, SHARES, LENGTHS]
-
-    def value(logarithms: Array) -> tuple[float, Array]:
-        shares = np.exp(logarithms)
-        covariance = (shares[:count] @ flat).reshape(kernels.shape[1:])
-        if distances is not None:
-            alike, longer = matern(distances / shares[-1])
-            covariance += shares[-2] * alike
-        inverse, spanned, answer, half_logdet = _solved(noise, taken, covariance)
-        span = spanned.reshape(len(covariance), -1)
-        slope = (noise.shape[1] * inverse - span @ span.T - answer @ answer.T) / 2.0
-        gradient = shares[:count] * (flat @ slope.ravel())
-        if distances is not None:
-            gradient = np.r_[gradient, shares[-2] * np.sum(slope * alike), shares[-2] * np.sum(slope * longer)]
-        return half_logdet + float(np.sum(noise * answer)) / 2.0, gradient
-
-    options = {"maxiter": MOST_STEPS, "ftol": SETTLED, "maxcor": 20}
-    best = minimize(value, np.log(begin), jac=True, method="L-BFGS-B", bounds=np.log(bounds), options=options)
-    return np.exp(best.x), float(best.fun)
+        alike, longer = matern(distances / shares[-1])
+        covariance += shares[-2] * alike
+    inverse, spanned, answer, half_logdet = _solved(noise, taken, covariance)
+    span = spanned.reshape(len(covariance), -1)
+    slope = (noise.shape[1] * inverse - span @ span.T - answer @ answer.T) / 2.0
+    gradient = shares[:count] * (flat @ slope.ravel())
+    if distances is not None:
+        gradient = np.r_[gradient, shares[-2] * np.sum(slope * alike), shares[-2] * np.sum(slope * longer)]
+    return half_logdet + float(np.sum(noise * answer)) / 2.0, gradient
 
 
 def _field_covariance(data: Turned, places: Array, shares: Array) -> Array:

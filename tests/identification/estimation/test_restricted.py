@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identification.estimation.pose_noise import independent, likeliest, mixtures, shares_by_channel
+from identification.estimation.pose_noise import independent, likeliest, likelihood, shares_by_channel
 from tests.helpers import taylor_slope
 
 COUNT, UNKNOWNS = 60, 20
@@ -12,7 +12,6 @@ TAKEN = DRAW.normal(size=(COUNT, 6, UNKNOWNS))
 WHITE = np.eye(COUNT)
 SLOW = np.exp(-np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT))) / 8.0)
 KERNELS = np.array([WHITE, SLOW])
-BOUNDS = np.array([[1e-8, 1e3]] * 2)
 
 
 def left_by_fit(noise: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -32,7 +31,7 @@ def drawn(seed: int, white: np.ndarray, slow: np.ndarray) -> np.ndarray:
 
 def test_of_white_noise_the_share_is_the_sum_of_squares_over_degrees_of_freedom() -> None:
     left = left_by_fit(DRAW.normal(size=(COUNT, 6)))
-    shares, _ = likeliest(*left, mixtures(WHITE[None]), np.ones(1), BOUNDS[:1])
+    shares, _ = likeliest(*left, WHITE[None])
     assert shares[0] == pytest.approx(np.sum(left[0] ** 2) / (6 * COUNT - UNKNOWNS), rel=1e-4)
 
 
@@ -40,7 +39,7 @@ def test_it_does_not_matter_what_the_fit_took() -> None:
     """Residuals of any other parameters have the same likelihood: it knows only what no parameters explain."""
     left = left_by_fit(drawn(0, np.ones(6), np.ones(6)))
     other = (left[0] + TAKEN @ DRAW.normal(size=UNKNOWNS), left[1])
-    one, two = (likeliest(*k, mixtures(KERNELS), np.ones(2), BOUNDS) for k in (left, other))
+    one, two = (likeliest(*k, KERNELS) for k in (left, other))
     np.testing.assert_allclose(one[0], two[0], rtol=1e-3)
     assert one[1] == pytest.approx(two[1], abs=1e-3)
 
@@ -49,11 +48,16 @@ def test_columns_that_depend_on_one_another_count_once() -> None:
     assert independent(np.dstack([TAKEN, TAKEN[:, :, :5]])).shape == (COUNT, 6, UNKNOWNS)
 
 
-def test_mixtures_know_their_slopes() -> None:
-    family, weight = mixtures(KERNELS), DRAW.normal(size=(COUNT, COUNT))
-    at, along = np.array([0.3, -1.0]), np.array([0.7, 1.0])
-    slope = family(at)[1](weight) @ along
-    found = taylor_slope(lambda h: np.sum(weight * family(at + h * along)[0]), 0.0, np.array(slope), 0.1)
+@pytest.mark.parametrize("field", [False, True])
+def test_the_likelihood_knows_its_slope(field: bool) -> None:
+    distances = np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT))) / 20.0 if field else None
+    at, along = np.array([0.3, -1.0, -0.5, 0.2]), np.array([0.7, 1.0, -0.4, 0.6])
+    size = 4 if field else 2
+    at, along, left = at[:size], along[:size], left_by_fit(drawn(1, np.ones(6), np.ones(6)))
+    slope = likelihood(at, *left, KERNELS, distances)[1] @ along
+    found = taylor_slope(
+        lambda h: np.array(likelihood(at + h * along, *left, KERNELS, distances)[0]), 0.0, np.array(slope), 0.1
+    )
     assert found == pytest.approx(2.0, abs=0.1)
 
 
@@ -63,7 +67,7 @@ def test_shares_by_channel_are_right_on_average_though_channels_differ() -> None
     found = []
     for seed in range(60):
         left = left_by_fit(drawn(seed, white, slow))
-        shares, _ = likeliest(*left, mixtures(KERNELS), np.ones(2), BOUNDS)
+        shares, _ = likeliest(*left, KERNELS)
         found.append(shares_by_channel(*left, KERNELS, shares))
     error = np.std(found, axis=0) / np.sqrt(len(found))
     mean = np.mean(found, axis=0)
