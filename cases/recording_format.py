@@ -6,6 +6,7 @@ What a file does not say about itself is stated here; where a format leaves some
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from functools import cached_property
+from operator import attrgetter
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -248,15 +249,11 @@ class RecordingFormat(TextFile):
                 raise ValueError("column_names is missing; halsampler writes none, list them in the order of its pins")
             if self.clock.period_ms is None and self.file_name("t_s") not in self.column_names:
                 raise ValueError("clock.period_ms is missing; halsampler writes no time, give the period of its thread")
-        requirements: dict[str, dict[str, object]] = {
-            "twincat-scope": {"decimal": self.decimal},
-            "sinumerik-trace": {
-                "delimiter": self.delimiter, "decimal": self.decimal, "header_rows": self.header_rows,
-                "clock.unit": self.clock.unit,
-            },
+        differing = {
+            "twincat-scope": ("decimal",), "sinumerik-trace": ("delimiter", "decimal", "header_rows", "clock.unit"),
         }  # fmt: skip
-        for key, value in requirements.get(self.format, {}).items():
-            if value is None:
+        for key in differing.get(self.format, ()):
+            if attrgetter(key)(self) is None:
                 raise ValueError(f"{key} is missing; exports of {self.format} differ in it, look into one and state it")
         return self
 

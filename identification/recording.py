@@ -124,10 +124,13 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     Raises:
         RecordingError: anything that prevents the use of the run, with line, column, value and remedy.
     """
+    import pyarrow as pa
+
     from identification.formats.reading import read_run  # plans simulate, and load no reader
 
     places = [Path(paths)] if isinstance(paths, Path | str) else [Path(path) for path in paths]
     main, *others = read_run(places, case)
+    pa.default_memory_pool().release_unused()  # as much again as the recording, which it keeps for its next table
     record = record_of(places[0]) if len(places) == 1 else {}
     own: dict[str, Any] = {part.name: getattr(main, part.name) for part in fields(main)}
     return Recording(**own, others=tuple(others), case=case, paths=tuple(places), record=record)
