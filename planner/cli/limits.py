@@ -105,14 +105,16 @@ def retime(
     Prints criteria and limits before and after; without -o nothing is written.
     """
     from cases.units import DEG, MM
-    from planner.retiming.retimed import repaced, retimed_plan
+    from identification.model import identification_model
+    from planner.retiming.retimed import retimed, retimed_plan
 
     if output is not None:
         check_folder(output, PLAN, [source], overwrite)
     plan = hx.Plan.load(source, None if case is None else hx.load_case(case), stale)
-    model = plan.model if model is None else model
+    own = plan.of_motion[0].model
+    model = own if model is None else model
     with console.status("re-timing", json) as report:
-        result = repaced(plan, method, fastest, model, report)
+        result = retimed(plan.motion, plan.case, identification_model(plan.case, model), method, fastest, report)
         if output is not None:
             report("writing")
             console.save_with_page(retimed_plan(result, plan, model), PLAN, output, overwrite)

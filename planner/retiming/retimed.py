@@ -66,21 +66,15 @@ def retimed(
     motion: Trajectory,
     case: Case,
     model: Model,
-    method: str,
-    fastest: bool,
+    method: str | None = None,
+    fastest: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Retimed:
-    """Re-times a motion and rates both.
+    """A motion from rest to rest at another pace, rated beside the planned one, whether it satisfies all limits or not.
 
-    Args:
-        motion: motion from rest to rest.
-        fastest: whether ipopt makes the path as fast as the limits allow, instead of never faster than planned.
-
-    Raises:
-        InfeasiblePlan: the motion cannot be re-timed that way; the message says why.
-        IdentificationError: the motion does not excite all parameters of the model.
+    Arguments and errors as of `retime`.
     """
-    start, off_path = perf_counter(), (0.0, 0.0)
+    start, off_path, method = perf_counter(), (0.0, 0.0), method_of(method, motion, fastest)
     after: Trajectory
     try:
         if method == "ruckig":
@@ -154,26 +148,6 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     return replace(part, profile=law)
 
 
-def repaced(
-    plan: Plan,
-    method: str | None = None,
-    fastest: bool = False,
-    model: int | None = None,
-    progress: Callable[[str], None] = lambda _: None,
-) -> Retimed:
-    """A plan's motion at another pace, rated beside the planned one, whether it satisfies all limits or not.
-
-    Arguments and errors as of `retime`.
-    """
-    if len(plan.poses):
-        raise HexciteError(
-            plan.folder or plan.name, "is a plan of poses; its moves are as fast as the limits allow already"
-        )
-    fitting = method_of(method, plan.motion, fastest)
-    number = plan.model if model is None else model
-    return retimed(plan.motion, plan.case, identification_model(plan.case, number), fitting, fastest, progress)
-
-
 def retime(
     plan: Plan,
     method: str | None = None,
@@ -192,11 +166,14 @@ def retime(
         progress: shows a line now and then.
 
     Raises:
-        InfeasiblePlan: the motion cannot be re-timed that way.
+        InfeasiblePlan: the motion cannot be re-timed that way; the message says why.
+        IdentificationError: the motion does not excite all parameters of the model.
         HexciteError: a plan of poses, an unknown method, or a method that does not fit.
     """
-    found = repaced(plan, method, fastest, model, progress)
-    return retimed_plan(found, plan, plan.model if model is None else model)
+    number = plan.of_motion[0].model
+    number = number if model is None else model
+    found = retimed(plan.motion, plan.case, identification_model(plan.case, number), method, fastest, progress)
+    return retimed_plan(found, plan, number)
 
 
 def method_of(name: str | None, motion: Trajectory, fastest: bool) -> str:

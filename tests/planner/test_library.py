@@ -119,7 +119,7 @@ def test_a_program_that_relies_on_nobody_is_refused_with_the_limits_by_name(by_h
 
 @given(
     family=st.one_of(
-        st.builds(hx.Fourier, st.integers(1, 7), st.just(3.0), st.booleans(), st.booleans()),
+        st.builds(hx.Fourier, st.integers(1, 7), st.just(3.0), st.booleans()),
         st.builds(hx.PointToPoint, st.none() | st.integers(8, 64)),
         st.builds(hx.Spline, st.none() | st.integers(20, 150)),
         st.builds(hx.Manual, st.none() | st.just("steps.toml")),
